@@ -1,0 +1,102 @@
+# sinew: muscle rigs from surface meshes, and their simulation.
+#
+#   make            build everything                 make demo      install what is missing, build, run the sample arm, draw it
+#   make check      install what is missing, build, pass every test
+#   make deps       install the Debian packages of share/debian-packages.txt that are missing
+#   make install    PREFIX=/usr/local DESTDIR=
+#   CONFIG=release (default) | debug | sanitize | thread | scalar | coverage: each builds in build/$(CONFIG)
+
+CONFIG ?= release
+PREFIX ?= /usr/local
+DESTDIR ?=
+CC ?= gcc
+CXX ?= g++
+B := build/$(CONFIG)
+BRIDGE := build/bridge
+DATA ?= ../shared/data
+VERSION := $(shell sed -n 's/^\#define SN_VERSION "\(.*\)"/\1/p' include/sinew/base.h)
+
+# ---- flags ----------------------------------------------------------------------------------------------------------------
+WARN := -Wall -Wextra -Wshadow -Wconversion -Wmissing-prototypes -Wstrict-prototypes
+WERROR ?=
+FLAGS_release  := -O2 -g -DNDEBUG
+FLAGS_debug    := -O0 -g3
+FLAGS_sanitize := -O1 -g -fsanitize=address,undefined -fno-sanitize-recover=undefined -fno-omit-frame-pointer
+FLAGS_thread   := -O1 -g -fsanitize=thread
+FLAGS_scalar   := -O2 -g -DNDEBUG -DSN_SCALAR
+FLAGS_coverage := -O0 -g --coverage
+ifeq ($(FLAGS_$(CONFIG)),)
+$(error CONFIG=$(CONFIG) is none of release debug sanitize thread scalar coverage)
+endif
+CPPFLAGS_ALL := -Iinclude -D_GNU_SOURCE $(CPPFLAGS)
+CFLAGS_ALL := -std=c17 $(FLAGS_$(CONFIG)) -ffp-contract=off -fno-math-errno -pthread $(WARN) $(WERROR) $(CFLAGS)
+# the bridge is built once for all configurations; CGAL is a system header: no warnings from it
+BRIDGE_FLAGS := -std=c++17 -O2 -DNDEBUG -ffp-contract=off -frounding-math -Iinclude -Ilib/geom -isystem /usr/include/eigen3 -Wall -Wextra $(WERROR)
+
+# ---- libraries, each named once; a tool links only what it lists ------------------------------------------------------------
+LINK_gsl     := -lgsl -lgslcblas
+LINK_json    := -ljansson -lmd
+LINK_sparse  := -lcholmod -lamd -lcolamd -lsuitesparseconfig
+LINK_embree  := -lembree3
+LINK_cgal    := -lgmp -lmpfr -lstdc++
+LINK_png     := -lpng -lz
+
+TOOLS := mesh-clean root-select build-structure fiber-flow attach-detect simulate rig-view
+LIBS_mesh-clean      := cgal embree json
+LIBS_root-select     := sparse json
+LIBS_build-structure := json
+LIBS_fiber-flow      := json
+LIBS_attach-detect   := embree json
+LIBS_simulate        := gsl json
+LIBS_rig-view        := embree gsl json png
+
+# ---- sources ----------------------------------------------------------------------------------------------------------------
+LIB_SOURCES := $(sort $(wildcard lib/*/*.c))
+BRIDGE_SOURCES := $(sort $(wildcard lib/geom/cgal_*.cpp))
+LIB_OBJECTS := $(LIB_SOURCES:%.c=$(B)/%.o)
+BRIDGE_OBJECTS := $(BRIDGE_SOURCES:lib/geom/%.cpp=$(BRIDGE)/%.o)
+TOOL_SHARED := $(patsubst %.c,$(B)/%.o,$(wildcard tools/cli.c tools/selector.c))
+BUILT_TOOLS := $(foreach t,$(TOOLS),$(if $(wildcard tools/$t.c),$(B)/bin/$t))
+EXAMPLES := $(patsubst share/examples/%.c,$(B)/examples/%,$(wildcard share/examples/*/*.c))
+UNIT_TESTS := $(patsubst tests/unit/%.c,$(B)/tests/unit/%,$(sort $(wildcard tests/unit/test_*.c)))
+EXTRA_TESTS := $(patsubst tests/%.c,$(B)/tests/%,$(sort $(wildcard tests/fuzz/*.c tests/numerics/*.c tests/bench/*.c)))
+
+.PHONY: all deps check demo clean install uninstall lint layering format tests programs
+.DELETE_ON_ERROR:
+.SECONDARY:
+all: programs
+programs: $(BUILT_TOOLS) $(B)/libsinew.a
+
+$(B)/%.o: %.c
+	@mkdir -p $(@D)
+	$(CC) $(CPPFLAGS_ALL) $(CFLAGS_ALL) -MMD -MP -c -o $@ $<
+
+# CGAL needs 1-2 GB and up to half a minute a file
+$(BRIDGE)/%.o: lib/geom/%.cpp
+	@mkdir -p $(@D)
+	$(CXX) $(BRIDGE_FLAGS) -MMD -MP -c -o $@ $<
+
+$(B)/libsinew.a: $(LIB_OBJECTS) $(BRIDGE_OBJECTS)
+	@rm -f $@
+	ar rcs $@ $^
+
+link = $(CC) $(FLAGS_$(CONFIG)) -pthread -o $@ $(filter %.o,$^) $(B)/libsinew.a -Wl,--as-needed $(foreach l,$(1),$(LINK_$l)) -lm $(LDFLAGS)
+
+$(B)/bin/%: $(B)/tools/%.o $(TOOL_SHARED) $(B)/libsinew.a
+	@mkdir -p $(@D)
+	$(call link,$(LIBS_$*))
+
+$(B)/examples/%: $(B)/share/examples/%.o $(B)/libsinew.a
+	@mkdir -p $(@D)
+	$(call link,embree json gsl)
+
+$(B)/tests/%: $(B)/tests/%.o $(B)/libsinew.a
+	@mkdir -p $(@D)
+	$(call link,cgal embree sparse gsl json png) -lcmocka
+
+tests: $(UNIT_TESTS) $(EXTRA_TESTS)
+
+include share/make/project.mk
+
+-include $(LIB_OBJECTS:.o=.d) $(BRIDGE_OBJECTS:.o=.d) $(BUILT_TOOLS:$(B)/bin/%=$(B)/tools/%.d) $(TOOL_SHARED:.o=.d)
+-include $(UNIT_TESTS:=.d) $(EXTRA_TESTS:=.d) $(EXAMPLES:$(B)/examples/%=$(B)/share/examples/%.d)

@@ -1,0 +1,83 @@
+/*
+ * geom.h -- repair, simplify, closest point, ray, inside/outside, fields on a surface.   rank 1
+ *
+ * Behind it: CGAL (repair, simplification), Embree (closest point, rays), CHOLMOD (fields). Every function validates its input
+ * before a library sees it, and re-checks what the library gave back.
+ */
+#ifndef SINEW_GEOM_H
+#define SINEW_GEOM_H
+
+#include "sinew/mesh.h"
+#include "sinew/trace.h"
+
+/* ---- repair (lib/geom/weld.c; CGAL behind lib/geom/cgal_*.cpp) ------------------------------------------------------ */
+
+/* Join vertices closer than `tolerance`: the lowest index of a cluster stands for it, the others go, triangles that collapse go;
+ * clean input keeps vertices and order exactly. new_index (vertex_count before; nullable) maps old to new. */
+SN_MUST_CHECK sn_status sn_weld(sn_mesh *mesh, double tolerance, sn_index *welded, sn_index *new_index, sn_error *error);
+/* Drop triangles with a repeated index or zero area, and all but the first of triangles with the same three vertices. */
+SN_MUST_CHECK sn_status sn_drop_bad_triangles(sn_mesh *mesh, sn_index *degenerate, sn_index *duplicate, sn_error *error);
+/* Drop vertices that no triangle uses; the rest keep their order. */
+SN_MUST_CHECK sn_status sn_drop_unused_vertices(sn_mesh *mesh, sn_index *dropped, sn_error *error);
+/* Orient the soup, duplicate non-manifold vertices, stitch borders (CGAL PMP). A closed oriented manifold comes back unchanged. */
+typedef struct sn_manifold_report { sn_index flipped, split_vertices, stitched_edges; bool orientable; } sn_manifold_report;
+SN_MUST_CHECK sn_status sn_make_manifold(sn_mesh *mesh, sn_manifold_report *report, sn_error *error);
+/* Fill boundary loops of at most max_edges edges (0 = any); boundary edges are recounted after it. */
+SN_MUST_CHECK sn_status sn_fill_holes(sn_mesh *mesh, sn_index max_edges, sn_trace *trace, sn_index *filled, sn_index *boundary_left,
+                                      sn_error *error);
+/* Quadric edge collapse to at most target_triangles; attributes follow by closest point. */
+SN_MUST_CHECK sn_status sn_decimate(sn_mesh *mesh, sn_index target_triangles, sn_error *error);
+/* Flip components so that each encloses positive volume (a closed component inside another stays as it is if it is a cavity). */
+SN_MUST_CHECK sn_status sn_orient_outward(sn_mesh *mesh, sn_index *flipped, sn_error *error);
+/* Number of pairs of triangles that cross (CGAL; shared vertices and edges do not count). */
+SN_MUST_CHECK sn_status sn_count_self_intersections(const sn_mesh *mesh, sn_index *pairs, sn_error *error);
+/* Greatest distance from a surface sample of one mesh to the other surface, both ways: vertices and triangle centres, exact closest
+ * points: a lower bound that is within half the longest edge of the Hausdorff distance. */
+SN_MUST_CHECK sn_status sn_hausdorff(const sn_mesh *a, const sn_mesh *b, double *out, sn_error *error);
+
+/* ---- surface queries (lib/geom/embree.c) ---------------------------------------------------------------------------- */
+
+typedef struct sn_surface sn_surface;
+
+typedef struct sn_closest {
+    sn_index triangle;      /* SN_NONE = nothing within reach */
+    double barycentric[3];
+    sn_vec3 point;
+    double distance;
+} sn_closest;
+
+typedef struct sn_ray_hit {
+    sn_index triangle; /* SN_NONE = missed */
+    double u, v;       /* barycentric of corners 1 and 2 */
+    double distance;   /* along the unit direction */
+} sn_ray_hit;
+
+/* A search structure over mesh (which must outlive it and keep still). */
+SN_MUST_CHECK sn_status sn_surface_create(const sn_mesh *mesh, sn_surface **out, sn_error *error);
+void sn_surface_destroy(sn_surface *surface); /* NULL is fine */
+/* Exact (double) closest point within max_distance (INFINITY = any); ties go to the lowest triangle. Thread safe. */
+sn_closest sn_surface_closest(const sn_surface *surface, sn_vec3 point, double max_distance);
+/* Signed distance, negative inside: angle-weighted pseudonormals on a closed mesh, winding number on an open one. */
+double sn_surface_signed_distance(const sn_surface *surface, sn_vec3 point, sn_closest *closest /* nullable */);
+bool sn_surface_closed(const sn_surface *surface);
+/* First hit with near < t < far. Single precision inside: for pictures and rough tests. Thread safe. */
+sn_ray_hit sn_surface_ray(const sn_surface *surface, sn_vec3 origin, sn_vec3 direction, double near, double far);
+
+/* ---- inside/outside without a search structure (lib/geom/winding.c) ------------------------------------------------- */
+
+/* Generalised winding number of a point (Jacobson 2013): about 1 inside, 0 outside, also on open meshes. O(triangles). */
+double sn_winding_number(const sn_mesh *mesh, sn_vec3 point);
+/* Closest point on a triangle. */
+sn_vec3 sn_closest_on_triangle(sn_vec3 point, sn_vec3 a, sn_vec3 b, sn_vec3 c, double barycentric[3]);
+
+/* ---- fields on a surface (lib/geom/field.c) ------------------------------------------------------------------------- */
+
+/* Harmonic field u (vertex_count) with u = value at the fixed vertices: cotangent Laplacian, weights clamped below at 1e-3.
+ * Vertices of components without a fixed vertex get NaN. */
+SN_MUST_CHECK sn_status sn_harmonic_field(const sn_mesh *mesh, const sn_topology *topology, sn_index fixed_count, const sn_index *fixed,
+                                          const double *values, double *u, sn_error *error);
+/* Shortest path along edges from a set of source vertices (Dijkstra); unreached = INFINITY. from (nullable): previous vertex. */
+SN_MUST_CHECK sn_status sn_edge_distance(const sn_mesh *mesh, const sn_topology *topology, sn_index source_count, const sn_index *sources,
+                                         double *distance, sn_index *from, sn_error *error);
+
+#endif

@@ -1,0 +1,124 @@
+/*
+ * io.h -- meshes and documents in, frames and reports out.   rank 3
+ *
+ * Input is read whole into a blob and parsed from memory; output is all or nothing: written beside its target, flushed, renamed.
+ * A path "-" (or NULL) is stdin or stdout.
+ */
+#ifndef SINEW_IO_H
+#define SINEW_IO_H
+
+#include "sinew/muscle.h"
+#include "sinew/scene.h"
+
+/* ---- bytes (lib/io/stream.c) ---------------------------------------------------------------------------------------- */
+
+typedef struct sn_blob {
+    char *name;  /* as the user gave it; "<stdin>" for "-" */
+    char *data;  /* size bytes and a terminating 0 */
+    size_t size;
+} sn_blob;
+SN_MUST_CHECK sn_status sn_blob_read(const char *path, sn_blob *out, sn_error *error); /* files and pipes; a directory is an error */
+void sn_blob_free(sn_blob *blob);
+
+typedef struct sn_output sn_output;
+/* Open for writing; nothing is seen at path before commit. stream = true: whole lines go out as they are written (logs). */
+SN_MUST_CHECK sn_status sn_output_open(const char *path, bool stream, sn_output **out, sn_error *error);
+/* The first failure is kept and returned by commit too: a writer may ignore those in between. */
+sn_status sn_output_write(sn_output *output, const void *data, size_t size, sn_error *error);
+sn_status sn_output_print(sn_output *output, const char *format, ...) SN_PRINTF(2, 3);
+/* Patch bytes already written (a count in a header); not for stdout streams. */
+sn_status sn_output_patch(sn_output *output, uint64_t offset, const void *data, size_t size, sn_error *error);
+bool sn_output_is_terminal(const sn_output *output);
+SN_MUST_CHECK sn_status sn_output_commit(sn_output *output, sn_error *error); /* flush, close checked, rename; frees output */
+void sn_output_abort(sn_output *output); /* nothing appears; frees output; NULL is fine */
+
+/* ---- JSON out (lib/io/json_write.c): a streaming writer over an output ------------------------------------------------ */
+
+typedef struct sn_json sn_json;
+sn_json *sn_json_begin(sn_output *output, bool pretty); /* NULL = out of memory; pretty: a member a line, arrays of numbers in one */
+/* key is NULL inside arrays and at the top. */
+void sn_json_object(sn_json *json, const char *key);
+void sn_json_array(sn_json *json, const char *key);
+void sn_json_close(sn_json *json); /* the innermost object or array */
+void sn_json_number(sn_json *json, const char *key, double value); /* NaN and infinity become null */
+void sn_json_integer(sn_json *json, const char *key, int64_t value);
+void sn_json_text(sn_json *json, const char *key, const char *text); /* NULL becomes null; bytes that are not UTF-8 become U+FFFD */
+void sn_json_bool(sn_json *json, const char *key, bool value);
+void sn_json_null(sn_json *json, const char *key);
+void sn_json_numbers(sn_json *json, const char *key, const double *values, size_t count);
+void sn_json_vec3(sn_json *json, const char *key, sn_vec3 value); /* [x,y,z] */
+void sn_json_indices(sn_json *json, const char *key, const sn_index *values, size_t count);
+/* All closed, a final newline; frees json (not the output). The first write error is returned. */
+SN_MUST_CHECK sn_status sn_json_end(sn_json *json, sn_error *error);
+
+/* ---- meshes (lib/io/mesh_io.c and one file per format) ----------------------------------------------------------------- */
+
+typedef enum sn_mesh_format { SN_MESH_UNKNOWN, SN_MESH_OBJ, SN_MESH_PLY, SN_MESH_STL, SN_MESH_OFF } sn_mesh_format;
+typedef enum sn_mesh_encoding { SN_ENCODING_DEFAULT, SN_ENCODING_ASCII, SN_ENCODING_LITTLE, SN_ENCODING_BIG } sn_mesh_encoding;
+
+sn_mesh_format sn_mesh_detect(const sn_blob *blob);                  /* from content; the name decides only where content cannot */
+sn_mesh_format sn_mesh_format_from_name(const char *path);           /* from the extension */
+const char *sn_mesh_format_name(sn_mesh_format format);
+/* Parse any known format; *out is a mesh with indices in range (polygons fanned); coordinates may be non-finite only if
+ * allow_nonfinite. Errors name line (text) or byte offset (binary). */
+SN_MUST_CHECK sn_status sn_mesh_parse(const sn_blob *blob, bool allow_nonfinite, sn_mesh *out, sn_error *error);
+SN_MUST_CHECK sn_status sn_mesh_read(const char *path, sn_mesh *out, sn_error *error); /* finite only */
+SN_MUST_CHECK sn_status sn_mesh_write(const sn_mesh *mesh, sn_mesh_format format, sn_mesh_encoding encoding, sn_output *output,
+                                      sn_error *error);
+
+/* ---- the muscle document (lib/io/document.c) ----------------------------------------------------------------------------- */
+
+/* Everything a document holds that sn_muscle does not: members unknown to this version, sections as they were written, history. */
+typedef struct sn_document sn_document;
+
+typedef struct sn_read_options {
+    double meters_per_unit; /* for bare meshes; 0 = metres, with a warning where the size says otherwise */
+    bool up_y;              /* bare mesh has y up: turn it to z up */
+    bool allow_nonfinite;   /* bare meshes only */
+} sn_read_options;
+
+/* One entry of a document's history. */
+typedef struct sn_history_entry {
+    const char *tool;
+    int arg_count;
+    const char *const *args;  /* canonical: long option, value, ...; files as sha256:... */
+    const char *input;        /* "sha256:..." of the tool's input */
+} sn_history_entry;
+
+/* Parse a muscle document, or a bare mesh (then *document is a fresh one). Errors carry line and column. A mesh given by uri is read
+ * relative to the document and its hash checked. */
+SN_MUST_CHECK sn_status sn_muscle_parse(const sn_blob *blob, const sn_read_options *options, sn_muscle *out, sn_document **document,
+                                        sn_error *error);
+/* Write: sections in `changed` (bits of sn_section) from muscle, the others and unknown members as they were. A changed mesh drops
+ * roots, structure, fibers, attachments; changed roots drop structure and fibers; a changed structure drops fibers (each said by the
+ * log as a warning). entry (nullable) is appended to the history; keep_history false leaves all of it out. */
+SN_MUST_CHECK sn_status sn_muscle_write(const sn_muscle *muscle, const sn_document *document, unsigned changed,
+                                        const sn_history_entry *entry, bool keep_history, sn_output *output, sn_error *error);
+void sn_document_free(sn_document *document);
+
+/* ---- the scene document (lib/io/scene_document.c) -------------------------------------------------------------------------- */
+
+/* Parse a scene and load the rigs of its enabled muscles; bone meshes only if load_bones. Relative paths are relative to the scene. */
+SN_MUST_CHECK sn_status sn_scene_parse(const sn_blob *blob, bool load_bones, sn_scene *out, sn_error *error);
+/* The scene with every default filled in, as JSON members of the open object of json. */
+void sn_scene_write(const sn_scene *scene, sn_json *json);
+
+/* ---- frames (lib/io/frames_pc2.c) -------------------------------------------------------------------------------------------- */
+
+typedef struct sn_pc2 sn_pc2;
+/* A PC2 point cache: float32 positions of point_count points per sample. The count of samples is patched in at the end. */
+SN_MUST_CHECK sn_status sn_pc2_create(const char *path, sn_index point_count, double start_frame, double sample_rate, sn_pc2 **out,
+                                      sn_error *error);
+SN_MUST_CHECK sn_status sn_pc2_append(sn_pc2 *cache, const sn_vec3 *positions, sn_error *error);
+SN_MUST_CHECK sn_status sn_pc2_commit(sn_pc2 *cache, sn_error *error); /* frees cache */
+void sn_pc2_abort(sn_pc2 *cache);                                     /* frees cache; NULL is fine */
+
+typedef struct sn_pc2_data {
+    sn_index point_count, sample_count;
+    double start_frame, sample_rate;
+    float *positions; /* (sample_count x point_count x 3) */
+} sn_pc2_data;
+SN_MUST_CHECK sn_status sn_pc2_read(const char *path, sn_pc2_data *out, sn_error *error);
+void sn_pc2_free(sn_pc2_data *data);
+
+#endif

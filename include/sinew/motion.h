@@ -1,0 +1,50 @@
+/*
+ * motion.h -- key frames and joints; bone poses over time; keyed channels.   rank 2
+ *
+ * A pose is the rigid motion of a bone away from its rest place. Lengths are metres, angles radians, times seconds.
+ */
+#ifndef SINEW_MOTION_H
+#define SINEW_MOTION_H
+
+#include "sinew/vec.h"
+
+typedef enum sn_interpolation { SN_INTERPOLATE_LINEAR, SN_INTERPOLATE_SMOOTH } sn_interpolation; /* smooth: smoothstep between keys */
+
+/* A scalar over time: keys in ascending time; outside them the end values hold. count 0 = the constant `constant`. */
+typedef struct sn_channel {
+    double constant;
+    sn_index count;
+    double *times, *values; /* (count) owned */
+    sn_interpolation interpolation;
+} sn_channel;
+
+typedef enum sn_joint_kind { SN_JOINT_HINGE, SN_JOINT_POSE } sn_joint_kind;
+
+typedef struct sn_pose_key { double time; sn_rigid pose; } sn_pose_key;
+
+/* A joint moves the bones bound to it, and its child joints. HINGE: turn by `angle` about the axis through point; POSE: keys. */
+typedef struct sn_joint {
+    char *name;
+    sn_index parent;   /* SN_NONE = the world */
+    sn_joint_kind kind;
+    sn_vec3 axis, point; /* HINGE: unit axis; in the rest pose's world frame */
+    sn_channel angle;    /* HINGE: radians */
+    sn_index key_count;  /* POSE: slerp and linear between keys (relative to the rest pose, in the parent's frame) */
+    sn_pose_key *keys;   /* (key_count) owned */
+    sn_interpolation interpolation;
+} sn_joint;
+
+typedef struct sn_motion {
+    sn_index joint_count;
+    sn_joint *joints; /* (joint_count) parents before children; owned */
+} sn_motion;
+
+double sn_channel_at(const sn_channel *channel, double time);
+bool sn_channel_constant(const sn_channel *channel); /* same value at all times */
+/* World pose of every joint at `time`: poses (joint_count). */
+void sn_motion_poses(const sn_motion *motion, double time, sn_rigid *poses);
+SN_MUST_CHECK sn_status sn_motion_validate(const sn_motion *motion, sn_error *error);
+void sn_channel_free(sn_channel *channel);
+void sn_motion_free(sn_motion *motion);
+
+#endif

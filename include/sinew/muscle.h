@@ -1,0 +1,75 @@
+/*
+ * muscle.h -- the muscle: mesh + roots + structure + fibres + attachments. Plain data, filled by the tools of the chain.   rank 1
+ *
+ * Coordinates are in the document's unit; multiply by meters_per_unit for metres. Everything is owned by the muscle.
+ */
+#ifndef SINEW_MUSCLE_H
+#define SINEW_MUSCLE_H
+
+#include "sinew/mesh.h"
+
+/* Where fibres start ([R18] 3.1): a ring of vertices around the middle, in ring order, or any set of vertices. */
+typedef struct sn_roots {
+    sn_index count;      /* 0 = no roots section */
+    sn_index *vertices;  /* (count) */
+    char *rule;          /* "mid-section", "plane", "indices", ... */
+} sn_roots;
+
+/* The internal structure ([R18] 3.1): a tree of samples, parents before children; sample 0 is the root. */
+typedef struct sn_structure {
+    sn_index sample_count;   /* 0 = no structure section */
+    sn_vec3 *positions;      /* (sample_count) */
+    sn_index *parents;       /* (sample_count) SN_NONE for the root */
+    sn_index *branches;      /* (sample_count) branch number; branch 0 holds the root */
+    sn_vec3 *axes;           /* (sample_count) unit fibre axis delta at the sample; at the root the aligned mean of its children's */
+    sn_index *vertex_sample; /* (vertex_count) the one sample that each surface vertex hangs on; SN_NONE only in a partial document */
+    double spacing;          /* largest distance of neighbouring samples that was asked for */
+} sn_structure;
+
+typedef struct sn_polyline { sn_index count; sn_vec3 *points; } sn_polyline;
+
+/* Fibre directions at surface vertices ([R18] 3.2), and fibres through the volume ([K21] 4). */
+typedef struct sn_fibers {
+    sn_vec3 *directions; /* (vertex_count) unit and tangent; NULL = none */
+    sn_index polyline_count;
+    sn_polyline *polylines; /* (polyline_count) */
+    char *field;            /* "tree", "harmonic", ...; NULL = not known */
+} sn_fibers;
+
+/* The vertices that move with one bone ([K21] 3.3); a vertex belongs to one bone at most. */
+typedef struct sn_attachment {
+    char *bone;
+    char *method;        /* "contact", "proximity", "contact+proximity", "pin", ... */
+    sn_index count;
+    sn_index *vertices;  /* (count) ascending */
+    double *distances;   /* (count) signed distance to the bone, document units; NULL = not known */
+} sn_attachment;
+
+/* What a document's sections are, as bits: which are there, which a tool has changed. */
+typedef enum sn_section {
+    SN_SECTION_MESH = 1, SN_SECTION_ROOTS = 2, SN_SECTION_STRUCTURE = 4, SN_SECTION_FIBERS = 8, SN_SECTION_ATTACHMENTS = 16
+} sn_section;
+
+typedef struct sn_muscle {
+    char *name;             /* nullable */
+    double meters_per_unit; /* > 0 */
+    sn_mesh mesh;
+    sn_roots roots;
+    sn_structure structure;
+    sn_fibers fibers;
+    bool has_attachments;   /* tells "none found" from "not looked for" */
+    sn_index attachment_count;
+    sn_attachment *attachments; /* (attachment_count) */
+} sn_muscle;
+
+void sn_roots_free(sn_roots *roots);
+void sn_structure_free(sn_structure *structure);
+void sn_fibers_free(sn_fibers *fibers);
+void sn_attachments_free(sn_attachment *attachments, sn_index count);
+void sn_muscle_free(sn_muscle *muscle); /* frees what it owns and zeroes it */
+unsigned sn_muscle_sections(const sn_muscle *muscle); /* the sections that are there: bits of sn_section */
+/* Indices in range, arrays finite, the tree a tree (one root, parents before children), no vertex on two bones:
+ * SN_ERROR_INPUT naming the section and the element. Sections may be absent. */
+SN_MUST_CHECK sn_status sn_muscle_validate(const sn_muscle *muscle, sn_error *error);
+
+#endif

@@ -1,0 +1,23 @@
+/*
+ * numeric.h -- curves, robust fits, small eigenproblems (hides GSL).   rank 0
+ */
+#ifndef SINEW_NUMERIC_H
+#define SINEW_NUMERIC_H
+
+#include "sinew/vec.h"
+
+/* A monotone interpolating curve through (x_i, y_i): Steffen's method, which never leaves the data's range between two knots;
+ * two knots give a straight line, one a constant; outside its domain the end values hold. */
+typedef struct sn_curve sn_curve;
+/* x strictly ascending, x and y finite, count >= 1; both are copied. */
+SN_MUST_CHECK sn_status sn_curve_create(sn_index count, const double *x, const double *y, sn_curve **out, sn_error *error);
+void sn_curve_destroy(sn_curve *curve); /* NULL is fine */
+double sn_curve_at(const sn_curve *curve, double x);
+
+/* Eigenvalues (ascending) and unit eigenvectors (columns of vectors) of a symmetric 3 x 3 matrix; false if it is not finite. */
+bool sn_eigen_symmetric3(const sn_mat3 *matrix, double values[3], sn_mat3 *vectors);
+
+/* Robust straight-line fit y = intercept + slope x (bisquare weights); false for fewer than 3 points or constant x. */
+bool sn_fit_line_robust(sn_index count, const double *x, const double *y, double *intercept, double *slope);
+
+#endif

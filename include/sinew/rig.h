@@ -1,0 +1,164 @@
+/*
+ * rig.h -- clean, roots, structure, fibre flow, attachments: one params struct and one report each.   rank 2
+ *
+ * Each function reads a muscle (or a mesh) and makes one section. Coordinates and lengths are in the document's unit.
+ * Each returns SN_STOPPED with a valid partial section where the trace asked to stop.
+ */
+#ifndef SINEW_RIG_H
+#define SINEW_RIG_H
+
+#include "sinew/geom.h"
+#include "sinew/muscle.h"
+#include "sinew/thread.h"
+
+/* ---- clean (methods.md 1; lib/rig/clean.c) -------------------------------------------------------------------------- */
+
+typedef struct sn_clean_params {
+    double weld;              /* join vertices closer than this share of the box diagonal; 0 = exactly equal ones only; default 1e-6 */
+    bool repair_nonfinite;    /* drop vertices with NaN or infinity, and their triangles, instead of failing */
+    bool make_manifold;       /* default true */
+    sn_index keep;            /* how many of the largest components to keep; 1 by default; 0 = all */
+    sn_index max_hole;        /* fill holes of up to this many edges; 0 = none; default SN_INDEX_MAX = any */
+    sn_index triangles;       /* decimate to at most this many; 0 = leave */
+    bool outward;             /* turn the outside outside; default true */
+    bool count_intersections; /* count self-intersections for the report; default false: it costs more than all the rest */
+} sn_clean_params;
+
+typedef struct sn_dropped_component { sn_index triangles; double area, volume; sn_vec3 centre; } sn_dropped_component;
+
+typedef struct sn_clean_report {
+    sn_mesh_report before, after;
+    sn_index nonfinite_vertices, welded, degenerate, duplicate, unused;
+    sn_index flipped_triangles, split_vertices, stitched_edges, holes_filled, flipped_components, decimated_triangles;
+    bool orientable, unchanged; /* unchanged: same vertices and triangles in the same order */
+    sn_index dropped_count;
+    sn_dropped_component *dropped; /* (dropped_count) largest area first; owned */
+    double hausdorff;              /* document units; input against output */
+} sn_clean_report;
+
+sn_clean_params sn_clean_defaults(void);
+SN_MUST_CHECK sn_status sn_clean(const sn_mesh *mesh, const sn_clean_params *params, sn_trace *trace, sn_mesh *out, sn_clean_report *report,
+                                 sn_error *error);
+void sn_clean_report_free(sn_clean_report *report);
+
+/* ---- selectors (lib/rig/select.c): shared by root-select and attach-detect --pin ------------------------------------- */
+
+typedef enum sn_selector_kind {
+    SN_SELECT_INDICES, SN_SELECT_NEAR, SN_SELECT_SPHERE, SN_SELECT_BOX, SN_SELECT_PLANE, SN_SELECT_HALF, SN_SELECT_PAINTED
+} sn_selector_kind;
+
+/* Coordinates in the document's unit. */
+typedef struct sn_selector {
+    sn_selector_kind kind;
+    sn_index count;          /* INDICES: how many; NEAR: how many nearest vertices */
+    const sn_index *indices; /* INDICES */
+    sn_vec3 point;           /* NEAR, SPHERE: centre; BOX: low corner; PLANE, HALF: a point of the plane */
+    sn_vec3 other;           /* BOX: high corner; PLANE, HALF: normal (any length > 0) */
+    double radius;           /* SPHERE */
+    const char *attribute;   /* PAINTED: name of the scalar or colour; a vertex counts where it is > threshold */
+    double threshold;
+} sn_selector;
+
+/* Vertices of mesh that the selector takes. PLANE: the ring of vertices along the section nearest the point, in ring order, on the
+ * side against the normal; HALF: all vertices with (p - point) . normal >= 0; the others ascending. Nothing selected is SN_ERROR_INPUT. */
+SN_MUST_CHECK sn_status sn_select_vertices(const sn_mesh *mesh, const sn_topology *topology, const sn_selector *selector, sn_index *count,
+                                           sn_index **vertices, sn_error *error);
+
+/* ---- roots (methods.md 2; lib/rig/roots.c) -------------------------------------------------------------------------- */
+
+typedef struct sn_roots_params {
+    bool automatic;       /* true (default): the mid-section ring; false: selector */
+    sn_selector selector;
+} sn_roots_params;
+
+typedef struct sn_roots_report {
+    sn_index count;
+    bool ring;              /* the roots are one closed loop of edges */
+    sn_index parts;         /* connected parts of the surface without the roots; 2 = separates */
+    double centroid_offset; /* distance of the ring's mean from the volume centroid */
+    double length;          /* L: tip-to-tip length along edges */
+    double level;           /* area quantile of the chosen contour; NaN for manual selection */
+} sn_roots_report;
+
+sn_roots_params sn_roots_defaults(void);
+SN_MUST_CHECK sn_status sn_roots_select(const sn_muscle *muscle, const sn_roots_params *params, sn_trace *trace, sn_roots *out,
+                                        sn_roots_report *report, sn_error *error);
+
+/* ---- structure (methods.md 3; lib/rig/structure.c) ------------------------------------------------------------------- */
+
+typedef struct sn_structure_params {
+    double spacing; /* largest distance of neighbouring samples; 0 = twice the mean edge length */
+    double prune;   /* branches lower than this share of L go (and lower than the radius at their split); default 0.03; 0 = keep all */
+} sn_structure_params;
+
+typedef struct sn_structure_report {
+    sn_index samples, branches, leaves, pruned, vertices, unconnected, outside;
+    double spacing, longest_link, length;
+    double genus; /* > 0: branches of a mesh with handles are not to be trusted */
+} sn_structure_report;
+
+sn_structure_params sn_structure_defaults(void);
+/* Needs roots. Every vertex of the roots' component gets exactly one sample; a vertex of another component is SN_ERROR_INPUT. */
+SN_MUST_CHECK sn_status sn_structure_build(const sn_muscle *muscle, const sn_structure_params *params, sn_trace *trace, sn_structure *out,
+                                           sn_structure_report *report, sn_error *error);
+
+/* ---- fibre flow (methods.md 4; lib/rig/fiber_flow.c) ------------------------------------------------------------------ */
+
+typedef enum sn_flow_weights { SN_FLOW_INVERSE_SQUARE, SN_FLOW_PAPER } sn_flow_weights;
+
+typedef struct sn_flow_params {
+    sn_flow_weights weights; /* default 1/(d^2 + eps^2); PAPER: d */
+    sn_index smooth;         /* steps of axis diffusion; default 3 */
+    bool align;              /* treat directions as axes when averaging; default true; false = the paper to the letter */
+} sn_flow_params;
+
+typedef struct sn_flow_report {
+    sn_index vertices, by_tree, by_neighbours, by_convention; /* the rule that gave each vertex its direction */
+    double max_normal_dot;                   /* max |f . n| */
+    double mean_angle, percentile95_angle;   /* between neighbours' axes, radians */
+} sn_flow_report;
+
+sn_flow_params sn_flow_defaults(void);
+/* Needs a structure. out->directions: unit, tangent, finite at every vertex; polylines of the muscle are not touched. */
+SN_MUST_CHECK sn_status sn_flow_fibers(const sn_muscle *muscle, const sn_flow_params *params, sn_trace *trace, sn_fibers *out,
+                                       sn_flow_report *report, sn_error *error);
+
+/* ---- attachments (methods.md 6; lib/rig/attach.c) --------------------------------------------------------------------- */
+
+typedef enum sn_attach_method { SN_ATTACH_CONTACT = 1, SN_ATTACH_PROXIMITY = 2 } sn_attach_method; /* bits: may be combined */
+
+typedef struct sn_attach_bone {
+    const char *name;
+    const sn_mesh *mesh; /* in the muscle's unit */
+} sn_attach_bone;
+
+typedef struct sn_attach_pin {
+    const char *bone;
+    sn_selector selector;
+} sn_attach_pin;
+
+typedef struct sn_attach_params {
+    unsigned methods;      /* bits of sn_attach_method; default both; 0 = pins only */
+    double distance;       /* proximity: vertices closer than this; < 0 (default) = 0.1 mean edges with contact, 1 mean edge alone */
+    sn_index pin_count;
+    const sn_attach_pin *pins; /* taken first: a pinned vertex stays with its bone */
+    int threads;           /* 0 = all */
+} sn_attach_params;
+
+typedef struct sn_attach_pair { sn_index bone, vertices; bool culled; double nearest; } sn_attach_pair;
+
+typedef struct sn_attach_report {
+    sn_index pair_count;
+    sn_attach_pair *pairs; /* (bones) one per bone, in the order given; owned */
+    sn_index attached;     /* vertices in all */
+} sn_attach_report;
+
+sn_attach_params sn_attach_defaults(void);
+/* A vertex within reach of several bones goes to the nearest (signed distance; ties to the bone given first). Bones with no vertex
+ * are left out. *out (*count) is owned by the caller. */
+SN_MUST_CHECK sn_status sn_attach_detect(const sn_muscle *muscle, sn_index bone_count, const sn_attach_bone *bones,
+                                         const sn_attach_params *params, sn_trace *trace, sn_index *count, sn_attachment **out,
+                                         sn_attach_report *report, sn_error *error);
+void sn_attach_report_free(sn_attach_report *report);
+
+#endif

@@ -1,0 +1,75 @@
+/*
+ * scene.h -- bones + muscles + motion + solver settings. Plain data, everything owned by the scene.   rank 2
+ *
+ * Meshes of bones and muscles are as in their files (document units, with meters_per_unit); times in seconds, angles in radians.
+ */
+#ifndef SINEW_SCENE_H
+#define SINEW_SCENE_H
+
+#include "sinew/motion.h"
+#include "sinew/muscle.h"
+
+typedef struct sn_scene_bone {
+    char *name;
+    char *uri;              /* as written in the document */
+    double meters_per_unit; /* of the mesh */
+    sn_mesh mesh;           /* empty until loaded: a run that needs no bone surface never loads one */
+    sn_index joint;         /* SN_NONE = never moves */
+} sn_scene_bone;
+
+typedef enum sn_fiber_law { SN_LAW_PROJECTED, SN_LAW_PAPER, SN_LAW_ISOCHORIC } sn_fiber_law;
+
+/* A graph of knots (x ascending); 0 knots = the default of its use. */
+typedef struct sn_knots { sn_index count; double *x, *y; } sn_knots;
+
+typedef struct sn_scene_muscle {
+    char *name;
+    char *uri;
+    sn_muscle rig;
+    sn_channel activation;      /* in [0,1] */
+    double contraction;         /* a = contraction x activation; in [0,0.99]; default 0.5 */
+    double rest_activation;     /* a0 = contraction x rest_activation; in [0,1]; default 0 */
+    sn_fiber_law law;
+    double stiffness_relaxed;   /* N/m, default 5e5: interpolated to active in log scale by activation */
+    double stiffness_active;    /* N/m, default 5e7 */
+    double stiffness_internal;  /* factor on the stiffness of internal and radial rows; default 1; 0 = no internal structure */
+    double stiffness_dihedral;  /* k_b / k in m^2: hinge stiffness over edge stiffness; default 7.5e-5; 0 = none */
+    double stiffness_volume;    /* k_V V0 / k: default 4000; 0 = none */
+    sn_knots volume_ratio;      /* activation in [0,1] -> goal volume over rest volume; default 1 */
+    double density;             /* kg/m^3; default 1060 */
+    double damping;             /* rate, 1/s; default 5 */
+    sn_index iterations;        /* per substep; 0 = the solver's */
+    bool enabled;               /* false = left out */
+} sn_scene_muscle;
+
+typedef enum sn_solver_method { SN_SOLVER_XPBD } sn_solver_method;
+
+typedef struct sn_solver_settings {
+    sn_solver_method method;
+    sn_index substeps;   /* per frame; default 32 */
+    sn_index iterations; /* per substep; default 1 */
+    int threads;         /* 0 = all */
+} sn_solver_settings;
+
+typedef struct sn_scene {
+    char *name;
+    double meters_per_unit; /* of points and lengths in the scene document itself: hinges, key translations */
+    sn_index bone_count;
+    sn_scene_bone *bones;
+    sn_index muscle_count;
+    sn_scene_muscle *muscles;
+    sn_motion motion;
+    sn_vec3 gravity;     /* m/s^2; default 0 */
+    double rate;         /* frames per second; default 24 */
+    sn_index first_frame, last_frame; /* inclusive; frame f is at time f / rate; default 0, 0 */
+    double preroll;      /* seconds of settling at the first frame's inputs before it; default 0 */
+    sn_solver_settings solver;
+} sn_scene;
+
+void sn_scene_free(sn_scene *scene);
+void sn_scene_muscle_defaults(sn_scene_muscle *muscle); /* fills every default of an otherwise zeroed muscle */
+void sn_scene_defaults(sn_scene *scene);
+/* Ranges, indices, names: SN_ERROR_INPUT naming bone or muscle and the value; attachments to bones the scene lacks are an error. */
+SN_MUST_CHECK sn_status sn_scene_validate(const sn_scene *scene, sn_error *error);
+
+#endif
