@@ -53,7 +53,7 @@ typedef struct sn_edge {
 typedef struct sn_topology {
     sn_index vertex_count, triangle_count, edge_count;
     sn_edge *edges;                 /* (edge_count) */
-    sn_index (*triangle_edges)[3];  /* (triangle_count) edge opposite to corner 0, 1, 2 */
+    sn_index (*triangle_edges)[3];  /* (triangle_count) edge opposite to corner 0, 1, 2; SN_NONE x 3 where an index is repeated */
     sn_index *vertex_start;         /* (vertex_count + 1) into neighbours and vertex_edges */
     sn_index *neighbours;           /* (2 edge_count) adjacent vertices */
     sn_index *vertex_edges;         /* (2 edge_count) the edge to each neighbour */
