@@ -9,8 +9,6 @@
 CONFIG ?= release
 PREFIX ?= /usr/local
 DESTDIR ?=
-CC ?= gcc
-CXX ?= g++
 B := build/$(CONFIG)
 BRIDGE := build/bridge
 DATA ?= ../shared/data
