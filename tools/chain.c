@@ -1,0 +1,203 @@
+/* chain.c -- what the tools of the rig chain share: one document in, one out, with its history and report. */
+#include "cli_given.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+sn_status cli_load(cli *c, cli_muscle *out, sn_error *error) {
+    sn_blob blob = {0};
+    *out = (cli_muscle){0};
+    sn_status status = sn_blob_read(c->inputs.items[0], &blob, error);
+    if (status != SN_OK) return status;
+    sn_hash(blob.data, blob.size, c->input_hash);
+    status = sn_muscle_parse(&blob, &c->read, &out->muscle, &out->document, error);
+    if (status != SN_OK) sn_error_set_file(error, blob.name);
+    sn_blob_free(&blob);
+    return status;
+}
+
+void cli_free(cli_muscle *muscle) {
+    sn_document_free(muscle->document);
+    sn_muscle_free(&muscle->muscle);
+    *muscle = (cli_muscle){0};
+}
+
+/* ---- history ----------------------------------------------------------------------------------------------------------------- */
+
+/* Canonical arguments of the options that change the result, in the order of the tool's table. */
+typedef struct canonical {
+    char **items; /* (count), each owned */
+    size_t count, capacity;
+} canonical;
+
+static void free_canonical(canonical *args) {
+    for (size_t i = 0; i < args->count; i++) free(args->items[i]);
+    free(args->items);
+}
+
+static sn_status add_arg(canonical *args, char *text, sn_error *error) {
+    if (text == NULL || !sn_grow((void **)&args->items, &args->capacity, args->count + 1, sizeof *args->items)) {
+        free(text);
+        return sn_fail_memory(error, "the history");
+    }
+    args->items[args->count++] = text;
+    return SN_OK;
+}
+
+/* "NAME=FILE" or "FILE" with the file's content hash in place of its name. */
+static sn_status add_file(canonical *args, const char *value, sn_error *error) {
+    const char *equals = strchr(value, '='), *file = equals != NULL ? equals + 1 : value;
+    sn_blob blob = {0};
+    sn_status status = sn_blob_read(file, &blob, error);
+    if (status != SN_OK) return status;
+    char hash[SN_HASH_LENGTH];
+    sn_hash(blob.data, blob.size, hash);
+    sn_blob_free(&blob);
+    size_t prefix = (size_t)(file - value);
+    char *text = sn_alloc(prefix + sizeof hash, 1);
+    if (text != NULL) {
+        memcpy(text, value, prefix);
+        memcpy(text + prefix, hash, sizeof hash);
+    }
+    return add_arg(args, text, error);
+}
+
+/* Numbers and lengths in their shortest form, so that 0.10 and 1e-1 leave the same history. */
+static char *canonical_value(const cli_option *option, const char *value) {
+    char buffer[48];
+    sn_length length;
+    double number;
+    if (option->kind == CLI_NUMBER && sn_parse_number(value, &number, NULL) == SN_OK) {
+        sn_format_number(number, buffer);
+        return sn_strdup(buffer);
+    }
+    if (option->kind == CLI_LENGTH && sn_parse_length(value, &length, NULL) == SN_OK) {
+        int used = sn_format_number(length.meters > 0.0 ? length.value * length.meters : length.value, buffer);
+        snprintf(buffer + used, sizeof buffer - (size_t)used, "%s", length.meters > 0.0 ? "m" : "");
+        return sn_strdup(buffer);
+    }
+    return sn_strdup(value);
+}
+
+static sn_status add_option(canonical *args, const cli_given_option *given, sn_error *error) {
+    const cli_option *option = given->option;
+    char name[80];
+    snprintf(name, sizeof name, "--%s", option->name);
+    sn_status status = add_arg(args, sn_strdup(name), error);
+    if (status != SN_OK || given->value == NULL) return status;
+    if (option->flags & CLI_FILE) return add_file(args, given->value, error);
+    return add_arg(args, canonical_value(option, given->value), error);
+}
+
+/* True if a later occurrence of the same option overrules this one. */
+static bool overruled(const cli *c, int index) {
+    const cli_option *option = c->given[index].option;
+    if (option->kind == CLI_LIST) return false;
+    for (int i = index + 1; i < c->given_count; i++)
+        if (c->given[i].option == option) return true;
+    return false;
+}
+
+static sn_status collect(const cli *c, canonical *args, sn_error *error) {
+    const cli_option *option;
+    for (int k = 0; (option = cli_option_at(c->tool, k)) != NULL; k++) {
+        if (!(option->flags & CLI_RESULT)) continue;
+        for (int i = 0; i < c->given_count; i++) {
+            if (c->given[i].option != option || overruled(c, i)) continue;
+            sn_status status = add_option(args, &c->given[i], error);
+            if (status != SN_OK) return status;
+        }
+    }
+    return SN_OK;
+}
+
+/* ---- saving ------------------------------------------------------------------------------------------------------------------- */
+
+static sn_status write_document(cli *c, const cli_muscle *muscle, unsigned changed, sn_output *output, sn_error *error) {
+    canonical args = {0};
+    sn_status status = c->history ? collect(c, &args, error) : SN_OK;
+    if (status == SN_OK) {
+        sn_history_entry entry = {
+            .tool = c->tool->name, .arg_count = (int)args.count, .args = (const char *const *)args.items, .input = c->input_hash};
+        status = sn_muscle_write(&muscle->muscle, muscle->document, changed, &entry, c->history, output, error);
+    }
+    free_canonical(&args);
+    return status;
+}
+
+sn_status cli_save(cli *c, const cli_muscle *muscle, unsigned changed, sn_error *error) {
+    sn_mesh_format format = sn_mesh_format_from_name(c->output);
+    sn_output *output = NULL;
+    sn_status status = sn_output_open(c->output, false, &output, error);
+    if (status != SN_OK) return status;
+    if (format != SN_MESH_UNKNOWN)
+        status = sn_mesh_write(&muscle->muscle.mesh, format, SN_ENCODING_DEFAULT, output, error);
+    else
+        status = write_document(c, muscle, changed, output, error);
+    if (status == SN_OK) return sn_output_commit(output, error);
+    sn_output_abort(output);
+    return status;
+}
+
+/* ---- report --------------------------------------------------------------------------------------------------------------------- */
+
+sn_status cli_report(cli *c, cli_report_writer write, const void *data, sn_error *error) {
+    if (c->report == NULL) return SN_OK;
+    sn_output *output = NULL;
+    sn_status status = sn_output_open(c->report, false, &output, error);
+    if (status != SN_OK) return status;
+    sn_json *json = sn_json_begin(output, true);
+    if (json == NULL) {
+        sn_output_abort(output);
+        return sn_fail_memory(error, "the report");
+    }
+    sn_json_object(json, NULL);
+    sn_json_text(json, "format", "sinew-report");
+    sn_json_text(json, "tool", c->tool->name);
+    sn_json_text(json, "version", SN_VERSION);
+    sn_json_number(json, "seconds", cli_seconds() - c->started);
+    write(json, data);
+    sn_json_close(json);
+    status = sn_json_end(json, error);
+    if (status == SN_OK) return sn_output_commit(output, error);
+    sn_output_abort(output);
+    return status;
+}
+
+void cli_report_mesh(sn_json *json, const sn_mesh_report *report) {
+    const struct {
+        const char *name;
+        sn_index value;
+    } counts[] = {
+        {"vertices", report->vertices},
+        {"triangles", report->triangles},
+        {"edges", report->edges},
+        {"components", report->components},
+        {"unusedVertices", report->unused_vertices},
+        {"duplicateVertices", report->duplicate_vertices},
+        {"degenerateTriangles", report->degenerate_triangles},
+        {"duplicateTriangles", report->duplicate_triangles},
+        {"boundaryEdges", report->boundary_edges},
+        {"boundaryLoops", report->boundary_loops},
+        {"nonManifoldEdges", report->nonmanifold_edges},
+        {"nonManifoldVertices", report->nonmanifold_vertices},
+        {"inconsistentEdges", report->inconsistent_edges},
+    };
+    for (size_t i = 0; i < sizeof counts / sizeof *counts; i++) sn_json_integer(json, counts[i].name, counts[i].value);
+    if (report->self_intersections >= 0) sn_json_integer(json, "selfIntersections", report->self_intersections);
+    sn_json_number(json, "genus", report->genus);
+    sn_json_number(json, "area", report->area);
+    sn_json_number(json, "volume", report->volume);
+    sn_json_number(json, "diagonal", report->diagonal);
+    sn_json_vec3(json, "boxLow", report->box.low);
+    sn_json_vec3(json, "boxHigh", report->box.high);
+    sn_json_number(json, "edgeMin", report->edge_min);
+    sn_json_number(json, "edgeMean", report->edge_mean);
+    sn_json_number(json, "edgeMax", report->edge_max);
+    sn_json_number(json, "worstQuality", report->worst_quality);
+    sn_json_bool(json, "closed", report->closed);
+    sn_json_bool(json, "manifold", report->manifold);
+    sn_json_bool(json, "oriented", report->oriented);
+    sn_json_bool(json, "outward", report->outward);
+}

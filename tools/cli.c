@@ -1,0 +1,482 @@
+/* cli.c -- the shared command line: one parser, one help printer, one way to fail. */
+#include "cli_given.h"
+
+#include <errno.h>
+#include <locale.h>
+#include <signal.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <time.h>
+#include <unistd.h>
+
+/* ---- shared options --------------------------------------------------------------------------------------------------- */
+
+static const char *const unit_names[] = {"m", "cm", "mm", NULL};
+static const double unit_meters[] = {1.0, 0.01, 0.001};
+static const char *const up_names[] = {"z", "y", NULL};
+
+/* Targets of the shared options. */
+typedef struct shared_values {
+    const char *output, *report, *trace, *stop_after;
+    int units, up;
+    bool no_history, quiet, help, usage, version;
+    int64_t threads;
+} shared_values;
+
+static shared_values shared;
+static bool verbose_once, verbose_twice; /* -v, -vv */
+
+enum { SHARED_ALWAYS = 1 << 30 };
+
+typedef struct shared_option {
+    unsigned needs; /* the CLI_HAS_ bit that brings it, or SHARED_ALWAYS */
+    cli_option option;
+} shared_option;
+
+static const shared_option shared_options[] = {
+    {CLI_HAS_OUTPUT, {'o', "output", "FILE", CLI_TEXT, &shared.output, 0, 0, 0, NULL, "write to FILE instead of standard output"}},
+    {CLI_HAS_UNITS,
+     {0, "units", "UNIT", CLI_CHOICE, &shared.units, CLI_RESULT, 0, 0, unit_names, "unit of a bare mesh: m (default), cm or mm"}},
+    {CLI_HAS_UNITS,
+     {0, "up", "AXIS", CLI_CHOICE, &shared.up, CLI_RESULT, 0, 0, up_names, "up axis of a bare mesh: z (default) or y, turned to z"}},
+    {CLI_HAS_HISTORY, {0, "no-history", NULL, CLI_FLAG, &shared.no_history, 0, 0, 0, NULL, "leave the history out of the document"}},
+    {CLI_HAS_REPORT, {0, "report", "FILE", CLI_TEXT, &shared.report, 0, 0, 0, NULL, "write figures and timings as JSON to FILE"}},
+    {CLI_HAS_TRACE, {0, "trace", "FILE", CLI_TEXT, &shared.trace, 0, 0, 0, NULL, "write every inner step as a JSON line to FILE"}},
+    {CLI_HAS_TRACE,
+     {0, "stop-after", "N", CLI_TEXT, &shared.stop_after, CLI_RESULT, 0, 0, NULL, "stop after N inner steps and write the partial result"}},
+    {CLI_HAS_THREADS,
+     {0, "threads", "N", CLI_INTEGER, &shared.threads, 0, 1, 1024, NULL, "use N threads (default: every processor); results are the same"}},
+    {SHARED_ALWAYS, {'v', "verbose", NULL, CLI_FLAG, &verbose_once, 0, 0, 0, NULL, "say more on standard error; -vv says everything"}},
+    {SHARED_ALWAYS, {'q', "quiet", NULL, CLI_FLAG, &shared.quiet, 0, 0, 0, NULL, "say nothing but errors"}},
+    {SHARED_ALWAYS, {'h', "help", NULL, CLI_FLAG, &shared.help, 0, 0, 0, NULL, "print this help"}},
+    {SHARED_ALWAYS, {0, "usage", NULL, CLI_FLAG, &shared.usage, 0, 0, 0, NULL, "print a one-line synopsis"}},
+    {SHARED_ALWAYS, {0, "version", NULL, CLI_FLAG, &shared.version, 0, 0, 0, NULL, "print the version"}},
+};
+enum { SHARED_COUNT = sizeof shared_options / sizeof *shared_options };
+
+static bool brings(const cli_tool *tool, const shared_option *s) { return s->needs == SHARED_ALWAYS || (tool->shared & s->needs) != 0; }
+
+/* ---- help ---------------------------------------------------------------------------------------------------------------- */
+
+static const char *input_word(const cli_tool *tool) {
+    if (tool->shared & CLI_TAKES_INPUTS) return " INPUT...";
+    return tool->shared & CLI_TAKES_INPUT ? " [INPUT]" : "";
+}
+
+static void print_usage(FILE *out, const cli_tool *tool) {
+    fprintf(out, "usage: %s [OPTION]...%s%s\n", tool->name, input_word(tool), tool->shared & CLI_HAS_OUTPUT ? " [-o OUTPUT]" : "");
+}
+
+static void print_option(const cli_option *option) {
+    if (option->kind == CLI_HEADING) {
+        printf("\n%s\n", option->help);
+        return;
+    }
+    char left[64];
+    snprintf(left, sizeof left, "%c%c%s --%s%s%s", option->letter ? '-' : ' ', option->letter ? option->letter : ' ',
+             option->letter ? "," : " ", option->name, option->argument ? " " : "", option->argument ? option->argument : "");
+    if (strlen(left) > 28)
+        printf("  %s\n  %-28s  %s\n", left, "", option->help);
+    else
+        printf("  %-28s  %s\n", left, option->help);
+}
+
+static void print_help(const cli_tool *tool) {
+    print_usage(stdout, tool);
+    printf("%s\n", tool->summary);
+    if (tool->option_count > 0) printf("\nOptions:\n");
+    for (int i = 0; i < tool->option_count; i++) print_option(&tool->options[i]);
+    printf("\nShared options:\n");
+    for (int i = 0; i < SHARED_COUNT; i++)
+        if (brings(tool, &shared_options[i])) print_option(&shared_options[i].option);
+    if (tool->notes != NULL) printf("\n%s\n", tool->notes);
+    printf("\nExit status: 0 done; 1 bad input or failed work; 2 wrong usage; 3 done, but short of what was asked.\n"
+           "Lengths take a unit: 6mm, 0.5cm, 0.006m; a bare number is in the document's unit. See %s(1).\n",
+           tool->name);
+}
+
+/* What was asked for on stdout must have got there. */
+static _Noreturn void exit_printed(const cli_tool *tool) {
+    if (fflush(stdout) != 0 || ferror(stdout) || fclose(stdout) != 0) {
+        fprintf(stderr, "%s: cannot write to standard output: %s\n", tool->name, strerror(errno));
+        exit(CLI_FAILED);
+    }
+    exit(CLI_DONE);
+}
+
+void cli_usage_error(const cli *c, const char *format, ...) {
+    va_list arguments;
+    va_start(arguments, format);
+    fprintf(stderr, "%s: ", c->tool->name);
+    vfprintf(stderr, format, arguments);
+    fprintf(stderr, "; see %s --help\n", c->tool->name);
+    va_end(arguments);
+    exit(CLI_USAGE);
+}
+
+/* ---- parsing ------------------------------------------------------------------------------------------------------------- */
+
+const cli_option *cli_option_at(const cli_tool *tool, int index) {
+    if (index < tool->option_count) return &tool->options[index];
+    index -= tool->option_count;
+    for (int i = 0; i < SHARED_COUNT; i++)
+        if (brings(tool, &shared_options[i]) && index-- == 0) return &shared_options[i].option;
+    return NULL;
+}
+
+static const cli_option *find_letter(const cli_tool *tool, char letter) {
+    const cli_option *option;
+    for (int i = 0; (option = cli_option_at(tool, i)) != NULL; i++)
+        if (option->kind != CLI_HEADING && option->letter == letter) return option;
+    return NULL;
+}
+
+/* Exact name, or the only one that starts so. */
+static const cli_option *find_name(const cli *c, const char *name, size_t length) {
+    const cli_option *option, *found = NULL;
+    for (int i = 0; (option = cli_option_at(c->tool, i)) != NULL; i++) {
+        if (option->kind == CLI_HEADING || strncmp(option->name, name, length) != 0) continue;
+        if (option->name[length] == '\0') return option;
+        if (found != NULL) cli_usage_error(c, "option --%.*s could be --%s or --%s", (int)length, name, found->name, option->name);
+        found = option;
+    }
+    if (found == NULL) cli_usage_error(c, "there is no option --%.*s", (int)length, name);
+    return found;
+}
+
+static void *grow_list(void *items, int count, size_t size) {
+    void *grown = sn_realloc(items, (size_t)count + 1, size);
+    if (grown != NULL) return grown;
+    fprintf(stderr, "out of memory for the command line\n");
+    exit(CLI_FAILED);
+}
+
+static void append(cli_list *list, const char *item) {
+    list->items = grow_list(list->items, list->count, sizeof *list->items);
+    list->items[list->count++] = item;
+}
+
+static void set_choice(const cli *c, const cli_option *option, const char *value) {
+    char known[256] = "";
+    for (int i = 0; option->choices[i] != NULL; i++) {
+        if (strcmp(option->choices[i], value) == 0) {
+            *(int *)option->target = i;
+            return;
+        }
+        size_t used = strlen(known);
+        snprintf(known + used, sizeof known - used, "%s%s", i > 0 ? ", " : "", option->choices[i]);
+    }
+    cli_usage_error(c, "--%s %s: not one of %s", option->name, value, known);
+}
+
+static void set_number(const cli *c, const cli_option *option, const char *value) {
+    sn_error error = {0};
+    double number;
+    if (sn_parse_number(value, &number, &error) != SN_OK) cli_usage_error(c, "--%s: %s", option->name, error.text);
+    bool bounded = option->low != 0.0 || option->high != 0.0;
+    if (bounded && (number < option->low || number > option->high))
+        cli_usage_error(c, "--%s: %s is not within %g to %g", option->name, value, option->low, option->high);
+    *(double *)option->target = number;
+}
+
+static void set_integer(const cli *c, const cli_option *option, const char *value) {
+    sn_error error = {0};
+    if (sn_parse_integer(value, (int64_t)option->low, (int64_t)option->high, option->target, &error) != SN_OK)
+        cli_usage_error(c, "--%s: %s", option->name, error.text);
+}
+
+static void set_length(const cli *c, const cli_option *option, const char *value) {
+    sn_error error = {0};
+    sn_length length;
+    if (sn_parse_length(value, &length, &error) != SN_OK) cli_usage_error(c, "--%s: %s", option->name, error.text);
+    if (length.value < 0.0) cli_usage_error(c, "--%s: %s is negative", option->name, value);
+    *(sn_length *)option->target = length;
+}
+
+static void set_value(const cli *c, const cli_option *option, const char *value) {
+    switch (option->kind) {
+    case CLI_FLAG:
+        *(bool *)option->target = true;
+        break;
+    case CLI_CLEAR:
+        *(bool *)option->target = false;
+        break;
+    case CLI_INTEGER:
+        set_integer(c, option, value);
+        break;
+    case CLI_NUMBER:
+        set_number(c, option, value);
+        break;
+    case CLI_LENGTH:
+        set_length(c, option, value);
+        break;
+    case CLI_TEXT:
+        *(const char **)option->target = value;
+        break;
+    case CLI_LIST:
+        append(option->target, value);
+        break;
+    case CLI_CHOICE:
+        set_choice(c, option, value);
+        break;
+    case CLI_HEADING:
+        break;
+    }
+}
+
+static bool takes_value(const cli_option *option) { return option->kind != CLI_FLAG && option->kind != CLI_CLEAR; }
+
+static void take(cli *c, const cli_option *option, const char *value) {
+    if (option->target == &verbose_once && verbose_once) verbose_twice = true;
+    set_value(c, option, value);
+    c->given = grow_list(c->given, c->given_count, sizeof *c->given);
+    c->given[c->given_count++] = (cli_given_option){option, value};
+}
+
+/* --name, --name=value, --name value; returns how many further words were used. */
+static int take_long(cli *c, const char *word, const char *next) {
+    const char *equals = strchr(word, '=');
+    size_t length = equals != NULL ? (size_t)(equals - word) : strlen(word);
+    const cli_option *option = find_name(c, word, length);
+    if (!takes_value(option)) {
+        if (equals != NULL) cli_usage_error(c, "--%s takes no value", option->name);
+        take(c, option, NULL);
+        return 0;
+    }
+    if (equals == NULL && next == NULL) cli_usage_error(c, "--%s needs a value", option->name);
+    take(c, option, equals != NULL ? equals + 1 : next);
+    return equals != NULL ? 0 : 1;
+}
+
+/* -x, -xVALUE, -x VALUE, -xyz of flags. */
+static int take_letters(cli *c, const char *word, const char *next) {
+    for (; *word != '\0'; word++) {
+        const cli_option *option = find_letter(c->tool, *word);
+        if (option == NULL) cli_usage_error(c, "there is no option -%c", *word);
+        if (!takes_value(option)) {
+            take(c, option, NULL);
+            continue;
+        }
+        if (word[1] == '\0' && next == NULL) cli_usage_error(c, "-%c needs a value", *word);
+        take(c, option, word[1] != '\0' ? word + 1 : next);
+        return word[1] != '\0' ? 0 : 1;
+    }
+    return 0;
+}
+
+static void take_words(cli *c, int argc, char **argv) {
+    bool options_end = false;
+    for (int i = 1; i < argc; i++) {
+        const char *word = argv[i], *next = i + 1 < argc ? argv[i + 1] : NULL;
+        if (options_end || word[0] != '-' || word[1] == '\0')
+            append(&c->inputs, word);
+        else if (strcmp(word, "--") == 0)
+            options_end = true;
+        else
+            i += word[1] == '-' ? take_long(c, word + 2, next) : take_letters(c, word + 1, next);
+    }
+}
+
+static void check_inputs(cli *c) {
+    if (c->tool->shared & CLI_TAKES_INPUTS) return;
+    int most = c->tool->shared & CLI_TAKES_INPUT ? 1 : 0;
+    if (c->inputs.count > most) cli_usage_error(c, "one input too many: %s", c->inputs.items[most]);
+    if (most == 1 && c->inputs.count == 0) append(&c->inputs, "-");
+}
+
+/* A step count in the shared form; tools with a form of their own (simulate) read c->stop_after themselves. */
+static void take_stop_after(cli *c) {
+    sn_error error = {0};
+    int64_t steps;
+    c->trace.stop_after = -1;
+    if (shared.stop_after == NULL) return;
+    c->stop_after = shared.stop_after;
+    if (sn_parse_integer(shared.stop_after, 0, INT64_MAX, &steps, &error) == SN_OK)
+        c->trace.stop_after = steps;
+    else if (strchr(shared.stop_after, ':') == NULL)
+        cli_usage_error(c, "--stop-after: %s", error.text);
+}
+
+static void receive_log(void *user, sn_log_level level, const char *text) {
+    const cli *c = user;
+    if (level == SN_LOG_WARNING)
+        cli_warn(c, "%s", text);
+    else if (level == SN_LOG_INFO)
+        cli_say(c, "%s", text);
+    else if (c->verbosity > 1)
+        fprintf(stderr, "%s: %s\n", c->tool->name, text);
+}
+
+static void take_shared(cli *c) {
+    c->output = shared.output != NULL ? shared.output : "-";
+    c->report = shared.report;
+    c->read.meters_per_unit = cli_given(c, "units") ? unit_meters[shared.units] : 0.0;
+    c->read.up_y = shared.up == 1;
+    c->history = !shared.no_history;
+    c->threads = (int)shared.threads;
+    c->verbosity = shared.quiet ? -1 : verbose_twice ? 2 : verbose_once ? 1 : 0;
+    take_stop_after(c);
+}
+
+/* ---- trace ------------------------------------------------------------------------------------------------------------------ */
+
+static void receive_trace(void *user, int64_t number, const char *stage, const sn_trace_value *values, int value_count) {
+    cli *c = user;
+    sn_json *json = sn_json_begin(c->trace_output, false);
+    if (json == NULL) return;
+    sn_json_object(json, NULL);
+    sn_json_integer(json, "step", number);
+    sn_json_text(json, "stage", stage);
+    for (int i = 0; i < value_count; i++) {
+        const sn_trace_value *v = &values[i];
+        if (v->kind == SN_TRACE_NUMBER)
+            sn_json_number(json, v->name, v->number);
+        else if (v->kind == SN_TRACE_TEXT)
+            sn_json_text(json, v->name, v->text);
+        else
+            sn_json_indices(json, v->name, v->indices, (size_t)v->count);
+    }
+    sn_json_close(json);
+    if (sn_json_end(json, NULL) != SN_OK) return; /* the output keeps the first failure: cli_finish reports it */
+}
+
+static void open_trace(cli *c) {
+    if (shared.trace == NULL) return;
+    sn_error error = {0};
+    if (sn_output_open(shared.trace, false, &c->trace_output, &error) != SN_OK) exit(cli_finish(c, error.code, &error));
+    c->trace.receive = receive_trace;
+    c->trace.user = c;
+}
+
+void cli_start(cli *c, const cli_tool *tool, int argc, char **argv) {
+    *c = (cli){.tool = tool, .started = cli_seconds()};
+    signal(SIGPIPE, SIG_IGN); /* a closed pipe is an error to report, not a silent death */
+    take_words(c, argc, argv);
+    if (shared.help)
+        print_help(tool);
+    else if (shared.usage)
+        print_usage(stdout, tool);
+    else if (shared.version)
+        printf("%s (sinew) %s\n", tool->name, SN_VERSION);
+    if (shared.help || shared.usage || shared.version) exit_printed(tool);
+    check_inputs(c);
+    take_shared(c);
+    sn_log_set(receive_log, c);
+    open_trace(c);
+}
+
+bool cli_given(const cli *c, const char *name) {
+    for (int i = 0; i < c->given_count; i++)
+        if (strcmp(c->given[i].option->name, name) == 0) return true;
+    return false;
+}
+
+/* ---- messages --------------------------------------------------------------------------------------------------------------- */
+
+static void clear_progress(const cli *c) {
+    if (c->progress_shown) fprintf(stderr, "\r\033[K");
+}
+
+static void message(const cli *c, const char *kind, const char *format, va_list arguments) {
+    clear_progress(c);
+    fprintf(stderr, "%s: %s", c->tool->name, kind);
+    vfprintf(stderr, format, arguments);
+    fputc('\n', stderr);
+}
+
+void cli_warn(const cli *c, const char *format, ...) {
+    if (c->verbosity < 0) return;
+    va_list arguments;
+    va_start(arguments, format);
+    message(c, "warning: ", format, arguments);
+    va_end(arguments);
+}
+
+void cli_say(const cli *c, const char *format, ...) {
+    if (c->verbosity < 1) return;
+    va_list arguments;
+    va_start(arguments, format);
+    message(c, "", format, arguments);
+    va_end(arguments);
+}
+
+void cli_shortfall(cli *c, const char *format, ...) {
+    c->is_short = true;
+    va_list arguments;
+    va_start(arguments, format);
+    message(c, "", format, arguments);
+    va_end(arguments);
+}
+
+void cli_progress(cli *c, int64_t done, int64_t total, const char *unit) {
+    static double last;
+    if (c->verbosity < 0 || !isatty(STDERR_FILENO)) return;
+    double now = cli_seconds();
+    if (now - last < 0.1 && done < total) return;
+    last = now;
+    c->progress_shown = true;
+    fprintf(stderr, "\r%s: %s %lld of %lld\033[K", c->tool->name, unit, (long long)done, (long long)total);
+}
+
+/* "tool: FILE:LINE:COLUMN: sentence" with what of it is known. */
+static void print_error(const cli *c, const sn_error *error) {
+    fprintf(stderr, "%s: ", c->tool->name);
+    if (error->file[0] != '\0') {
+        fprintf(stderr, "%s:", error->file);
+        if (error->line > 0) fprintf(stderr, "%lld:", (long long)error->line);
+        if (error->line > 0 && error->column > 0) fprintf(stderr, "%lld:", (long long)error->column);
+        fputc(' ', stderr);
+    }
+    fprintf(stderr, "%s\n", error->text[0] != '\0' ? error->text : "failed");
+}
+
+static int close_trace(cli *c) {
+    if (c->trace_output == NULL) return CLI_DONE;
+    sn_error error = {0};
+    sn_status status = sn_output_commit(c->trace_output, &error);
+    c->trace_output = NULL;
+    if (status == SN_OK) return CLI_DONE;
+    print_error(c, &error);
+    return CLI_FAILED;
+}
+
+int cli_finish(cli *c, sn_status status, const sn_error *error) {
+    clear_progress(c);
+    int code = c->is_short ? CLI_SHORT : CLI_DONE;
+    if (status != SN_OK && status != SN_STOPPED) {
+        print_error(c, error);
+        code = status == SN_ERROR_USAGE ? CLI_USAGE : CLI_FAILED;
+    }
+    int trace_code = close_trace(c); /* also after a failure: the trace shows the way there */
+    if (trace_code != CLI_DONE) code = trace_code;
+    if (fflush(stdout) != 0 || ferror(stdout)) {
+        fprintf(stderr, "%s: cannot write to standard output: %s\n", c->tool->name, strerror(errno));
+        code = CLI_FAILED;
+    }
+    sn_log_set(NULL, NULL);
+    free(c->inputs.items);
+    free(c->given);
+    return code;
+}
+
+double cli_seconds(void) {
+    struct timespec now;
+    clock_gettime(CLOCK_MONOTONIC, &now);
+    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
+}
+
+double cli_length(sn_length length, double meters_per_unit) {
+    if (length.value < 0.0) return length.value; /* not given */
+    return sn_length_meters(length, meters_per_unit) / meters_per_unit;
+}
+
+bool cli_split(const char *text, char **name, const char **file) {
+    const char *equals = strchr(text, '=');
+    *name = NULL;
+    if (equals == NULL || equals == text || equals[1] == '\0') return false;
+    *name = sn_strndup(text, (size_t)(equals - text));
+    *file = equals + 1;
+    return *name != NULL;
+}
