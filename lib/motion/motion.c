@@ -1,0 +1,82 @@
+/*
+ * motion.c -- world poses of a joint tree, its checks, its end.
+ */
+#include "sinew/motion.h"
+
+#include <stdlib.h>
+
+#include "interpolate.h"
+
+/* How far from 1 the length of a hinge axis or of a key's quaternion may be. */
+static const double UNIT_TOLERANCE = 1e-6;
+
+void sn_motion_poses(const sn_motion *motion, double time, sn_rigid *poses) {
+    for (sn_index j = 0; j < motion->joint_count; j++) {
+        const sn_joint *joint = &motion->joints[j];
+        sn_rigid local = sn_joint_pose(joint, time);
+        poses[j] = joint->parent == SN_NONE ? local : sn_rigid_compose(poses[joint->parent], local);
+    }
+}
+
+static const char *joint_name(const sn_joint *joint) { return joint->name != NULL ? joint->name : "(unnamed)"; }
+
+static sn_status check_angle(const sn_joint *joint, sn_error *error) {
+    const sn_channel *angle = &joint->angle;
+    const char *name = joint_name(joint);
+    if (!isfinite(angle->constant)) return sn_fail(error, SN_ERROR_INPUT, "joint \"%s\": its angle is not finite", name);
+    for (sn_index i = 0; i < angle->count; i++) {
+        if (!isfinite(angle->times[i]) || !isfinite(angle->values[i]))
+            return sn_fail(error, SN_ERROR_INPUT, "joint \"%s\": key %d of its angle is not finite", name, (int)i);
+        if (i > 0 && !(angle->times[i] > angle->times[i - 1]))
+            return sn_fail(error, SN_ERROR_INPUT,
+                           "joint \"%s\": key %d of its angle is not later than the key before it; sort the keys by time", name, (int)i);
+    }
+    return SN_OK;
+}
+
+static sn_status check_hinge(const sn_joint *joint, sn_error *error) {
+    const char *name = joint_name(joint);
+    if (!sn_finite3(joint->axis) || !(fabs(sn_norm(joint->axis) - 1.0) <= UNIT_TOLERANCE))
+        return sn_fail(error, SN_ERROR_INPUT, "joint \"%s\": the axis of a hinge must be a unit vector", name);
+    if (!sn_finite3(joint->point)) return sn_fail(error, SN_ERROR_INPUT, "joint \"%s\": the hinge's point is not finite", name);
+    return check_angle(joint, error);
+}
+
+static sn_status check_keys(const sn_joint *joint, sn_error *error) {
+    const char *name = joint_name(joint);
+    for (sn_index i = 0; i < joint->key_count; i++) {
+        const sn_pose_key *key = &joint->keys[i];
+        double length = sqrt(sn_quat_dot(key->pose.rotation, key->pose.rotation));
+        if (!isfinite(key->time) || !sn_finite3(key->pose.translation))
+            return sn_fail(error, SN_ERROR_INPUT, "joint \"%s\": key %d is not finite", name, (int)i);
+        if (!(fabs(length - 1.0) <= UNIT_TOLERANCE))
+            return sn_fail(error, SN_ERROR_INPUT, "joint \"%s\": the rotation of key %d must be a unit quaternion (its length is %g)", name,
+                           (int)i, length);
+        if (i > 0 && !(key->time > joint->keys[i - 1].time))
+            return sn_fail(error, SN_ERROR_INPUT, "joint \"%s\": key %d is not later than the key before it; sort the keys by time", name,
+                           (int)i);
+    }
+    return SN_OK;
+}
+
+sn_status sn_motion_validate(const sn_motion *motion, sn_error *error) {
+    for (sn_index j = 0; j < motion->joint_count; j++) {
+        const sn_joint *joint = &motion->joints[j];
+        if (joint->parent != SN_NONE && (joint->parent < 0 || joint->parent >= j))
+            return sn_fail(error, SN_ERROR_INPUT, "joint \"%s\": its parent must come before it", joint_name(joint));
+        sn_status status = joint->kind == SN_JOINT_HINGE ? check_hinge(joint, error) : check_keys(joint, error);
+        if (status != SN_OK) return status;
+    }
+    return SN_OK;
+}
+
+void sn_motion_free(sn_motion *motion) {
+    if (motion == NULL) return;
+    for (sn_index j = 0; j < motion->joint_count; j++) {
+        free(motion->joints[j].name);
+        sn_channel_free(&motion->joints[j].angle);
+        free(motion->joints[j].keys);
+    }
+    free(motion->joints);
+    *motion = (sn_motion){0};
+}
