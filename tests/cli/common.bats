@@ -1,0 +1,105 @@
+# What every tool must do alike: help, usage, version, exit statuses, checked output, a man page that tells all of its options.
+
+setup() {
+    cd "$BATS_TEST_TMPDIR" || exit 1
+    tools=$(ls "$BIN")
+    man="$BATS_TEST_DIRNAME/../../share/man"
+    printf 'OFF\n4 4 6\n0 0 0\n.1 0 0\n0 .1 0\n0 0 .1\n3 0 2 1\n3 0 1 3\n3 1 2 3\n3 2 0 3\n' > tetra.off
+}
+
+@test "--help, --usage and --version go to stdout and exit with 0" {
+    for tool in $tools; do
+        for option in --help --usage --version; do
+            "$BIN/$tool" $option > out 2> err
+            [ -s out ] && [ ! -s err ]
+        done
+        "$BIN/$tool" --version | grep -qx "$tool (sinew) [0-9]*\.[0-9]*\.[0-9]*"
+        "$BIN/$tool" --usage | grep -q "^usage: $tool "
+    done
+}
+
+@test "--help to a full disk is an error" {
+    for tool in $tools; do
+        run -1 sh -c "'$BIN/$tool' --help > /dev/full"
+    done
+}
+
+@test "an unknown option is wrong usage: one line on stderr, nothing on stdout, status 2" {
+    for tool in $tools; do
+        for words in "--no-such-option" "-Z" "--report"; do
+            code=0
+            "$BIN/$tool" $words > out 2> err < /dev/null || code=$?
+            [ "$code" -eq 2 ] && [ ! -s out ] && [ "$(wc -l < err)" -eq 1 ]
+            grep -q "^$tool: " err
+        done
+    done
+}
+
+@test "a missing input file is named, status 1" {
+    for tool in $tools; do
+        code=0
+        extra=
+        [ "$tool" = attach-detect ] && extra="--bone a=tetra.off"
+        [ "$tool" = rig-view ] && extra="-o x.png"
+        "$BIN/$tool" $extra nowhere/none.json > out 2> err || code=$?
+        [ "$code" -eq 1 ] && [ ! -s out ] && grep -q "nowhere/none.json" err
+    done
+}
+
+@test "empty, random and truncated input: status 1, one sentence with the file's name, no output file" {
+    : > empty
+    head -c 3000 /dev/zero > zeros
+    awk 'BEGIN { srand(7); for (i = 0; i < 3000; i++) printf "%c", 1 + int(rand() * 254) }' > random
+    printf '{"format": "sinew-muscle", "version": 1, "mesh": {"vertices": [0, 0,' > cut.json
+    for tool in $tools; do
+        for file in empty zeros random cut.json; do
+            code=0
+            extra=
+            [ "$tool" = attach-detect ] && extra="--bone a=tetra.off"
+            "$BIN/$tool" $extra $file -o out.png > out 2> err || code=$?
+            [ "$code" -eq 1 ] || { echo "$tool $file: $code"; cat err; false; }
+            [ ! -e out.png ] && [ ! -s out ] && grep -q "^$tool: $file:" err && [ "$(wc -l < err)" -eq 1 ]
+        done
+    done
+}
+
+@test "the rig chain reads a pipe and a full disk is an error" {
+    "$BIN/mesh-clean" < tetra.off > clean.json
+    grep -q '"sinew-muscle"' clean.json
+    run -1 sh -c "'$BIN/mesh-clean' tetra.off > /dev/full"
+    run -1 sh -c "'$BIN/mesh-clean' tetra.off -o /dev/full"
+    [ -c /dev/full ]
+}
+
+@test "an output that fails leaves the old file alone" {
+    echo old > kept.json
+    run -1 "$BIN/mesh-clean" nowhere.off -o kept.json
+    [ "$(cat kept.json)" = old ]
+    run -1 "$BIN/mesh-clean" tetra.off -o no-folder/x.json
+    [ "$(ls | wc -l)" -eq 2 ]
+}
+
+@test "every option of --help is in the man page, and mandoc finds nothing to warn about" {
+    for tool in $tools; do
+        [ -s "$man/$tool.1" ]
+        mandoc -Tlint -Wwarning "$man/$tool.1"
+        mandoc -Tutf8 "$man/$tool.1" | col -b > page
+        for option in $("$BIN/$tool" --help | grep -o -e '^ *\(-.,\)\? *--[a-z-]*' | grep -o -e '--[a-z-]*'); do
+            grep -q -e "$option" page || { echo "$tool.1 says nothing of $option"; false; }
+        done
+        for section in NAME SYNOPSIS DESCRIPTION OPTIONS "EXIT STATUS" EXAMPLES "SEE ALSO"; do
+            grep -q "^$section" page || { echo "$tool.1 has no $section"; false; }
+        done
+    done
+}
+
+@test "a tool is linked with nothing that it does not use" {
+    needs() { readelf -d "$BIN/$1" | grep -o 'NEEDED.*\[.*\]' | grep -o '\[.*\]'; }
+    for tool in mesh-clean root-select build-structure fiber-flow attach-detect simulate; do
+        ! needs $tool | grep -q -e libpng -e assimp
+    done
+    for tool in root-select build-structure fiber-flow simulate; do
+        ! needs $tool | grep -q -e embree -e gmp -e mpfr -e stdc++
+    done
+    ! needs attach-detect | grep -q -e gmp -e mpfr -e gsl -e cholmod
+}
