@@ -107,7 +107,8 @@ SN_MUST_CHECK sn_status sn_parse_numbers(const char *text, size_t count, double 
 SN_MUST_CHECK sn_status sn_parse_length(const char *text, sn_length *out, sn_error *error);
 /* metres of length in a document whose coordinates have meters_per_unit. */
 double sn_length_meters(sn_length length, double meters_per_unit);
-/* Shortest of %.15g and %.17g that reads back as the same double; buffer of at least 32 bytes; returns the length. -0 is "0". */
+/* A decimal of at most 12 places if that reads back as the same double, else %.17g; buffer of at least 32 bytes; returns the length.
+ * -0 is "0". Always reads back as the same double. */
 int sn_format_number(double value, char *buffer);
 
 /* Parse one decimal number starting at text, not reading at or past end; *next is set behind it. Locale-free, correctly rounded.

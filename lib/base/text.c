@@ -197,29 +197,34 @@ double sn_length_meters(sn_length length, double meters_per_unit) {
 
 /* ---- writing ------------------------------------------------------------------------------------------------------------ */
 
-/* Digits of a whole number below 2^53. */
-static int format_integer(double value, char *buffer) {
-    char reversed[24];
+/* The decimal digits / 10^places without trailing zeros, with at least one digit before the point. */
+static int format_decimal(uint64_t digits, int places, bool negative, char *buffer) {
+    char reversed[40];
     int count = 0, length = 0;
-    uint64_t rest = (uint64_t)fabs(value);
-    do {
-        reversed[count++] = (char)('0' + rest % 10);
-        rest /= 10;
-    } while (rest > 0);
-    if (value < 0.0) buffer[length++] = '-';
+    for (; places > 0 && digits % 10 == 0; places--) digits /= 10;
+    for (int place = 0; digits > 0 || place <= places; place++, digits /= 10) {
+        if (place == places && places > 0) reversed[count++] = '.';
+        reversed[count++] = (char)('0' + digits % 10);
+    }
+    if (negative) buffer[length++] = '-';
     while (count > 0) buffer[length++] = reversed[--count];
     buffer[length] = '\0';
     return length;
 }
 
+/* n / 10^places rounds correctly where both are exact (Clinger), so a decimal found this way reads back as the same double; whatever has
+ * more places gets 17 digits. Fast, since documents are mostly numbers. */
 int sn_format_number(double value, char *buffer) {
-    if (value == floor(value) && fabs(value) < 1e15) return format_integer(value, buffer);
+    static const int tried[] = {0, 3, 6, 9, 12};
+    double size = fabs(value);
+    for (size_t i = 0; i < sizeof tried / sizeof *tried; i++) {
+        double scaled = rint(size * exact_power[tried[i]]);
+        if (!(scaled < 0x1p53)) break;
+        if (scaled / exact_power[tried[i]] == size) return format_decimal((uint64_t)scaled, tried[i], value < 0.0, buffer);
+    }
     pthread_once(&c_locale_once, make_c_locale);
     locale_t before = c_locale != (locale_t)0 ? uselocale(c_locale) : (locale_t)0;
-    int length = snprintf(buffer, 32, "%.15g", value);
-    const char *next;
-    double back;
-    if (!sn_scan_number(buffer, buffer + length, &next, &back) || back != value) length = snprintf(buffer, 32, "%.17g", value);
+    int length = snprintf(buffer, 32, "%.17g", value);
     if (c_locale != (locale_t)0) uselocale(before);
     return length;
 }

@@ -123,6 +123,12 @@ static void numbers_round_trip(void **state) {
     assert_string_equal(text, "0.1");
     sn_format_number(-12345678.0, text);
     assert_string_equal(text, "-12345678");
+    sn_format_number(-0.00005, text);
+    assert_string_equal(text, "-0.00005");
+    sn_format_number(20.0, text);
+    assert_string_equal(text, "20");
+    sn_format_number(1013.25, text);
+    assert_string_equal(text, "1013.25");
     setlocale(LC_ALL, "C");
 }
 
