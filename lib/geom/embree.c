@@ -1,0 +1,435 @@
+/*
+ * embree.c -- closest points, signed distances and rays on a surface; the only user of Embree.
+ *
+ * Embree works in single precision. It sees the mesh centred and scaled to about the unit box, so that a mesh a kilometre from the
+ * origin works as well as one at it, and serves to find candidate triangles only: the distance to each is computed here in double,
+ * on the mesh's own coordinates, and the radius that it prunes with is enlarged by what rounding may have moved.
+ */
+#include "sinew/geom.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include <embree3/rtcore.h>
+#if defined(__SSE__)
+#include <xmmintrin.h>
+#endif
+
+/* A closed, consistently oriented piece of the surface: every edge has two triangles that run through it in opposite directions. */
+typedef struct part {
+    int winding; /* of a point inside: 1, -1 where the piece is inside out, 0 where it encloses nothing */
+    sn_box box;
+} part;
+
+struct sn_surface {
+    const sn_mesh *mesh;
+    sn_topology topology;
+    sn_box box;
+    sn_vec3 centre; /* of the box */
+    double scale;   /* a power of two: (p - centre) scale is within the cube of half size 2 */
+    sn_index part_count;
+    part *parts;       /* (part_count) */
+    sn_index *part_of; /* (triangle_count) SN_NONE: of no closed piece */
+    sn_mesh open;      /* the triangles of no closed piece; shares the positions of mesh, owns its triangles */
+    sn_box open_box;
+    RTCDevice device;
+    RTCScene scene;
+};
+
+/* ---- floating-point mode -------------------------------------------------------------------------------------------------- */
+
+/* Embree is slow on denormals: they are flushed to zero while it runs, and the caller's mode comes back after it. */
+#if defined(__SSE__)
+static unsigned flush_denormals(void) {
+    unsigned mode = _mm_getcsr();
+    _mm_setcsr(mode | 0x8040u); /* FTZ | DAZ */
+    return mode;
+}
+static void restore_mode(unsigned mode) { _mm_setcsr(mode); }
+#else
+static unsigned flush_denormals(void) { return 0; }
+static void restore_mode(unsigned mode) { (void)mode; }
+#endif
+
+/* ---- boxes ------------------------------------------------------------------------------------------------------------------ */
+
+static sn_box empty_box(void) { return (sn_box){sn_v3(INFINITY, INFINITY, INFINITY), sn_v3(-INFINITY, -INFINITY, -INFINITY)}; }
+
+static bool box_holds(sn_box box, sn_vec3 p) {
+    return p.x >= box.low.x && p.y >= box.low.y && p.z >= box.low.z && p.x <= box.high.x && p.y <= box.high.y && p.z <= box.high.z;
+}
+
+static void box_add_triangle(sn_box *box, const sn_mesh *mesh, sn_index t) {
+    for (int k = 0; k < 3; k++) {
+        sn_vec3 p = mesh->positions[mesh->triangles[t].v[k]];
+        box->low = sn_min3(box->low, p);
+        box->high = sn_max3(box->high, p);
+    }
+}
+
+/* ---- the closed pieces of the surface ---------------------------------------------------------------------------------------- */
+
+/* Does the boundary of the triangle run from a to b? */
+static bool runs_along(sn_triangle t, sn_index a, sn_index b) {
+    return (t.v[0] == a && t.v[1] == b) || (t.v[1] == a && t.v[2] == b) || (t.v[2] == a && t.v[0] == b);
+}
+
+/* The triangle on the other side of the edge opposite to corner k; SN_NONE where the edge is a border, non-manifold or badly wound. */
+static sn_index across(const sn_surface *s, sn_index t, int k) {
+    sn_index e = s->topology.triangle_edges[t][k];
+    if (e == SN_NONE) return SN_NONE;
+    const sn_edge *edge = &s->topology.edges[e];
+    if (edge->triangle_count != 2) return SN_NONE;
+    const sn_triangle *triangles = s->mesh->triangles;
+    bool first = runs_along(triangles[edge->triangle[0]], edge->v[0], edge->v[1]);
+    bool second = runs_along(triangles[edge->triangle[1]], edge->v[0], edge->v[1]);
+    if (first == second) return SN_NONE;
+    return edge->triangle[edge->triangle[0] == t];
+}
+
+/* Triangles reached from seed over good edges, listed in piece; true if they close. label holds SN_NONE where not yet reached. */
+static bool flood(const sn_surface *s, sn_index seed, sn_index *label, sn_index *piece, sn_index *size) {
+    bool closed = true;
+    *size = 0;
+    piece[(*size)++] = seed;
+    label[seed] = seed;
+    for (sn_index i = 0; i < *size; i++) {
+        for (int k = 0; k < 3; k++) {
+            sn_index next = across(s, piece[i], k);
+            if (next == SN_NONE) closed = false;
+            if (next == SN_NONE || label[next] != SN_NONE) continue;
+            label[next] = seed;
+            piece[(*size)++] = next;
+        }
+    }
+    return closed;
+}
+
+/* Box and orientation of a closed piece, from the sign of the volume that it encloses; a sheet folded on itself encloses none. */
+static part measure_part(const sn_surface *s, const sn_index *piece, sn_index size) {
+    part p = {.box = empty_box()};
+    double volume = 0.0, size3 = 0.0; /* six times the volume, and the sum of its terms' sizes for rounding */
+    sn_vec3 origin = s->mesh->positions[s->mesh->triangles[piece[0]].v[0]];
+    for (sn_index i = 0; i < size; i++) {
+        const sn_index *v = s->mesh->triangles[piece[i]].v;
+        sn_vec3 a = sn_sub(s->mesh->positions[v[0]], origin), b = sn_sub(s->mesh->positions[v[1]], origin);
+        sn_vec3 c = sn_sub(s->mesh->positions[v[2]], origin);
+        double term = sn_dot(a, sn_cross(b, c));
+        volume += term;
+        size3 += fabs(term);
+        box_add_triangle(&p.box, s->mesh, piece[i]);
+    }
+    if (fabs(volume) > 1e-9 * size3) p.winding = volume > 0.0 ? 1 : -1;
+    return p;
+}
+
+static sn_status add_part(sn_surface *s, size_t *capacity, const sn_index *piece, sn_index size, sn_error *error) {
+    void *parts = s->parts;
+    if (!sn_grow(&parts, capacity, (size_t)s->part_count + 1, sizeof *s->parts)) return sn_fail_memory(error, "a search structure");
+    s->parts = parts;
+    s->parts[s->part_count] = measure_part(s, piece, size);
+    for (sn_index i = 0; i < size; i++) s->part_of[piece[i]] = s->part_count;
+    s->part_count++;
+    return SN_OK;
+}
+
+static void add_open(sn_surface *s, const sn_index *piece, sn_index size) {
+    for (sn_index i = 0; i < size; i++) {
+        s->part_of[piece[i]] = SN_NONE;
+        s->open.triangles[s->open.triangle_count++] = s->mesh->triangles[piece[i]];
+        box_add_triangle(&s->open_box, s->mesh, piece[i]);
+    }
+}
+
+/* Split the surface into closed pieces and the rest. */
+static sn_status find_parts(sn_surface *s, sn_error *error) {
+    sn_index count = s->mesh->triangle_count, size;
+    sn_status status = SN_OK;
+    size_t capacity = 0;
+    sn_index *label = SN_NEW(sn_index, count), *piece = SN_NEW(sn_index, count);
+    s->part_of = SN_NEW(sn_index, count);
+    s->open = (sn_mesh){.vertex_count = s->mesh->vertex_count, .positions = s->mesh->positions, .triangles = SN_NEW(sn_triangle, count)};
+    s->open_box = empty_box();
+    if (label == NULL || piece == NULL || s->part_of == NULL || s->open.triangles == NULL) {
+        status = sn_fail_memory(error, "a search structure");
+        goto cleanup;
+    }
+    for (sn_index t = 0; t < count; t++) label[t] = SN_NONE;
+    for (sn_index t = 0; t < count && status == SN_OK; t++) {
+        if (label[t] != SN_NONE) continue;
+        if (flood(s, t, label, piece, &size))
+            status = add_part(s, &capacity, piece, size, error);
+        else
+            add_open(s, piece, size);
+    }
+cleanup:
+    free(label);
+    free(piece);
+    return status;
+}
+
+/* ---- Embree's copy ------------------------------------------------------------------------------------------------------------ */
+
+static sn_status embree_status(RTCDevice device, sn_error *error) {
+    enum RTCError code = rtcGetDeviceError(device);
+    if (code == RTC_ERROR_NONE) return SN_OK;
+    if (code == RTC_ERROR_OUT_OF_MEMORY) return sn_fail_memory(error, "a search structure");
+    return sn_fail(error, SN_ERROR_INTERNAL, "Embree failed to build a search structure (error %d)", (int)code);
+}
+
+static void store_scaled(const sn_surface *s, sn_vec3 p, float out[3]) {
+    sn_vec3 q = sn_scale(sn_sub(p, s->centre), s->scale);
+    out[0] = (float)q.x;
+    out[1] = (float)q.y;
+    out[2] = (float)q.z;
+}
+
+static bool fill_buffers(const sn_surface *s, RTCGeometry geometry) {
+    const sn_mesh *mesh = s->mesh;
+    float *points =
+        rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 3 * sizeof(float), (size_t)mesh->vertex_count);
+    uint32_t *corners =
+        rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 3 * sizeof(uint32_t), (size_t)mesh->triangle_count);
+    if (points == NULL || corners == NULL) return false;
+    for (sn_index v = 0; v < mesh->vertex_count; v++) store_scaled(s, mesh->positions[v], points + 3 * (size_t)v);
+    for (sn_index t = 0; t < mesh->triangle_count; t++) {
+        for (int k = 0; k < 3; k++) corners[3 * (size_t)t + (size_t)k] = (uint32_t)mesh->triangles[t].v[k];
+    }
+    return true;
+}
+
+static void fill_scene(sn_surface *s) {
+    s->scene = rtcNewScene(s->device);
+    if (s->scene == NULL) return;
+    rtcSetSceneFlags(s->scene, RTC_SCENE_FLAG_ROBUST); /* no ray slips through between two triangles */
+    rtcSetSceneBuildQuality(s->scene, RTC_BUILD_QUALITY_MEDIUM);
+    RTCGeometry geometry = rtcNewGeometry(s->device, RTC_GEOMETRY_TYPE_TRIANGLE);
+    if (geometry == NULL) return;
+    if (fill_buffers(s, geometry)) {
+        rtcCommitGeometry(geometry);
+        rtcAttachGeometry(s->scene, geometry);
+        rtcCommitScene(s->scene);
+    }
+    rtcReleaseGeometry(geometry);
+}
+
+static sn_status build_scene(sn_surface *s, sn_error *error) {
+    unsigned mode = flush_denormals();
+    s->device = rtcNewDevice("threads=1,set_affinity=0");
+    if (s->device != NULL) fill_scene(s);
+    restore_mode(mode);
+    return embree_status(s->device, error); /* NULL asks for the error of rtcNewDevice */
+}
+
+/* ---- create and destroy --------------------------------------------------------------------------------------------------------- */
+
+static void set_frame(sn_surface *s) {
+    s->box = sn_mesh_box(s->mesh);
+    s->centre = sn_lerp(s->box.low, s->box.high, 0.5);
+    sn_vec3 half = sn_sub(s->box.high, s->centre);
+    double size = fmax(half.x, fmax(half.y, half.z));
+    s->scale = size > 0.0 ? ldexp(1.0, -ilogb(size)) : 1.0;
+}
+
+sn_status sn_surface_create(const sn_mesh *mesh, sn_surface **out, sn_error *error) {
+    *out = NULL;
+    sn_status status = sn_mesh_validate(mesh, error);
+    if (status != SN_OK) return status;
+    sn_surface *s = SN_NEW(sn_surface, 1);
+    if (s == NULL) return sn_fail_memory(error, "a search structure");
+    s->mesh = mesh;
+    set_frame(s);
+    status = sn_topology_build(mesh, &s->topology, error);
+    if (status == SN_OK) status = find_parts(s, error);
+    if (status == SN_OK) status = build_scene(s, error);
+    if (status != SN_OK) {
+        sn_surface_destroy(s);
+        return status;
+    }
+    *out = s;
+    return SN_OK;
+}
+
+void sn_surface_destroy(sn_surface *surface) {
+    if (surface == NULL) return;
+    if (surface->scene != NULL) rtcReleaseScene(surface->scene);
+    if (surface->device != NULL) rtcReleaseDevice(surface->device);
+    sn_topology_free(&surface->topology);
+    free(surface->parts);
+    free(surface->part_of);
+    free(surface->open.triangles);
+    free(surface);
+}
+
+bool sn_surface_closed(const sn_surface *surface) { return surface->open.triangle_count == 0; }
+
+/* ---- closest point ---------------------------------------------------------------------------------------------------------------- */
+
+typedef struct search {
+    const sn_surface *surface;
+    sn_vec3 point;
+    sn_index only_part; /* SN_NONE = the whole surface */
+    double best2;       /* square of the distance to beat, or to match with a lower triangle */
+    sn_closest closest;
+    double slack; /* in Embree's scale: how far rounding to float may move the point, a triangle and their distance */
+} search;
+
+/* Try one triangle; true if it is the closest so far. */
+static bool try_triangle(search *q, sn_index t) {
+    const sn_mesh *mesh = q->surface->mesh;
+    if (q->only_part != SN_NONE && q->surface->part_of[t] != q->only_part) return false;
+    const sn_index *v = mesh->triangles[t].v;
+    double barycentric[3];
+    sn_vec3 p = sn_closest_on_triangle(q->point, mesh->positions[v[0]], mesh->positions[v[1]], mesh->positions[v[2]], barycentric);
+    double distance2 = sn_norm2(sn_sub(p, q->point));
+    bool tie_won = distance2 == q->best2 && (q->closest.triangle == SN_NONE || t < q->closest.triangle);
+    if (!(distance2 < q->best2 || tie_won)) return false;
+    q->best2 = distance2;
+    q->closest.triangle = t;
+    q->closest.point = p;
+    memcpy(q->closest.barycentric, barycentric, sizeof barycentric);
+    return true;
+}
+
+/* What Embree must not prune: the best distance, rounded up, plus the slack. */
+static float search_radius(const search *q) { return (float)((sqrt(q->best2) * q->surface->scale + q->slack) * (1.0 + 1e-6)); }
+
+static bool visit(struct RTCPointQueryFunctionArguments *arguments) {
+    search *q = arguments->userPtr;
+    if (!try_triangle(q, (sn_index)arguments->primID)) return false;
+    arguments->query->radius = search_radius(q);
+    return true;
+}
+
+/* Farther away than this (in sizes of the mesh) single precision cannot tell its triangles apart: look at all of them. */
+static const double far_away = 1e5;
+
+static void search_tree(search *q, const float at[3]) {
+    struct RTCPointQuery query = {.x = at[0], .y = at[1], .z = at[2], .radius = search_radius(q)};
+    struct RTCPointQueryContext context;
+    unsigned mode = flush_denormals();
+    rtcInitPointQueryContext(&context);
+    rtcPointQuery(q->surface->scene, &query, &context, visit, q);
+    restore_mode(mode);
+}
+
+static sn_closest find_closest(const sn_surface *s, sn_vec3 point, double max_distance, sn_index only_part) {
+    search q = {.surface = s, .point = point, .only_part = only_part, .best2 = max_distance * max_distance};
+    q.closest = (sn_closest){.triangle = SN_NONE, .distance = INFINITY};
+    if (!sn_finite3(point) || !(max_distance >= 0.0)) return q.closest;
+    double away = sn_distance(point, s->centre) * s->scale;
+    if (away < far_away) {
+        float at[3];
+        store_scaled(s, point, at);
+        q.slack = 2e-6 * (4.0 + away); /* some 30 units in the last place of the largest coordinate */
+        search_tree(&q, at);
+    } else {
+        for (sn_index t = 0; t < s->mesh->triangle_count; t++) try_triangle(&q, t);
+    }
+    if (q.closest.triangle != SN_NONE) q.closest.distance = sqrt(q.best2);
+    return q.closest;
+}
+
+sn_closest sn_surface_closest(const sn_surface *surface, sn_vec3 point, double max_distance) {
+    return find_closest(surface, point, max_distance, SN_NONE);
+}
+
+/* ---- signed distance ------------------------------------------------------------------------------------------------------------------
+ */
+
+static sn_vec3 unit_normal(const sn_mesh *mesh, sn_index t) {
+    const sn_index *v = mesh->triangles[t].v;
+    return sn_normalize(sn_area_vector(mesh->positions[v[0]], mesh->positions[v[1]], mesh->positions[v[2]]));
+}
+
+/* Angle of triangle t at its vertex v. */
+static double corner_angle(const sn_mesh *mesh, sn_index t, sn_index v) {
+    const sn_index *corner = mesh->triangles[t].v;
+    int k = corner[0] == v ? 0 : corner[1] == v ? 1 : 2;
+    sn_vec3 a = sn_sub(mesh->positions[corner[(k + 1) % 3]], mesh->positions[v]);
+    sn_vec3 b = sn_sub(mesh->positions[corner[(k + 2) % 3]], mesh->positions[v]);
+    return atan2(sn_norm(sn_cross(a, b)), sn_dot(a, b));
+}
+
+static sn_vec3 vertex_pseudonormal(const sn_surface *s, sn_index v, sn_index piece) {
+    sn_vec3 sum = {0, 0, 0};
+    for (sn_index i = s->topology.corner_start[v]; i < s->topology.corner_start[v + 1]; i++) {
+        sn_index t = s->topology.vertex_triangles[i];
+        if (s->part_of[t] == piece) sum = sn_add_scaled(sum, unit_normal(s->mesh, t), corner_angle(s->mesh, t, v));
+    }
+    return sum;
+}
+
+/* Angle-weighted pseudonormal of the feature that the closest point lies on (Baerentzen & Aanaes 2005): a corner, a side, the face. */
+static sn_vec3 pseudonormal(const sn_surface *s, const sn_closest *c) {
+    sn_index t = c->triangle;
+    int zeros = 0, zero = 0, positive = 0;
+    for (int k = 0; k < 3; k++) {
+        if (c->barycentric[k] > 0.0)
+            positive = k;
+        else
+            zeros++, zero = k;
+    }
+    if (zeros == 2) return vertex_pseudonormal(s, s->mesh->triangles[t].v[positive], s->part_of[t]);
+    if (zeros == 0) return unit_normal(s->mesh, t);
+    const sn_edge *edge = &s->topology.edges[s->topology.triangle_edges[t][zero]];
+    return sn_add(unit_normal(s->mesh, edge->triangle[0]), unit_normal(s->mesh, edge->triangle[1]));
+}
+
+/* Greater than 0 outside, less inside the closed piece that c is the closest point on, 0 where it cannot be told. */
+static double side_of(const sn_surface *s, sn_vec3 point, const sn_closest *c) {
+    return sn_dot(sn_sub(point, c->point), pseudonormal(s, c));
+}
+
+/* Winding number not zero: pieces add up, so overlapping pieces are one body, a piece turned inwards is a cavity in the one around it,
+ * and a body that is inside out still has its inside inside. */
+static bool is_inside(const sn_surface *s, sn_vec3 point, const sn_closest *closest) {
+    if (!box_holds(s->box, point)) return false;
+    double winding = box_holds(s->open_box, point) ? sn_winding_number(&s->open, point) : 0.0;
+    for (sn_index i = 0; i < s->part_count; i++) {
+        const part *p = &s->parts[i];
+        if (p->winding == 0 || !box_holds(p->box, point)) continue;
+        sn_closest c = s->part_of[closest->triangle] == i ? *closest : find_closest(s, point, INFINITY, i);
+        double side = side_of(s, point, &c);
+        if (side == 0.0) return fabs(sn_winding_number(s->mesh, point)) > 0.5;
+        if (side * p->winding < 0.0) winding += p->winding;
+    }
+    return fabs(winding) > 0.5;
+}
+
+double sn_surface_signed_distance(const sn_surface *surface, sn_vec3 point, sn_closest *closest) {
+    sn_closest c = find_closest(surface, point, INFINITY, SN_NONE);
+    if (closest != NULL) *closest = c;
+    if (c.triangle == SN_NONE || c.distance == 0.0) return c.distance;
+    return is_inside(surface, point, &c) ? -c.distance : c.distance;
+}
+
+/* ---- rays
+ * -------------------------------------------------------------------------------------------------------------------------------- */
+
+sn_ray_hit sn_surface_ray(const sn_surface *surface, sn_vec3 origin, sn_vec3 direction, double near, double far) {
+    sn_ray_hit miss = {.triangle = SN_NONE, .distance = INFINITY};
+    sn_vec3 d = sn_normalize(direction);
+    if (!(sn_norm2(d) > 0.0) || !sn_finite3(origin) || !(near < far)) return miss;
+    /* start just before the mesh: an origin far away would cost the digits that tell its triangles apart */
+    double before = sn_dot(sn_sub(surface->centre, origin), d) - 4.0 / surface->scale;
+    double start = fmax(near, before);
+    float at[3];
+    store_scaled(surface, sn_add_scaled(origin, d, start), at);
+    if (!isfinite(at[0]) || !isfinite(at[1]) || !isfinite(at[2])) return miss;
+    struct RTCRayHit ray = {
+        .ray = {.org_x = at[0], .org_y = at[1], .org_z = at[2], .dir_x = (float)d.x, .dir_y = (float)d.y, .dir_z = (float)d.z},
+        .hit = {.geomID = RTC_INVALID_GEOMETRY_ID},
+    };
+    ray.ray.tfar = (float)((far - start) * surface->scale);
+    ray.ray.mask = UINT32_MAX;
+    struct RTCIntersectContext context;
+    unsigned mode = flush_denormals();
+    rtcInitIntersectContext(&context);
+    rtcIntersect1(surface->scene, &context, &ray);
+    restore_mode(mode);
+    if (ray.hit.geomID == RTC_INVALID_GEOMETRY_ID) return miss;
+    double distance = start + (double)ray.ray.tfar / surface->scale;
+    if (!(distance > near && distance < far)) return miss;
+    return (sn_ray_hit){(sn_index)ray.hit.primID, (double)ray.hit.u, (double)ray.hit.v, distance};
+}
