@@ -1,0 +1,181 @@
+/* muscle.c -- the muscle as data: what is there, whether it can be trusted, and its end. */
+#include "sinew/muscle.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/* ---- the end ----------------------------------------------------------------------------------------------------------- */
+
+void sn_roots_free(sn_roots *roots) {
+    free(roots->vertices);
+    free(roots->rule);
+    *roots = (sn_roots){0};
+}
+
+void sn_structure_free(sn_structure *structure) {
+    free(structure->positions);
+    free(structure->parents);
+    free(structure->branches);
+    free(structure->axes);
+    free(structure->vertex_sample);
+    *structure = (sn_structure){0};
+}
+
+void sn_fibers_free(sn_fibers *fibers) {
+    for (sn_index i = 0; i < fibers->polyline_count && fibers->polylines != NULL; i++) free(fibers->polylines[i].points);
+    free(fibers->polylines);
+    free(fibers->directions);
+    free(fibers->field);
+    *fibers = (sn_fibers){0};
+}
+
+void sn_attachments_free(sn_attachment *attachments, sn_index count) {
+    for (sn_index i = 0; i < count && attachments != NULL; i++) {
+        free(attachments[i].bone);
+        free(attachments[i].method);
+        free(attachments[i].vertices);
+        free(attachments[i].distances);
+    }
+    free(attachments);
+}
+
+void sn_muscle_free(sn_muscle *muscle) {
+    free(muscle->name);
+    sn_mesh_free(&muscle->mesh);
+    sn_roots_free(&muscle->roots);
+    sn_structure_free(&muscle->structure);
+    sn_fibers_free(&muscle->fibers);
+    sn_attachments_free(muscle->attachments, muscle->attachment_count);
+    *muscle = (sn_muscle){0};
+}
+
+unsigned sn_muscle_sections(const sn_muscle *muscle) {
+    unsigned sections = 0;
+    if (muscle->mesh.vertex_count > 0) sections |= SN_SECTION_MESH;
+    if (muscle->roots.count > 0) sections |= SN_SECTION_ROOTS;
+    if (muscle->structure.sample_count > 0) sections |= SN_SECTION_STRUCTURE;
+    if (muscle->fibers.directions != NULL || muscle->fibers.polyline_count > 0) sections |= SN_SECTION_FIBERS;
+    if (muscle->has_attachments || muscle->attachment_count > 0) sections |= SN_SECTION_ATTACHMENTS;
+    return sections;
+}
+
+/* ---- validation ---------------------------------------------------------------------------------------------------------- */
+
+static sn_status fail_element(sn_error *error, sn_index element, const char *section, const char *what) {
+    sn_status status = sn_fail(error, SN_ERROR_INPUT, "%s %ld %s", section, (long)element, what);
+    if (error != NULL) error->element = element;
+    return status;
+}
+
+static sn_status check_roots(const sn_muscle *muscle, sn_index *seen, sn_error *error) {
+    const sn_roots *roots = &muscle->roots;
+    if (roots->count < 0 || (roots->count > 0 && roots->vertices == NULL))
+        return sn_fail(error, SN_ERROR_INPUT, "roots: the section has no vertices");
+    for (sn_index i = 0; i < roots->count; i++) {
+        sn_index v = roots->vertices[i];
+        if (v < 0 || v >= muscle->mesh.vertex_count)
+            return sn_fail(error, SN_ERROR_INPUT, "roots: entry %ld names vertex %ld, but the mesh has %ld vertices", (long)i, (long)v,
+                           (long)muscle->mesh.vertex_count);
+        if (seen[v] != 0) return fail_element(error, v, "roots: vertex", "is named twice");
+        seen[v] = 1;
+    }
+    return SN_OK;
+}
+
+static sn_status check_sample(const sn_structure *structure, sn_index i, sn_error *error) {
+    const char *section = "structure: sample";
+    sn_index parent = structure->parents[i];
+    if (!sn_finite3(structure->positions[i])) return fail_element(error, i, section, "has a position that is not finite");
+    if (!sn_finite3(structure->axes[i])) return fail_element(error, i, section, "has an axis that is not finite");
+    if (structure->branches[i] < 0) return fail_element(error, i, section, "has a negative branch");
+    if (i == 0 && parent != SN_NONE) return fail_element(error, i, section, "is the first and so the root, but has a parent");
+    if (i == 0 && structure->branches[0] != 0) return fail_element(error, i, section, "is the root, but not on branch 0");
+    if (i > 0 && parent == SN_NONE) return fail_element(error, i, section, "is a second root: a structure is one tree");
+    if (i > 0 && (parent < 0 || parent >= i)) return fail_element(error, i, section, "has a parent that does not come before it");
+    return SN_OK;
+}
+
+static sn_status check_structure(const sn_muscle *muscle, sn_error *error) {
+    const sn_structure *structure = &muscle->structure;
+    if (structure->sample_count == 0) return SN_OK;
+    if (structure->sample_count < 0 || structure->positions == NULL || structure->parents == NULL || structure->branches == NULL ||
+        structure->axes == NULL || structure->vertex_sample == NULL)
+        return sn_fail(error, SN_ERROR_INPUT, "structure: the section is incomplete");
+    if (!isfinite(structure->spacing) || structure->spacing < 0.0)
+        return sn_fail(error, SN_ERROR_INPUT, "structure: spacing is not a length");
+    for (sn_index i = 0; i < structure->sample_count; i++) {
+        sn_status status = check_sample(structure, i, error);
+        if (status != SN_OK) return status;
+    }
+    for (sn_index v = 0; v < muscle->mesh.vertex_count; v++) {
+        sn_index sample = structure->vertex_sample[v];
+        if (sample != SN_NONE && (sample < 0 || sample >= structure->sample_count))
+            return fail_element(error, v, "structure: vertex", "hangs on a sample that is not there");
+    }
+    return SN_OK;
+}
+
+static sn_status check_fibers(const sn_muscle *muscle, sn_error *error) {
+    const sn_fibers *fibers = &muscle->fibers;
+    for (sn_index v = 0; v < muscle->mesh.vertex_count && fibers->directions != NULL; v++)
+        if (!sn_finite3(fibers->directions[v])) return fail_element(error, v, "fibers: vertex", "has a direction that is not finite");
+    if (fibers->polyline_count < 0 || (fibers->polyline_count > 0 && fibers->polylines == NULL))
+        return sn_fail(error, SN_ERROR_INPUT, "fibers: the polylines are missing");
+    for (sn_index i = 0; i < fibers->polyline_count; i++) {
+        const sn_polyline *line = &fibers->polylines[i];
+        if (line->count < 2 || line->points == NULL) return fail_element(error, i, "fibers: polyline", "has fewer than two points");
+        for (sn_index k = 0; k < line->count; k++)
+            if (!sn_finite3(line->points[k])) return fail_element(error, i, "fibers: polyline", "has a point that is not finite");
+    }
+    return SN_OK;
+}
+
+/* seen: for each vertex 1 + the attachment that has named it, 0 = none yet. */
+static sn_status check_attachment(const sn_muscle *muscle, sn_index i, sn_index *seen, sn_error *error) {
+    const sn_attachment *attachment = &muscle->attachments[i];
+    const char *bone = attachment->bone;
+    if (bone == NULL || *bone == '\0') return fail_element(error, i, "attachments: entry", "names no bone");
+    if (attachment->count < 0 || (attachment->count > 0 && attachment->vertices == NULL))
+        return fail_element(error, i, "attachments: entry", "has no vertices");
+    for (sn_index k = 0; k < attachment->count; k++) {
+        sn_index v = attachment->vertices[k];
+        if (v < 0 || v >= muscle->mesh.vertex_count)
+            return sn_fail(error, SN_ERROR_INPUT, "attachments: bone '%s' names vertex %ld, but the mesh has %ld vertices", bone, (long)v,
+                           (long)muscle->mesh.vertex_count);
+        if (k > 0 && v <= attachment->vertices[k - 1])
+            return sn_fail(error, SN_ERROR_INPUT, "attachments: the vertices of bone '%s' do not ascend at vertex %ld", bone, (long)v);
+        if (seen[v] != 0)
+            return sn_fail(error, SN_ERROR_INPUT, "attachments: vertex %ld is held by bone '%s' and again by bone '%s'", (long)v,
+                           muscle->attachments[seen[v] - 1].bone, bone);
+        if (attachment->distances != NULL && !isfinite(attachment->distances[k]))
+            return sn_fail(error, SN_ERROR_INPUT, "attachments: bone '%s' has a distance that is not finite", bone);
+        seen[v] = i + 1;
+    }
+    return SN_OK;
+}
+
+static sn_status check_attachments(const sn_muscle *muscle, sn_index *seen, sn_error *error) {
+    if (muscle->attachment_count < 0 || (muscle->attachment_count > 0 && muscle->attachments == NULL))
+        return sn_fail(error, SN_ERROR_INPUT, "attachments: the section is incomplete");
+    memset(seen, 0, (size_t)muscle->mesh.vertex_count * sizeof *seen);
+    for (sn_index i = 0; i < muscle->attachment_count; i++) {
+        sn_status status = check_attachment(muscle, i, seen, error);
+        if (status != SN_OK) return status;
+    }
+    return SN_OK;
+}
+
+sn_status sn_muscle_validate(const sn_muscle *muscle, sn_error *error) {
+    if (!isfinite(muscle->meters_per_unit) || muscle->meters_per_unit <= 0.0)
+        return sn_fail(error, SN_ERROR_INPUT, "metersPerUnit is not a number above 0; write 1 for metres, 0.001 for millimetres");
+    sn_status status = sn_mesh_validate(&muscle->mesh, error);
+    if (status != SN_OK) return status;
+    sn_index *seen = SN_NEW(sn_index, muscle->mesh.vertex_count);
+    if (seen == NULL) return sn_fail_memory(error, "checking a muscle");
+    status = check_roots(muscle, seen, error);
+    if (status == SN_OK) status = check_structure(muscle, error);
+    if (status == SN_OK) status = check_fibers(muscle, error);
+    if (status == SN_OK) status = check_attachments(muscle, seen, error);
+    free(seen);
+    return status;
+}

@@ -1,0 +1,621 @@
+/* document.c -- the muscle document: parse every section into a muscle, write it back with what is not ours untouched. */
+#include "document.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#define FORMAT "sinew-muscle"
+enum { NEWEST_VERSION = 1 };
+
+_Static_assert(sizeof(sn_vec3) == 3 * sizeof(double), "flat arrays of numbers are arrays of points");
+_Static_assert(sizeof(sn_triangle) == 3 * sizeof(sn_index), "flat arrays of indices are arrays of triangles");
+
+struct sn_document {
+    sn_json_tree *tree; /* NULL = it was a bare mesh */
+};
+
+/* ---- paths -------------------------------------------------------------------------------------------------------------- */
+
+char *sn_path_beside(const char *document, const char *uri) {
+    const char *slash = document != NULL && *uri != '/' ? strrchr(document, '/') : NULL;
+    size_t folder = slash != NULL ? (size_t)(slash - document) + 1 : 0, length = strlen(uri);
+    char *path = sn_alloc(folder + length + 1, 1);
+    if (path == NULL) return NULL;
+    if (folder > 0) memcpy(path, document, folder);
+    memcpy(path + folder, uri, length);
+    return path;
+}
+
+char *sn_path_stem(const char *path) {
+    if (path == NULL || *path == '<' || *path == '\0') return NULL;
+    const char *slash = strrchr(path, '/'), *name = slash != NULL ? slash + 1 : path, *dot = strrchr(name, '.');
+    return sn_strndup(name, dot != NULL && dot > name ? (size_t)(dot - name) : strlen(name));
+}
+
+/* ---- reading: mesh -------------------------------------------------------------------------------------------------------- */
+
+static sn_status parse_attribute(const sn_json_value *value, sn_mesh *mesh, sn_error *error) {
+    sn_json_value components = sn_json_member(value, "components"), integer = sn_json_member(value, "integer"),
+                  values = sn_json_member(value, "values");
+    sn_index count = 1;
+    bool is_integer = false;
+    sn_status status = sn_json_expect_object(value, error);
+    if (status == SN_OK) status = sn_json_get_index(&components, 1, 64, &count, error);
+    if (status == SN_OK) status = sn_json_get_bool(&integer, &is_integer, error);
+    if (status == SN_OK) status = sn_json_require(&values, "an array of numbers", error);
+    if (status == SN_OK && mesh->vertex_count > SN_INDEX_MAX / count)
+        status = sn_json_complain(value, error, "the attribute has more numbers than sinew can count");
+    if (status != SN_OK) return status;
+    sn_attribute *attribute = sn_mesh_add_attribute(mesh, value->key, count);
+    if (attribute == NULL) return sn_fail_memory(error, "a mesh attribute");
+    attribute->integer = is_integer;
+    return sn_json_get_fixed(&values, mesh->vertex_count * count, attribute->values, error);
+}
+
+static sn_status parse_attributes(const sn_json_value *value, sn_mesh *mesh, sn_error *error) {
+    if (!sn_json_has(value)) return SN_OK;
+    sn_json_value attribute = {0};
+    sn_status status = sn_json_expect_object(value, error);
+    while (status == SN_OK && sn_json_next(value, &attribute)) status = parse_attribute(&attribute, mesh, error);
+    return status;
+}
+
+/* Names of OBJ groups, and the group of each triangle. */
+static sn_status parse_groups(const sn_json_value *value, sn_mesh *mesh, sn_error *error) {
+    if (!sn_json_has(value)) return SN_OK;
+    sn_json_value names = sn_json_member(value, "names"), triangles = sn_json_member(value, "triangles");
+    sn_status status = sn_json_expect_object(value, error);
+    if (status == SN_OK) status = sn_json_expect_array(&names, error);
+    if (status != SN_OK) return status;
+    sn_index count = sn_json_length(&names);
+    if (count == 0) return SN_OK;
+    if ((mesh->group_names = SN_NEW(char *, count)) == NULL) return sn_fail_memory(error, "mesh groups");
+    mesh->group_count = count;
+    for (sn_index i = 0; i < count && status == SN_OK; i++) {
+        sn_json_value name = sn_json_element(&names, i);
+        status = sn_json_get_text(&name, &mesh->group_names[i], error);
+    }
+    if (status != SN_OK) return status;
+    return sn_json_get_indices(&triangles, 1, mesh->triangle_count, SN_NONE, count - 1, NULL, &mesh->triangle_group, error);
+}
+
+static sn_status parse_inline_mesh(const sn_json_value *value, sn_mesh *mesh, sn_error *error) {
+    sn_json_value vertices = sn_json_member(value, "vertices"), triangles = sn_json_member(value, "triangles"),
+                  attributes = sn_json_member(value, "attributes"), groups = sn_json_member(value, "groups");
+    sn_index count = 0;
+    double *coordinates = NULL;
+    sn_index *corners = NULL;
+    sn_status status = sn_json_get_numbers(&vertices, 3, -1, &count, &coordinates, error);
+    if (status != SN_OK) return status;
+    mesh->positions = (sn_vec3 *)coordinates;
+    mesh->vertex_count = count / 3;
+    status = sn_json_get_indices(&triangles, 3, -1, 0, mesh->vertex_count - 1, &count, &corners, error);
+    if (status != SN_OK) return status;
+    mesh->triangles = (sn_triangle *)corners;
+    mesh->triangle_count = count / 3;
+    if ((status = parse_attributes(&attributes, mesh, error)) != SN_OK) return status;
+    return parse_groups(&groups, mesh, error);
+}
+
+/* The hash is written with "sha256:" before it or without. */
+static sn_status check_hash(const sn_json_value *value, const sn_blob *blob, sn_error *error) {
+    if (!sn_json_has(value)) return SN_OK;
+    char *wanted = NULL, actual[SN_HASH_LENGTH];
+    sn_status status = sn_json_get_text(value, &wanted, error);
+    if (status != SN_OK) return status;
+    sn_hash(blob->data, blob->size, actual);
+    const char *digits = strchr(actual, ':') + 1;
+    if (strcmp(wanted, actual) != 0 && strcmp(wanted, digits) != 0)
+        status = sn_json_complain(value, error,
+                                  "'%s' has changed since this document was written (its hash is %.12s...); build the document anew",
+                                  blob->name, digits);
+    free(wanted);
+    return status;
+}
+
+static sn_status parse_mesh_reference(const sn_json_value *value, sn_mesh *mesh, sn_error *error) {
+    sn_json_value member = sn_json_member(value, "uri"), hash = sn_json_member(value, "sha256");
+    char *uri = NULL, *path = NULL;
+    sn_blob blob = {0};
+    sn_status status = sn_json_get_text(&member, &uri, error);
+    if (status == SN_OK && (path = sn_path_beside(sn_json_name(value->tree), uri)) == NULL) status = sn_fail_memory(error, "a path");
+    if (status == SN_OK) status = sn_blob_read(path, &blob, error);
+    if (status == SN_OK) status = check_hash(&hash, &blob, error);
+    if (status == SN_OK) status = sn_mesh_parse(&blob, false, mesh, error);
+    sn_blob_free(&blob);
+    free(path);
+    free(uri);
+    return status;
+}
+
+static sn_status parse_mesh(const sn_json_value *value, sn_mesh *mesh, sn_error *error) {
+    sn_json_value uri = sn_json_member(value, "uri");
+    sn_status status = sn_json_expect_object(value, error);
+    if (status != SN_OK) return status;
+    return sn_json_has(&uri) ? parse_mesh_reference(value, mesh, error) : parse_inline_mesh(value, mesh, error);
+}
+
+/* ---- reading: what the tools of the chain add ------------------------------------------------------------------------------- */
+
+static sn_status parse_roots(const sn_json_value *value, sn_index vertex_count, sn_roots *roots, sn_error *error) {
+    if (!sn_json_has(value)) return SN_OK;
+    sn_json_value vertices = sn_json_member(value, "vertices"), rule = sn_json_member(value, "rule");
+    sn_status status = sn_json_expect_object(value, error);
+    if (status == SN_OK) status = sn_json_get_indices(&vertices, 1, -1, 0, vertex_count - 1, &roots->count, &roots->vertices, error);
+    if (status == SN_OK) status = sn_json_get_text(&rule, &roots->rule, error);
+    return status;
+}
+
+/* The vertices of one sample; each vertex hangs on one. */
+static sn_status parse_sample_vertices(const sn_json_value *value, sn_index vertex_count, sn_index sample, sn_index *vertex_sample,
+                                       sn_error *error) {
+    sn_index count = 0, *vertices = NULL;
+    sn_status status = sn_json_get_indices(value, 1, -1, 0, vertex_count - 1, &count, &vertices, error);
+    for (sn_index i = 0; i < count && status == SN_OK; i++) {
+        sn_index *of_vertex = &vertex_sample[vertices[i]];
+        if (*of_vertex != SN_NONE)
+            status = sn_json_complain(value, error, "vertex %ld already hangs on sample %ld; a vertex has one sample", (long)vertices[i],
+                                      (long)*of_vertex);
+        *of_vertex = sample;
+    }
+    free(vertices);
+    return status;
+}
+
+static sn_status parse_sample(const sn_json_value *value, sn_index vertex_count, sn_structure *out, sn_error *error) {
+    sn_index i = value->element;
+    sn_json_value position = sn_json_member(value, "position"), axis = sn_json_member(value, "axis"),
+                  parent = sn_json_member(value, "parent"), branch = sn_json_member(value, "branch"),
+                  vertices = sn_json_member(value, "vertices");
+    sn_status status = sn_json_expect_object(value, error);
+    if (status == SN_OK) status = sn_json_require(&position, "a point [x,y,z]", error);
+    if (status == SN_OK) status = sn_json_get_vec3(&position, &out->positions[i], error);
+    if (status == SN_OK) status = sn_json_require(&parent, "the index of a sample before this one, or -1", error);
+    if (status == SN_OK) status = sn_json_get_index(&parent, SN_NONE, i - 1, &out->parents[i], error);
+    if (status == SN_OK) status = sn_json_get_index(&branch, 0, SN_INDEX_MAX, &out->branches[i], error);
+    if (status == SN_OK) status = sn_json_get_vec3(&axis, &out->axes[i], error);
+    return status == SN_OK ? parse_sample_vertices(&vertices, vertex_count, i, out->vertex_sample, error) : status;
+}
+
+static sn_status alloc_structure(sn_index sample_count, sn_index vertex_count, sn_structure *out, sn_error *error) {
+    out->sample_count = sample_count;
+    out->positions = SN_NEW(sn_vec3, sample_count);
+    out->parents = SN_NEW(sn_index, sample_count);
+    out->branches = SN_NEW(sn_index, sample_count);
+    out->axes = SN_NEW(sn_vec3, sample_count);
+    out->vertex_sample = SN_NEW(sn_index, vertex_count);
+    if (out->positions == NULL || out->parents == NULL || out->branches == NULL || out->axes == NULL || out->vertex_sample == NULL)
+        return sn_fail_memory(error, "the structure");
+    for (sn_index v = 0; v < vertex_count; v++) out->vertex_sample[v] = SN_NONE;
+    return SN_OK;
+}
+
+static sn_status parse_structure(const sn_json_value *value, sn_index vertex_count, sn_structure *out, sn_error *error) {
+    if (!sn_json_has(value)) return SN_OK;
+    sn_json_value samples = sn_json_member(value, "samples"), spacing = sn_json_member(value, "spacing");
+    sn_status status = sn_json_expect_object(value, error);
+    if (status == SN_OK) status = sn_json_expect_array(&samples, error);
+    if (status == SN_OK) status = sn_json_get_number(&spacing, 0.0, INFINITY, &out->spacing, error);
+    sn_index count = status == SN_OK ? sn_json_length(&samples) : 0;
+    if (count > 0) status = alloc_structure(count, vertex_count, out, error);
+    for (sn_index i = 0; i < count && status == SN_OK; i++) {
+        sn_json_value sample = sn_json_element(&samples, i);
+        status = parse_sample(&sample, vertex_count, out, error);
+    }
+    return status;
+}
+
+static sn_status parse_polyline(const sn_json_value *value, sn_polyline *out, sn_error *error) {
+    sn_json_value points = sn_json_member(value, "points");
+    double *coordinates = NULL;
+    sn_index count = 0;
+    sn_status status = sn_json_expect_object(value, error);
+    if (status == SN_OK) status = sn_json_get_numbers(&points, 3, -1, &count, &coordinates, error);
+    if (status != SN_OK) return status;
+    out->points = (sn_vec3 *)coordinates;
+    out->count = count / 3;
+    return SN_OK;
+}
+
+static sn_status parse_polylines(const sn_json_value *value, sn_fibers *out, sn_error *error) {
+    if (!sn_json_has(value)) return SN_OK;
+    sn_status status = sn_json_expect_array(value, error);
+    if (status != SN_OK) return status;
+    sn_index count = sn_json_length(value);
+    if ((out->polylines = SN_NEW(sn_polyline, count)) == NULL) return sn_fail_memory(error, "the fibres");
+    out->polyline_count = count;
+    for (sn_index i = 0; i < count && status == SN_OK; i++) {
+        sn_json_value polyline = sn_json_element(value, i);
+        status = parse_polyline(&polyline, &out->polylines[i], error);
+    }
+    return status;
+}
+
+static sn_status parse_fibers(const sn_json_value *value, sn_index vertex_count, sn_fibers *out, sn_error *error) {
+    if (!sn_json_has(value)) return SN_OK;
+    sn_json_value directions = sn_json_member(value, "directions"), polylines = sn_json_member(value, "polylines"),
+                  field = sn_json_member(value, "field");
+    double *coordinates = NULL;
+    sn_status status = sn_json_expect_object(value, error);
+    if (status == SN_OK && sn_json_has(&directions)) {
+        if (vertex_count > SN_INDEX_MAX / 3) return sn_json_complain(&directions, error, "more numbers than sinew can count");
+        status = sn_json_get_numbers(&directions, 3, 3 * vertex_count, NULL, &coordinates, error);
+        out->directions = (sn_vec3 *)coordinates;
+    }
+    if (status == SN_OK) status = sn_json_get_text(&field, &out->field, error);
+    return status == SN_OK ? parse_polylines(&polylines, out, error) : status;
+}
+
+static sn_status parse_attachment(const sn_json_value *value, sn_index vertex_count, sn_attachment *out, sn_error *error) {
+    sn_json_value bone = sn_json_member(value, "bone"), method = sn_json_member(value, "method"),
+                  vertices = sn_json_member(value, "vertices"), distances = sn_json_member(value, "distances");
+    sn_status status = sn_json_expect_object(value, error);
+    if (status == SN_OK) status = sn_json_require(&bone, "the name of a bone", error);
+    if (status == SN_OK) status = sn_json_get_text(&bone, &out->bone, error);
+    if (status == SN_OK) status = sn_json_get_text(&method, &out->method, error);
+    if (status == SN_OK) status = sn_json_get_indices(&vertices, 1, -1, 0, vertex_count - 1, &out->count, &out->vertices, error);
+    if (status == SN_OK && sn_json_has(&distances)) status = sn_json_get_numbers(&distances, 1, out->count, NULL, &out->distances, error);
+    return status;
+}
+
+static sn_status parse_attachments(const sn_json_value *value, sn_muscle *muscle, sn_error *error) {
+    if (!sn_json_has(value)) return SN_OK;
+    sn_status status = sn_json_expect_array(value, error);
+    if (status != SN_OK) return status;
+    sn_index count = sn_json_length(value);
+    if ((muscle->attachments = SN_NEW(sn_attachment, count)) == NULL) return sn_fail_memory(error, "attachments");
+    muscle->attachment_count = count;
+    muscle->has_attachments = true;
+    for (sn_index i = 0; i < count && status == SN_OK; i++) {
+        sn_json_value attachment = sn_json_element(value, i);
+        status = parse_attachment(&attachment, muscle->mesh.vertex_count, &muscle->attachments[i], error);
+    }
+    return status;
+}
+
+/* ---- reading: the document ------------------------------------------------------------------------------------------------------- */
+
+static sn_status check_history(const sn_json_value *value, sn_error *error) {
+    if (!sn_json_has(value)) return SN_OK;
+    sn_status status = sn_json_expect_array(value, error);
+    for (sn_index i = 0; status == SN_OK && i < sn_json_length(value); i++) {
+        sn_json_value entry = sn_json_element(value, i);
+        status = sn_json_expect_object(&entry, error);
+    }
+    return status;
+}
+
+static sn_status parse_sections(const sn_json_value *top, sn_muscle *out, sn_error *error) {
+    sn_json_value name = sn_json_member(top, "name"), unit = sn_json_member(top, "metersPerUnit"), mesh = sn_json_member(top, "mesh"),
+                  roots = sn_json_member(top, "roots"), structure = sn_json_member(top, "structure"),
+                  fibers = sn_json_member(top, "fibers"), attachments = sn_json_member(top, "attachments"),
+                  history = sn_json_member(top, "history");
+    sn_status status = sn_json_expect_format(top, FORMAT, NEWEST_VERSION, error);
+    if (status == SN_OK) status = sn_json_get_text(&name, &out->name, error);
+    if (status == SN_OK) status = sn_json_require(&unit, "the metres per unit of the coordinates, such as 0.001", error);
+    if (status == SN_OK) status = sn_json_get_number(&unit, SN_JSON_POSITIVE, INFINITY, &out->meters_per_unit, error);
+    if (status == SN_OK) status = parse_mesh(&mesh, &out->mesh, error);
+    if (status == SN_OK) status = parse_roots(&roots, out->mesh.vertex_count, &out->roots, error);
+    if (status == SN_OK) status = parse_structure(&structure, out->mesh.vertex_count, &out->structure, error);
+    if (status == SN_OK) status = parse_fibers(&fibers, out->mesh.vertex_count, &out->fibers, error);
+    if (status == SN_OK) status = parse_attachments(&attachments, out, error);
+    if (status == SN_OK) status = check_history(&history, error);
+    return status;
+}
+
+static sn_status parse_document(const sn_blob *blob, sn_muscle *out, sn_document *document, sn_error *error) {
+    sn_status status = sn_json_parse(blob, &document->tree, error);
+    if (status != SN_OK) return status;
+    sn_json_value top = sn_json_top(document->tree);
+    status = parse_sections(&top, out, error);
+    return status == SN_OK ? sn_muscle_validate(out, error) : status;
+}
+
+/* ---- reading: a bare mesh ----------------------------------------------------------------------------------------------------------- */
+
+/* A muscle is between a millimetre and some metres long: what is not has probably another unit. */
+static void warn_of_size(const char *name, const sn_mesh *mesh, double meters_per_unit) {
+    double meters = sn_box_diagonal(sn_mesh_box(mesh)) * meters_per_unit;
+    if (!isfinite(meters) || meters == 0.0 || (meters >= 0.001 && meters <= 5.0)) return;
+    sn_log(SN_LOG_WARNING, "%s: the mesh is %.3g m across where one unit is %g m; name its unit with --units m, cm or mm", name, meters,
+           meters_per_unit);
+}
+
+static sn_status parse_bare_mesh(const sn_blob *blob, const sn_read_options *options, sn_muscle *out, sn_error *error) {
+    sn_status status = sn_mesh_parse(blob, options->allow_nonfinite, &out->mesh, error);
+    if (status != SN_OK) return status;
+    for (sn_index v = 0; options->up_y && v < out->mesh.vertex_count; v++) {
+        sn_vec3 p = out->mesh.positions[v];
+        out->mesh.positions[v] = sn_v3(p.x, -p.z, p.y);
+    }
+    out->meters_per_unit = options->meters_per_unit > 0.0 ? options->meters_per_unit : 1.0;
+    out->name = sn_path_stem(blob->name);
+    warn_of_size(blob->name, &out->mesh, out->meters_per_unit);
+    return options->allow_nonfinite ? SN_OK : sn_muscle_validate(out, error);
+}
+
+sn_status sn_muscle_parse(const sn_blob *blob, const sn_read_options *options, sn_muscle *out, sn_document **document, sn_error *error) {
+    static const sn_read_options defaults = {0};
+    *out = (sn_muscle){0};
+    *document = SN_NEW(sn_document, 1);
+    if (*document == NULL) return sn_fail_memory(error, "a document");
+    sn_status status = sn_json_detect(blob) ? parse_document(blob, out, *document, error)
+                                            : parse_bare_mesh(blob, options != NULL ? options : &defaults, out, error);
+    if (status == SN_OK) return SN_OK;
+    sn_error_set_file(error, blob->name);
+    sn_muscle_free(out);
+    sn_document_free(*document);
+    *document = NULL;
+    return status;
+}
+
+void sn_document_free(sn_document *document) {
+    if (document == NULL) return;
+    sn_json_tree_free(document->tree);
+    free(document);
+}
+
+/* ---- writing: sections ------------------------------------------------------------------------------------------------------------------
+ */
+
+static void write_points(sn_json *json, const char *key, const sn_vec3 *points, sn_index count) {
+    sn_json_numbers(json, key, points != NULL ? &points->x : NULL, 3 * (size_t)count);
+}
+
+static void write_groups(const sn_mesh *mesh, sn_json *json) {
+    sn_json_object(json, "groups");
+    sn_json_array(json, "names");
+    for (sn_index i = 0; i < mesh->group_count; i++) sn_json_text(json, NULL, mesh->group_names[i]);
+    sn_json_close(json);
+    sn_json_indices(json, "triangles", mesh->triangle_group, (size_t)mesh->triangle_count);
+    sn_json_close(json);
+}
+
+static void write_attributes(const sn_mesh *mesh, sn_json *json) {
+    sn_json_object(json, "attributes");
+    for (sn_index i = 0; i < mesh->attribute_count; i++) {
+        const sn_attribute *attribute = &mesh->attributes[i];
+        sn_json_object(json, attribute->name);
+        sn_json_integer(json, "components", attribute->components);
+        sn_json_bool(json, "integer", attribute->integer);
+        sn_json_numbers(json, "values", attribute->values, (size_t)mesh->vertex_count * (size_t)attribute->components);
+        sn_json_close(json);
+    }
+    sn_json_close(json);
+}
+
+static sn_status write_mesh(const sn_muscle *muscle, sn_json *json, sn_error *error) {
+    const sn_mesh *mesh = &muscle->mesh;
+    (void)error;
+    sn_json_object(json, "mesh");
+    write_points(json, "vertices", mesh->positions, mesh->vertex_count);
+    sn_json_indices(json, "triangles", mesh->triangles != NULL ? mesh->triangles->v : NULL, 3 * (size_t)mesh->triangle_count);
+    if (mesh->attribute_count > 0) write_attributes(mesh, json);
+    if (mesh->group_count > 0) write_groups(mesh, json);
+    sn_json_close(json);
+    return SN_OK;
+}
+
+static sn_status write_roots(const sn_muscle *muscle, sn_json *json, sn_error *error) {
+    (void)error;
+    sn_json_object(json, "roots");
+    sn_json_indices(json, "vertices", muscle->roots.vertices, (size_t)muscle->roots.count);
+    if (muscle->roots.rule != NULL) sn_json_text(json, "rule", muscle->roots.rule);
+    sn_json_close(json);
+    return SN_OK;
+}
+
+/* The vertices of each sample, ascending: those of sample i are vertices[start[i]] to vertices[start[i + 1] - 1]. */
+static void group_by_sample(const sn_structure *structure, sn_index vertex_count, sn_index *start, sn_index *vertices) {
+    const sn_index *sample = structure->vertex_sample;
+    for (sn_index v = 0; v < vertex_count; v++)
+        if (sample[v] != SN_NONE) start[sample[v]]++;
+    for (sn_index i = 0; i < structure->sample_count; i++) start[i + 1] += start[i]; /* start[i]: behind the last of sample i */
+    for (sn_index v = vertex_count - 1; v >= 0; v--) /* from behind, so that start[i] ends as the first of sample i */
+        if (sample[v] != SN_NONE) vertices[--start[sample[v]]] = v;
+}
+
+static void write_sample(const sn_structure *structure, sn_index i, const sn_index *vertices, sn_index count, sn_json *json) {
+    sn_json_object_line(json, NULL);
+    sn_json_vec3(json, "position", structure->positions[i]);
+    sn_json_integer(json, "parent", structure->parents[i]);
+    sn_json_integer(json, "branch", structure->branches[i]);
+    sn_json_vec3(json, "axis", structure->axes[i]);
+    sn_json_indices(json, "vertices", vertices, (size_t)count);
+    sn_json_close(json);
+}
+
+static sn_status write_structure(const sn_muscle *muscle, sn_json *json, sn_error *error) {
+    const sn_structure *structure = &muscle->structure;
+    sn_index vertex_count = muscle->mesh.vertex_count;
+    sn_index *start = SN_NEW(sn_index, (size_t)structure->sample_count + 1), *vertices = SN_NEW(sn_index, vertex_count);
+    sn_status status = SN_OK;
+    if (start == NULL || vertices == NULL) {
+        status = sn_fail_memory(error, "writing the structure");
+    } else {
+        group_by_sample(structure, vertex_count, start, vertices);
+        sn_json_object(json, "structure");
+        sn_json_array(json, "samples");
+        for (sn_index i = 0; i < structure->sample_count; i++)
+            write_sample(structure, i, vertices + start[i], start[i + 1] - start[i], json);
+        sn_json_close(json);
+        sn_json_number(json, "spacing", structure->spacing);
+        sn_json_close(json);
+    }
+    free(start);
+    free(vertices);
+    return status;
+}
+
+static sn_status write_fibers(const sn_muscle *muscle, sn_json *json, sn_error *error) {
+    const sn_fibers *fibers = &muscle->fibers;
+    (void)error;
+    sn_json_object(json, "fibers");
+    if (fibers->directions != NULL) write_points(json, "directions", fibers->directions, muscle->mesh.vertex_count);
+    if (fibers->field != NULL) sn_json_text(json, "field", fibers->field);
+    if (fibers->polyline_count > 0) {
+        sn_json_array(json, "polylines");
+        for (sn_index i = 0; i < fibers->polyline_count; i++) {
+            sn_json_object_line(json, NULL);
+            write_points(json, "points", fibers->polylines[i].points, fibers->polylines[i].count);
+            sn_json_close(json);
+        }
+        sn_json_close(json);
+    }
+    sn_json_close(json);
+    return SN_OK;
+}
+
+static sn_status write_attachments(const sn_muscle *muscle, sn_json *json, sn_error *error) {
+    (void)error;
+    sn_json_array(json, "attachments");
+    for (sn_index i = 0; i < muscle->attachment_count; i++) {
+        const sn_attachment *attachment = &muscle->attachments[i];
+        sn_json_object_line(json, NULL);
+        sn_json_text(json, "bone", attachment->bone);
+        sn_json_indices(json, "vertices", attachment->vertices, (size_t)attachment->count);
+        if (attachment->method != NULL) sn_json_text(json, "method", attachment->method);
+        if (attachment->distances != NULL) sn_json_numbers(json, "distances", attachment->distances, (size_t)attachment->count);
+        sn_json_close(json);
+    }
+    sn_json_close(json);
+    return SN_OK;
+}
+
+/* ---- writing: the document --------------------------------------------------------------------------------------------------------------
+ */
+
+/* The sections in the order of the document, what writes each, and the sections that a change of it makes stale. */
+static const struct section {
+    unsigned bit;
+    const char *key;
+    sn_status (*write)(const sn_muscle *muscle, sn_json *json, sn_error *error);
+    unsigned stale;
+} sections[] = {
+    {SN_SECTION_MESH, "mesh", write_mesh, SN_SECTION_ROOTS | SN_SECTION_STRUCTURE | SN_SECTION_FIBERS | SN_SECTION_ATTACHMENTS},
+    {SN_SECTION_ROOTS, "roots", write_roots, SN_SECTION_STRUCTURE | SN_SECTION_FIBERS},
+    {SN_SECTION_STRUCTURE, "structure", write_structure, SN_SECTION_FIBERS},
+    {SN_SECTION_FIBERS, "fibers", write_fibers, 0},
+    {SN_SECTION_ATTACHMENTS, "attachments", write_attachments, 0},
+};
+enum { SECTION_COUNT = sizeof sections / sizeof *sections };
+
+static const char *const other_members[] = {"format", "version", "name", "metersPerUnit", "history"};
+
+static bool is_known_member(const char *key) {
+    for (size_t i = 0; i < SECTION_COUNT; i++)
+        if (strcmp(key, sections[i].key) == 0) return true;
+    for (size_t i = 0; i < sizeof other_members / sizeof *other_members; i++)
+        if (strcmp(key, other_members[i]) == 0) return true;
+    return false;
+}
+
+/* The document as it was read, or NULL. */
+static const sn_json_tree *tree_of(const sn_document *document) { return document != NULL ? document->tree : NULL; }
+
+static unsigned sections_in(const sn_json_tree *tree) {
+    if (tree == NULL) return 0;
+    unsigned found = 0;
+    sn_json_value top = sn_json_top(tree);
+    for (size_t i = 0; i < SECTION_COUNT; i++) {
+        sn_json_value section = sn_json_member(&top, sections[i].key);
+        if (sn_json_has(&section)) found |= sections[i].bit;
+    }
+    return found;
+}
+
+/* The sections that no longer hold after a change, each named in the log. */
+static unsigned find_stale(unsigned there, unsigned changed) {
+    unsigned stale = 0;
+    for (size_t i = 0; i < SECTION_COUNT; i++) {
+        unsigned fallen = changed & sections[i].bit ? sections[i].stale & there & ~changed & ~stale : 0;
+        for (size_t k = 0; k < SECTION_COUNT; k++)
+            if (fallen & sections[k].bit)
+                sn_log(SN_LOG_WARNING, "the section \"%s\" is dropped: the new %s makes it stale", sections[k].key, sections[i].key);
+        stale |= fallen;
+    }
+    return stale;
+}
+
+/* Those sections of muscle that will be written from it, for validation: the others may refer to a mesh that is no more. */
+static sn_muscle written_part(const sn_muscle *muscle, unsigned from_muscle) {
+    sn_muscle part = *muscle;
+    if (!(from_muscle & SN_SECTION_ROOTS)) part.roots = (sn_roots){0};
+    if (!(from_muscle & SN_SECTION_STRUCTURE)) part.structure = (sn_structure){0};
+    if (!(from_muscle & SN_SECTION_FIBERS)) part.fibers = (sn_fibers){0};
+    if (!(from_muscle & SN_SECTION_ATTACHMENTS)) part.attachment_count = 0;
+    return part;
+}
+
+static sn_status write_sections(const sn_muscle *muscle, const sn_json_tree *tree, unsigned from_tree, unsigned from_muscle, sn_json *json,
+                                sn_error *error) {
+    sn_json_value top = {0};
+    if (tree != NULL) top = sn_json_top(tree);
+    for (size_t i = 0; i < SECTION_COUNT; i++) {
+        if (from_tree & sections[i].bit) {
+            sn_json_value section = sn_json_member(&top, sections[i].key);
+            sn_json_pass(json, sections[i].key, &section);
+        } else if (from_muscle & sections[i].bit) {
+            sn_status status = sections[i].write(muscle, json, error);
+            if (status != SN_OK) return status;
+        }
+    }
+    return SN_OK;
+}
+
+static void pass_unknown_members(const sn_json_tree *tree, sn_json *json) {
+    if (tree == NULL) return;
+    sn_json_value top = sn_json_top(tree), member = {0};
+    while (sn_json_next(&top, &member))
+        if (!is_known_member(member.key)) sn_json_pass(json, member.key, &member);
+}
+
+static void write_history_entry(const sn_history_entry *entry, sn_json *json) {
+    sn_json_object_line(json, NULL);
+    sn_json_text(json, "tool", entry->tool);
+    sn_json_text(json, "version", SN_VERSION);
+    sn_json_array(json, "args");
+    for (int i = 0; i < entry->arg_count; i++) sn_json_text(json, NULL, entry->args[i]);
+    sn_json_close(json);
+    if (entry->input != NULL) sn_json_text(json, "input", entry->input);
+    sn_json_close(json);
+}
+
+static void write_history(const sn_json_tree *tree, const sn_history_entry *entry, sn_json *json) {
+    sn_json_value top = {0}, history = {0};
+    if (tree != NULL) {
+        top = sn_json_top(tree);
+        history = sn_json_member(&top, "history");
+    }
+    if (!sn_json_has(&history) && entry == NULL) return;
+    sn_json_array(json, "history");
+    for (sn_index i = 0; i < sn_json_length(&history); i++) {
+        sn_json_value old = sn_json_element(&history, i);
+        sn_json_pass(json, NULL, &old);
+    }
+    if (entry != NULL) write_history_entry(entry, json);
+    sn_json_close(json);
+}
+
+sn_status sn_muscle_write(const sn_muscle *muscle, const sn_document *document, unsigned changed, const sn_history_entry *entry,
+                          bool keep_history, sn_output *output, sn_error *error) {
+    const sn_json_tree *tree = tree_of(document);
+    unsigned in_tree = sections_in(tree), in_muscle = sn_muscle_sections(muscle);
+    unsigned stale = find_stale(in_tree | in_muscle, changed);
+    unsigned from_tree = in_tree & ~changed & ~stale, from_muscle = in_muscle & ~stale & (tree != NULL ? changed : ~0U);
+    sn_muscle part = written_part(muscle, from_muscle);
+    sn_status status = sn_muscle_validate(&part, error);
+    if (status != SN_OK) return status;
+    sn_json *json = sn_json_begin(output, true);
+    if (json == NULL) return sn_fail_memory(error, "writing a document");
+    sn_json_object(json, NULL);
+    sn_json_text(json, "format", FORMAT);
+    sn_json_integer(json, "version", NEWEST_VERSION);
+    if (muscle->name != NULL) sn_json_text(json, "name", muscle->name);
+    sn_json_number(json, "metersPerUnit", muscle->meters_per_unit);
+    status = write_sections(muscle, tree, from_tree, from_muscle, json, error);
+    pass_unknown_members(tree, json);
+    if (keep_history) write_history(tree, entry, json);
+    sn_status ended = sn_json_end(json, status == SN_OK ? error : NULL);
+    return status != SN_OK ? status : ended;
+}

@@ -1,0 +1,12 @@
+/* document.h -- what the documents share. Private to lib/io. */
+#ifndef SINEW_IO_DOCUMENT_H
+#define SINEW_IO_DOCUMENT_H
+
+#include "json.h"
+
+/* The path of a file that a document names: relative to the document's own folder. Allocated; NULL = out of memory. */
+char *sn_path_beside(const char *document, const char *uri);
+/* The file's name without folder and extension; NULL = out of memory, or a stream without a name. */
+char *sn_path_stem(const char *path);
+
+#endif
