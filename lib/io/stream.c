@@ -1,0 +1,341 @@
+/*
+ * stream.c -- whole files in, all or nothing out.
+ *
+ * A regular target is written as a file without a name in the target's folder (O_TMPFILE), flushed, then linked and renamed over the target:
+ * a reader sees the old file or the new one, and a killed process leaves nothing behind. What cannot be renamed over (stdout, devices, pipes)
+ * is held in memory until commit, so that a failure leaves it untouched; a line stream alone is written at once.
+ */
+#include "sinew/io.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <poll.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+enum { CHUNK = 1 << 16 };
+
+static bool is_standard(const char *path) { return !path || strcmp(path, "-") == 0; }
+
+/* ---- input ---------------------------------------------------------------------------------------------------------- */
+
+/* Read to the end of fd; size_hint is what the file system says, which a growing file or a pipe may belie. */
+static sn_status read_all(int fd, size_t size_hint, sn_blob *blob, sn_error *error) {
+    size_t capacity = 0;
+    if (!sn_grow((void **)&blob->data, &capacity, size_hint + 1, 1)) return sn_fail_memory(error, blob->name);
+    for (;;) {
+        if (blob->size + 1 == capacity && !sn_grow((void **)&blob->data, &capacity, capacity + CHUNK, 1)) {
+            return sn_fail_memory(error, blob->name);
+        }
+        ssize_t got = read(fd, blob->data + blob->size, capacity - 1 - blob->size);
+        if (got == 0) break;
+        if (got < 0 && errno == EINTR) continue;
+        if (got < 0) return sn_fail_at(error, SN_ERROR_IO, blob->name, 0, "cannot be read: %s", strerror(errno));
+        blob->size += (size_t)got;
+    }
+    blob->data[blob->size] = '\0';
+    return SN_OK;
+}
+
+static sn_status read_descriptor(int fd, sn_blob *blob, sn_error *error) {
+    struct stat info;
+    if (fstat(fd, &info) != 0) return sn_fail_at(error, SN_ERROR_IO, blob->name, 0, "cannot be read: %s", strerror(errno));
+    if (S_ISDIR(info.st_mode)) return sn_fail_at(error, SN_ERROR_IO, blob->name, 0, "is a directory; name a file in it");
+    return read_all(fd, S_ISREG(info.st_mode) ? (size_t)info.st_size : CHUNK, blob, error);
+}
+
+sn_status sn_blob_read(const char *path, sn_blob *out, sn_error *error) {
+    *out = (sn_blob){0};
+    bool standard = is_standard(path);
+    out->name = sn_strdup(standard ? "<stdin>" : path);
+    if (!out->name) return sn_fail_memory(error, "a file name");
+    int fd = standard ? STDIN_FILENO : open(path, O_RDONLY | O_CLOEXEC);
+    sn_status status = fd < 0 ? sn_fail_at(error, SN_ERROR_IO, path, 0, "cannot be opened: %s", strerror(errno))
+                              : read_descriptor(fd, out, error);
+    if (!standard && fd >= 0) close(fd);
+    if (status != SN_OK) sn_blob_free(out);
+    return status;
+}
+
+void sn_blob_free(sn_blob *blob) {
+    free(blob->name);
+    free(blob->data);
+    *blob = (sn_blob){0};
+}
+
+/* ---- output --------------------------------------------------------------------------------------------------------- */
+
+struct sn_output {
+    char *name;      /* as the user gave it, for messages */
+    char *target;    /* what commit renames over, links resolved; NULL = written in place */
+    char *temporary; /* its name until then; NULL = it has none yet (O_TMPFILE) */
+    int fd;
+    bool hold;       /* keep everything in memory until commit */
+    bool stream;     /* whole lines go out at once */
+    bool untruncated; /* a regular file written in place, whose old content goes with the first write */
+    char *buffer;
+    size_t used, capacity;
+    uint64_t written; /* bytes handed to fd */
+    sn_error failure; /* the first one; code SN_OK = none */
+};
+
+static sn_status keep_failure(sn_output *output, sn_status code, const char *text) {
+    if (output->failure.code == SN_OK) {
+        sn_fail_at(&output->failure, code, output->name, 0, "%s", text);
+        output->failure.code = code;
+    }
+    return output->failure.code;
+}
+
+static sn_status keep_system_failure(sn_output *output, const char *what) {
+    char text[256];
+    snprintf(text, sizeof text, "%s: %s", what, strerror(errno));
+    return keep_failure(output, SN_ERROR_IO, text);
+}
+
+static sn_status report_failure(const sn_output *output, sn_error *error) {
+    if (output->failure.code != SN_OK && error) *error = output->failure;
+    return output->failure.code;
+}
+
+/* An open file in the folder of path that becomes path on commit. */
+static sn_status open_beside(sn_output *output, sn_error *error) {
+    const char *slash = strrchr(output->target, '/');
+    char *folder = slash ? sn_strndup(output->target, slash == output->target ? 1 : (size_t)(slash - output->target)) : sn_strdup(".");
+    if (!folder) return sn_fail_memory(error, "a file name");
+    /* linking a nameless file needs /proc */
+    output->fd = access("/proc/self/fd", X_OK) == 0 ? open(folder, O_TMPFILE | O_WRONLY | O_CLOEXEC, 0666) : -1;
+    free(folder);
+    if (output->fd >= 0) return SN_OK;
+    size_t size = strlen(output->target) + 32;
+    output->temporary = SN_NEW(char, size);
+    if (!output->temporary) return sn_fail_memory(error, "a file name");
+    for (int attempt = 0; output->fd < 0 && attempt < 100; attempt++) {
+        snprintf(output->temporary, size, "%s.%ld-%d~", output->target, (long)getpid(), attempt);
+        output->fd = open(output->temporary, O_CREAT | O_EXCL | O_WRONLY | O_CLOEXEC, 0666);
+        if (output->fd < 0 && errno != EEXIST) break;
+    }
+    if (output->fd >= 0) return SN_OK;
+    int reason = errno;
+    free(output->temporary);
+    output->temporary = NULL;
+    return sn_fail_at(error, SN_ERROR_IO, output->name, 0, "cannot be written: %s", strerror(reason));
+}
+
+static sn_status open_in_place(sn_output *output, const char *path, sn_error *error) {
+    output->fd = open(path, O_WRONLY | O_CREAT | O_CLOEXEC, 0666);
+    if (output->fd < 0) return sn_fail_at(error, SN_ERROR_IO, path, 0, "cannot be written: %s", strerror(errno));
+    return SN_OK;
+}
+
+static sn_status open_replacing(sn_output *output, const char *path, const struct stat *existing, sn_error *error) {
+    output->target = existing ? realpath(path, NULL) : sn_strdup(path);
+    if (!output->target) return sn_fail_at(error, SN_ERROR_IO, path, 0, "cannot be written: %s", strerror(errno));
+    if (existing && access(path, W_OK) != 0) {
+        return sn_fail_at(error, SN_ERROR_IO, path, 0, "cannot be written: %s", strerror(errno));
+    }
+    sn_status status = open_beside(output, error);
+    if (status == SN_OK && existing && fchmod(output->fd, existing->st_mode & 0777) != 0) {
+        return sn_fail_at(error, SN_ERROR_IO, path, 0, "cannot be given the mode of the file it replaces: %s", strerror(errno));
+    }
+    return status;
+}
+
+static sn_status open_path(sn_output *output, const char *path, sn_error *error) {
+    struct stat info;
+    bool exists = stat(path, &info) == 0;
+    if (!*path) return sn_fail_at(error, SN_ERROR_IO, path, 0, "an output needs a file name");
+    if (exists && S_ISDIR(info.st_mode)) return sn_fail_at(error, SN_ERROR_IO, path, 0, "is a directory; name a file in it");
+    bool regular = !exists || S_ISREG(info.st_mode);
+    if (regular && !output->stream) return open_replacing(output, path, exists ? &info : NULL, error);
+    output->untruncated = regular;
+    output->hold = !output->stream;
+    return open_in_place(output, path, error);
+}
+
+/* A duplicate, so that its close can be checked without closing the process's stdout. */
+static sn_status open_standard(sn_output *output, sn_error *error) {
+    output->hold = !output->stream;
+    output->fd = fcntl(STDOUT_FILENO, F_DUPFD_CLOEXEC, 3);
+    if (output->fd < 0) return sn_fail_at(error, SN_ERROR_IO, output->name, 0, "cannot be written: %s", strerror(errno));
+    return SN_OK;
+}
+
+sn_status sn_output_open(const char *path, bool stream, sn_output **out, sn_error *error) {
+    *out = NULL;
+    sn_output *output = SN_NEW(sn_output, 1);
+    if (!output) return sn_fail_memory(error, "an output");
+    output->fd = -1;
+    output->stream = stream;
+    bool standard = is_standard(path);
+    output->name = sn_strdup(standard ? "<stdout>" : path);
+    sn_status status = !output->name ? sn_fail_memory(error, "a file name")
+                       : standard    ? open_standard(output, error)
+                                     : open_path(output, path, error);
+    if (status != SN_OK) {
+        sn_output_abort(output);
+        return status;
+    }
+    *out = output;
+    return SN_OK;
+}
+
+/* write(2) until all is out; a descriptor that does not block is waited for. */
+static bool write_fully(int fd, const char *data, size_t size) {
+    while (size > 0) {
+        ssize_t put = write(fd, data, size);
+        if (put < 0 && errno == EAGAIN) {
+            struct pollfd ready = {.fd = fd, .events = POLLOUT};
+            if (poll(&ready, 1, -1) < 0 && errno != EINTR) return false;
+        } else if (put < 0 && errno != EINTR) {
+            return false;
+        } else if (put > 0) {
+            data += put;
+            size -= (size_t)put;
+        }
+    }
+    return true;
+}
+
+/* Hand the first `size` bytes of the buffer to the system. */
+static sn_status flush_bytes(sn_output *output, size_t size) {
+    if (output->untruncated) {
+        if (ftruncate(output->fd, 0) != 0) return keep_system_failure(output, "cannot be written");
+        output->untruncated = false;
+    }
+    if (!write_fully(output->fd, output->buffer, size)) return keep_system_failure(output, "cannot be written");
+    output->written += size;
+    output->used -= size;
+    if (output->used > 0) memmove(output->buffer, output->buffer + size, output->used);
+    return SN_OK;
+}
+
+static sn_status flush_lines(sn_output *output) {
+    const char *newline = output->used > 0 ? memrchr(output->buffer, '\n', output->used) : NULL;
+    return newline ? flush_bytes(output, (size_t)(newline - output->buffer) + 1) : SN_OK;
+}
+
+/* Room for `size` more bytes in the buffer, emptied first where that is allowed. */
+static sn_status make_room(sn_output *output, size_t size) {
+    if (!output->hold && !output->stream && output->used >= CHUNK) {
+        sn_status status = flush_bytes(output, output->used);
+        if (status != SN_OK) return status;
+    }
+    if (size > SIZE_MAX - output->used || !sn_grow((void **)&output->buffer, &output->capacity, output->used + size, 1)) {
+        return keep_failure(output, SN_ERROR_MEMORY, "out of memory for the output");
+    }
+    return SN_OK;
+}
+
+sn_status sn_output_write(sn_output *output, const void *data, size_t size, sn_error *error) {
+    if (output->failure.code == SN_OK && size > 0 && make_room(output, size) == SN_OK) {
+        memcpy(output->buffer + output->used, data, size);
+        output->used += size;
+        if (output->stream) flush_lines(output);
+    }
+    return report_failure(output, error);
+}
+
+sn_status sn_output_print(sn_output *output, const char *format, ...) {
+    char text[512];
+    va_list arguments, again;
+    va_start(arguments, format);
+    va_copy(again, arguments);
+    int length = vsnprintf(text, sizeof text, format, arguments);
+    if (length >= 0 && (size_t)length < sizeof text) {
+        sn_output_write(output, text, (size_t)length, NULL);
+    } else if (length >= 0 && output->failure.code == SN_OK && make_room(output, (size_t)length + 1) == SN_OK) {
+        vsnprintf(output->buffer + output->used, (size_t)length + 1, format, again);
+        output->used += (size_t)length;
+        if (output->stream) flush_lines(output);
+    }
+    va_end(again);
+    va_end(arguments);
+    return output->failure.code;
+}
+
+sn_status sn_output_patch(sn_output *output, uint64_t offset, const void *data, size_t size, sn_error *error) {
+    if (output->failure.code != SN_OK) return report_failure(output, error);
+    if (output->stream || offset > output->written + output->used || size > output->written + output->used - offset) {
+        return sn_fail_at(error, SN_ERROR_USAGE, output->name, 0, "bytes that were not written, or have left, cannot be patched");
+    }
+    if (output->hold) {
+        memcpy(output->buffer + offset, data, size);
+    } else if (output->used == 0 || flush_bytes(output, output->used) == SN_OK) {
+        if (pwrite(output->fd, data, size, (off_t)offset) != (ssize_t)size) keep_system_failure(output, "cannot be written");
+    }
+    return report_failure(output, error);
+}
+
+bool sn_output_is_terminal(const sn_output *output) { return isatty(output->fd) == 1; }
+
+/* Give a nameless file a name beside the target: linkat cannot replace, rename can. */
+static void name_temporary(sn_output *output) {
+    char descriptor[32];
+    snprintf(descriptor, sizeof descriptor, "/proc/self/fd/%d", output->fd);
+    size_t size = strlen(output->target) + 32;
+    char *name = SN_NEW(char, size);
+    if (!name) {
+        keep_failure(output, SN_ERROR_MEMORY, "out of memory for a file name");
+        return;
+    }
+    for (int attempt = 0; attempt < 100; attempt++) {
+        snprintf(name, size, "%s.%ld-%d~", output->target, (long)getpid(), attempt);
+        if (linkat(AT_FDCWD, descriptor, AT_FDCWD, name, AT_SYMLINK_FOLLOW) == 0) {
+            output->temporary = name;
+            return;
+        }
+        if (errno != EEXIST) break;
+    }
+    keep_system_failure(output, "cannot be written");
+    free(name);
+}
+
+static void replace_target(sn_output *output) {
+    if (fsync(output->fd) != 0) keep_system_failure(output, "cannot be written");
+    if (output->failure.code == SN_OK && !output->temporary) name_temporary(output);
+    int fd = output->fd;
+    output->fd = -1;
+    if (close(fd) != 0) keep_system_failure(output, "cannot be written");
+    if (output->failure.code != SN_OK) return;
+    if (rename(output->temporary, output->target) != 0) {
+        keep_system_failure(output, "cannot be written");
+    } else {
+        free(output->temporary);
+        output->temporary = NULL;
+    }
+}
+
+static void finish_in_place(sn_output *output) {
+    int fd = output->fd;
+    output->fd = -1;
+    if (close(fd) != 0) keep_system_failure(output, "cannot be written");
+}
+
+sn_status sn_output_commit(sn_output *output, sn_error *error) {
+    if (output->failure.code == SN_OK) flush_bytes(output, output->used);
+    if (output->failure.code == SN_OK) {
+        if (output->target) {
+            replace_target(output);
+        } else {
+            finish_in_place(output);
+        }
+    }
+    sn_status status = report_failure(output, error);
+    sn_output_abort(output);
+    return status;
+}
+
+void sn_output_abort(sn_output *output) {
+    if (!output) return;
+    if (output->fd >= 0) close(output->fd);
+    if (output->temporary) unlink(output->temporary);
+    free(output->temporary);
+    free(output->target);
+    free(output->name);
+    free(output->buffer);
+    free(output);
+}
