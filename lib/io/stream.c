@@ -1,9 +1,9 @@
 /*
  * stream.c -- whole files in, all or nothing out.
  *
- * A regular target is written as a file without a name in the target's folder (O_TMPFILE), flushed, then linked and renamed over the target:
- * a reader sees the old file or the new one, and a killed process leaves nothing behind. What cannot be renamed over (stdout, devices, pipes)
- * is held in memory until commit, so that a failure leaves it untouched; a line stream alone is written at once.
+ * A regular target is written as a file without a name in the target's folder (O_TMPFILE), flushed, then linked and renamed over the
+ * target: a reader sees the old file or the new one, and a killed process leaves nothing behind. What cannot be renamed over (stdout,
+ * devices, pipes) is held in memory until commit, so that a failure leaves it untouched; a line stream alone is written at once.
  */
 #include "sinew/io.h"
 
@@ -53,8 +53,8 @@ sn_status sn_blob_read(const char *path, sn_blob *out, sn_error *error) {
     out->name = sn_strdup(standard ? "<stdin>" : path);
     if (!out->name) return sn_fail_memory(error, "a file name");
     int fd = standard ? STDIN_FILENO : open(path, O_RDONLY | O_CLOEXEC);
-    sn_status status = fd < 0 ? sn_fail_at(error, SN_ERROR_IO, path, 0, "cannot be opened: %s", strerror(errno))
-                              : read_descriptor(fd, out, error);
+    sn_status status =
+        fd < 0 ? sn_fail_at(error, SN_ERROR_IO, path, 0, "cannot be opened: %s", strerror(errno)) : read_descriptor(fd, out, error);
     if (!standard && fd >= 0) close(fd);
     if (status != SN_OK) sn_blob_free(out);
     return status;
@@ -73,8 +73,8 @@ struct sn_output {
     char *target;    /* what commit renames over, links resolved; NULL = written in place */
     char *temporary; /* its name until then; NULL = it has none yet (O_TMPFILE) */
     int fd;
-    bool hold;       /* keep everything in memory until commit */
-    bool stream;     /* whole lines go out at once */
+    bool hold;        /* keep everything in memory until commit */
+    bool stream;      /* whole lines go out at once */
     bool untruncated; /* a regular file written in place, whose old content goes with the first write */
     char *buffer;
     size_t used, capacity;
@@ -134,9 +134,7 @@ static sn_status open_in_place(sn_output *output, const char *path, sn_error *er
 static sn_status open_replacing(sn_output *output, const char *path, const struct stat *existing, sn_error *error) {
     output->target = existing ? realpath(path, NULL) : sn_strdup(path);
     if (!output->target) return sn_fail_at(error, SN_ERROR_IO, path, 0, "cannot be written: %s", strerror(errno));
-    if (existing && access(path, W_OK) != 0) {
-        return sn_fail_at(error, SN_ERROR_IO, path, 0, "cannot be written: %s", strerror(errno));
-    }
+    if (existing && access(path, W_OK) != 0) { return sn_fail_at(error, SN_ERROR_IO, path, 0, "cannot be written: %s", strerror(errno)); }
     sn_status status = open_beside(output, error);
     if (status == SN_OK && existing && fchmod(output->fd, existing->st_mode & 0777) != 0) {
         return sn_fail_at(error, SN_ERROR_IO, path, 0, "cannot be given the mode of the file it replaces: %s", strerror(errno));

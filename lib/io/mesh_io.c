@@ -1,0 +1,262 @@
+/*
+ * mesh_io.c -- which format a file has, and what every format's reader and writer ends in.
+ */
+#include "mesh_reader.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+
+typedef struct format_entry {
+    sn_mesh_format format;
+    const char *name, *extension;
+    sn_status (*parse)(sn_reader *reader);
+} format_entry;
+
+static const format_entry formats[] = {
+    {SN_MESH_OBJ, "OBJ", ".obj", sn_obj_parse},
+    {SN_MESH_PLY, "PLY", ".ply", sn_ply_parse},
+    {SN_MESH_STL, "STL", ".stl", sn_stl_parse},
+    {SN_MESH_OFF, "OFF", ".off", sn_off_parse},
+};
+enum { FORMAT_COUNT = sizeof formats / sizeof *formats };
+
+const char *sn_mesh_format_name(sn_mesh_format format) {
+    for (int i = 0; i < FORMAT_COUNT; i++) {
+        if (formats[i].format == format) return formats[i].name;
+    }
+    return "unknown";
+}
+
+sn_mesh_format sn_mesh_format_from_name(const char *path) {
+    const char *dot = path != NULL ? strrchr(path, '.') : NULL;
+    for (int i = 0; dot != NULL && i < FORMAT_COUNT; i++) {
+        if (strcasecmp(dot, formats[i].extension) == 0) return formats[i].format;
+    }
+    return SN_MESH_UNKNOWN;
+}
+
+/* ---- detection ------------------------------------------------------------------------------------------------------ */
+
+static bool is_obj_keyword(sn_span word) {
+    static const char *const keywords[] = {"v", "vn", "vt", "vp", "f", "fo", "l", "p", "o", "g", "s", "mtllib", "usemtl", "mg"};
+    for (size_t i = 0; i < sizeof keywords / sizeof *keywords; i++) {
+        if (sn_span_is(word, keywords[i])) return true;
+    }
+    return false;
+}
+
+static sn_reader reader_of(const sn_blob *blob) {
+    static const char byte_order_mark[] = "\xef\xbb\xbf";
+    sn_reader reader = {.blob = blob, .at = blob->data, .end = blob->data + blob->size, .line = 1, .highest_corner = -1};
+    if (blob->size >= 3 && memcmp(blob->data, byte_order_mark, 3) == 0) reader.at += 3;
+    return reader;
+}
+
+sn_mesh_format sn_mesh_detect(const sn_blob *blob) {
+    if (blob->size == 0) return SN_MESH_UNKNOWN;
+    if (sn_stl_is_binary(blob->data, blob->size)) return SN_MESH_STL;
+    sn_reader reader = reader_of(blob);
+    if (sn_reader_find_line(&reader)) {
+        sn_span word = sn_reader_word(&reader);
+        if (sn_span_is(word, "ply")) return SN_MESH_PLY;
+        if (sn_off_keyword(word)) return SN_MESH_OFF;
+        if (sn_span_is(word, "solid")) return SN_MESH_STL;
+        if (is_obj_keyword(word)) return SN_MESH_OBJ;
+        if (word.text[0] == '{') return SN_MESH_UNKNOWN;
+    }
+    return sn_mesh_format_from_name(blob->name);
+}
+
+/* ---- reading -------------------------------------------------------------------------------------------------------- */
+
+/* Colours in 0..1 that are whole 255ths, as far as six digits tell, become integers 0..255. */
+static bool are_bytes(const double *values, size_t count, double scale) {
+    for (size_t i = 0; i < count; i++) {
+        double v = values[i] * scale;
+        if (!(v >= -1e-3 && v <= 255.001) || fabs(v - nearbyint(v)) > 1e-3) return false;
+    }
+    return true;
+}
+
+/* Make white what has no colour; returns what turns the values into 0..255. */
+static double fill_colours(double *values, size_t count) {
+    double most = 0.0;
+    for (size_t i = 0; i < count; i++) most = fmax(most, values[i]);
+    for (size_t i = 0; i < count; i++) {
+        if (isnan(values[i])) values[i] = most > 1.0 ? 255.0 : 1.0;
+    }
+    return most > 1.0 ? 1.0 : 255.0;
+}
+
+static sn_status add_colours(sn_reader *reader) {
+    static const char *const names[] = {"red", "green", "blue", "alpha"};
+    sn_mesh *mesh = &reader->mesh;
+    if (reader->colour_count == 0) return SN_OK;
+    size_t vertices = (size_t)mesh->vertex_count;
+    sn_status status = sn_reader_add_colour(reader, NULL, 0);
+    if (status != SN_OK) return status;
+    double scale = fill_colours(reader->colours, 4 * vertices);
+    bool bytes = are_bytes(reader->colours, 4 * vertices, scale);
+    for (int c = 0; c < (reader->has_alpha ? 4 : 3); c++) {
+        sn_attribute *attribute = sn_mesh_add_attribute(mesh, names[c], 1);
+        if (attribute == NULL) return sn_fail_memory(reader->error, "vertex colours");
+        attribute->integer = bytes;
+        for (size_t i = 0; i < vertices; i++) {
+            double value = reader->colours[4 * i + (size_t)c];
+            attribute->values[i] = bytes ? nearbyint(value * scale) : value;
+        }
+    }
+    return SN_OK;
+}
+
+static sn_status check_faces(sn_reader *reader) {
+    const sn_mesh *mesh = &reader->mesh;
+    const char *name = reader->blob->name;
+    if (mesh->triangle_count == 0) {
+        return sn_fail_at(reader->error, SN_ERROR_INPUT, name, 0, "has no faces; a surface of triangles or polygons is needed");
+    }
+    if (reader->highest_corner < mesh->vertex_count) return SN_OK;
+    long long corner = (long long)(reader->highest_corner + reader->first_index);
+    if (reader->line > 0) {
+        return sn_fail_at(reader->error, SN_ERROR_INPUT, name, reader->highest_place,
+                          "a face names vertex %lld (counting from %d), but the file has %d vertices", corner, (int)reader->first_index,
+                          (int)mesh->vertex_count);
+    }
+    return sn_fail_at(reader->error, SN_ERROR_INPUT, name, 0, "byte %lld: a face names vertex %lld, but the file has %d vertices",
+                      (long long)reader->highest_place, corner, (int)mesh->vertex_count);
+}
+
+/* Give back the room that was not used. Where that fails the larger block stays. */
+static void shrink(sn_reader *reader) {
+    sn_mesh *mesh = &reader->mesh;
+    sn_vec3 *positions = sn_realloc(mesh->positions, (size_t)mesh->vertex_count, sizeof *positions);
+    if (positions != NULL) mesh->positions = positions;
+    sn_triangle *triangles = sn_realloc(mesh->triangles, (size_t)mesh->triangle_count, sizeof *triangles);
+    if (triangles != NULL) mesh->triangles = triangles;
+}
+
+static sn_status finish(sn_reader *reader) {
+    sn_status status = check_faces(reader);
+    if (status == SN_OK) status = add_colours(reader);
+    if (status != SN_OK) return status;
+    sn_reader_cut_polygons(reader);
+    shrink(reader);
+    if (reader->thin_faces > 0) {
+        sn_log(SN_LOG_WARNING, "%s: %lld faces of fewer than three corners were left out", reader->blob->name,
+               (long long)reader->thin_faces);
+    }
+    return SN_OK;
+}
+
+static sn_status parse_as(const format_entry *format, const sn_blob *blob, bool allow_nonfinite, sn_mesh *out, sn_error *error) {
+    sn_reader reader = reader_of(blob);
+    reader.error = error;
+    reader.allow_nonfinite = allow_nonfinite;
+    sn_status status = format->parse(&reader);
+    if (status == SN_OK) status = finish(&reader);
+    free(reader.polygons);
+    free(reader.corners);
+    free(reader.colours);
+    free(reader.group_table.slots);
+    if (status == SN_OK) {
+        *out = reader.mesh;
+    } else {
+        sn_mesh_free(&reader.mesh);
+        sn_error_set_file(error, blob->name);
+    }
+    return status;
+}
+
+sn_status sn_mesh_parse(const sn_blob *blob, bool allow_nonfinite, sn_mesh *out, sn_error *error) {
+    *out = (sn_mesh){0};
+    if (blob->size == 0) return sn_fail_at(error, SN_ERROR_INPUT, blob->name, 0, "is empty; a mesh is needed");
+    sn_mesh_format format = sn_mesh_detect(blob);
+    for (int i = 0; i < FORMAT_COUNT; i++) {
+        if (formats[i].format == format) return parse_as(&formats[i], blob, allow_nonfinite, out, error);
+    }
+    return sn_fail_at(error, SN_ERROR_INPUT, blob->name, 0, "is in no known mesh format; OBJ, PLY, STL and OFF are read");
+}
+
+sn_status sn_mesh_read(const char *path, sn_mesh *out, sn_error *error) {
+    *out = (sn_mesh){0};
+    sn_blob blob;
+    sn_status status = sn_blob_read(path, &blob, error);
+    if (status != SN_OK) return status;
+    status = sn_mesh_parse(&blob, false, out, error);
+    sn_blob_free(&blob);
+    return status;
+}
+
+/* ---- writing -------------------------------------------------------------------------------------------------------- */
+
+void sn_write_number(sn_output *output, char separator, double value) {
+    char text[40];
+    int length = 0;
+    if (separator != '\0') text[length++] = separator;
+    length += sn_format_number(value, text + length);
+    sn_output_write(output, text, (size_t)length, NULL);
+}
+
+void sn_write_vec3(sn_output *output, char separator, sn_vec3 value) {
+    sn_write_number(output, separator, value.x);
+    sn_write_number(output, ' ', value.y);
+    sn_write_number(output, ' ', value.z);
+}
+
+void sn_write_name(sn_output *output, const char *name, bool spaces) {
+    for (; *name != '\0'; name++) {
+        unsigned char c = (unsigned char)*name;
+        char safe = c < ' ' || c == 0x7f || c == '\\' || (c == ' ' && !spaces) ? '_' : (char)c;
+        sn_output_write(output, &safe, 1, NULL);
+    }
+}
+
+bool sn_mesh_colours(const sn_mesh *mesh, const sn_attribute *channels[3]) {
+    static const char *const names[] = {"red", "green", "blue"};
+    for (int i = 0; i < 3; i++) {
+        channels[i] = sn_mesh_attribute(mesh, names[i]);
+        if (channels[i] == NULL || channels[i]->components != 1) return false;
+    }
+    return true;
+}
+
+/* Do all coordinates fit what the format can hold? Binary STL has single precision. */
+static sn_status check_coordinates(const sn_mesh *mesh, double limit, const char *format, sn_error *error) {
+    for (sn_index i = 0; i < mesh->vertex_count; i++) {
+        sn_vec3 p = mesh->positions[i];
+        if (fmax(fabs(p.x), fmax(fabs(p.y), fabs(p.z))) <= limit && sn_finite3(p)) continue;
+        sn_fail(error, SN_ERROR_INPUT, "vertex %d (%g %g %g) cannot be written as %s", (int)i, p.x, p.y, p.z, format);
+        if (error != NULL) error->element = i;
+        return SN_ERROR_INPUT;
+    }
+    return SN_OK;
+}
+
+sn_status sn_mesh_write(const sn_mesh *mesh, sn_mesh_format format, sn_mesh_encoding encoding, sn_output *output, sn_error *error) {
+    bool binary = encoding == SN_ENCODING_LITTLE || encoding == SN_ENCODING_BIG;
+    if ((binary && (format == SN_MESH_OBJ || format == SN_MESH_OFF)) || (format == SN_MESH_STL && encoding == SN_ENCODING_BIG)) {
+        return sn_fail(error, SN_ERROR_USAGE, "%s has no such encoding; PLY has all of them", sn_mesh_format_name(format));
+    }
+    double limit = format == SN_MESH_STL && encoding != SN_ENCODING_ASCII ? 3.4028234663852886e38 : 1.7976931348623157e308;
+    sn_status status = check_coordinates(mesh, limit, sn_mesh_format_name(format), error);
+    if (status != SN_OK) return status;
+    switch (format) {
+    case SN_MESH_OBJ:
+        sn_obj_write(mesh, output);
+        break;
+    case SN_MESH_PLY:
+        status = sn_ply_write(mesh, encoding, output, error);
+        break;
+    case SN_MESH_STL:
+        sn_stl_write(mesh, encoding, output);
+        break;
+    case SN_MESH_OFF:
+        sn_off_write(mesh, output);
+        break;
+    case SN_MESH_UNKNOWN:
+        return sn_fail(error, SN_ERROR_USAGE, "the mesh format is not known; name an output .ply, .obj, .stl or .off");
+    }
+    return status == SN_OK ? sn_output_write(output, "", 0, error) : status;
+}

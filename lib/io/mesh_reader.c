@@ -1,0 +1,312 @@
+/*
+ * mesh_reader.c -- the cursor over a mesh file, and the mesh that grows while it is read.
+ */
+#include "mesh_reader.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* ---- places and errors ---------------------------------------------------------------------------------------------- */
+
+sn_status sn_reader_fail(const sn_reader *reader, sn_index element, const char *format, ...) {
+    char text[512];
+    va_list arguments;
+    va_start(arguments, format);
+    vsnprintf(text, sizeof text, format, arguments);
+    va_end(arguments);
+    if (reader->line > 0) {
+        sn_fail_at(reader->error, SN_ERROR_INPUT, reader->blob->name, reader->line, "%s", text);
+    } else {
+        long long offset = (long long)(reader->at - reader->blob->data);
+        sn_fail_at(reader->error, SN_ERROR_INPUT, reader->blob->name, 0, "byte %lld: %s", offset, text);
+    }
+    if (reader->error != NULL) reader->error->element = element;
+    return SN_ERROR_INPUT;
+}
+
+/* ---- text ----------------------------------------------------------------------------------------------------------- */
+
+static bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\v' || c == '\f'; }
+static bool is_line_end(char c) { return c == '\n' || c == '\r'; }
+
+/* Bytes of the line end at `at`: LF, CR LF or CR. */
+static size_t line_end_length(const sn_reader *reader, const char *at) {
+    return at[0] == '\r' && at + 1 < reader->end && at[1] == '\n' ? 2 : 1;
+}
+
+static bool is_joined(const sn_reader *reader) {
+    return reader->continues && *reader->at == '\\' && reader->at + 1 < reader->end && is_line_end(reader->at[1]);
+}
+
+static void skip_join(sn_reader *reader) {
+    reader->at += 1 + line_end_length(reader, reader->at + 1);
+    reader->line++;
+}
+
+static void skip_blanks(sn_reader *reader) {
+    while (reader->at < reader->end) {
+        if (is_blank(*reader->at)) {
+            reader->at++;
+        } else if (is_joined(reader)) {
+            skip_join(reader);
+        } else {
+            return;
+        }
+    }
+}
+
+bool sn_reader_at_line_end(sn_reader *reader) {
+    skip_blanks(reader);
+    return reader->at == reader->end || is_line_end(*reader->at) || *reader->at == '#';
+}
+
+bool sn_reader_next_line(sn_reader *reader) {
+    bool comment = false; /* a backslash in a comment joins nothing */
+    while (reader->at < reader->end && !is_line_end(*reader->at)) {
+        comment = comment || *reader->at == '#';
+        if (!comment && is_joined(reader)) {
+            skip_join(reader);
+        } else {
+            reader->at++;
+        }
+    }
+    if (reader->at == reader->end) return false;
+    reader->at += line_end_length(reader, reader->at);
+    reader->line++;
+    return reader->at < reader->end;
+}
+
+bool sn_reader_find_line(sn_reader *reader) {
+    while (sn_reader_at_line_end(reader)) {
+        if (!sn_reader_next_line(reader)) return false;
+    }
+    return true;
+}
+
+/* May a number or a word end here? */
+static bool at_boundary(const sn_reader *reader, const char *at) {
+    return at == reader->end || is_blank(*at) || is_line_end(*at) || *at == '#' || (*at == '\\' && reader->continues);
+}
+
+sn_span sn_reader_word(sn_reader *reader) {
+    if (sn_reader_at_line_end(reader)) return (sn_span){reader->at, 0};
+    const char *start = reader->at;
+    while (!at_boundary(reader, reader->at)) reader->at++;
+    if (reader->at == start) reader->at++; /* a lone backslash */
+    return (sn_span){start, (size_t)(reader->at - start)};
+}
+
+sn_span sn_reader_rest(sn_reader *reader) {
+    skip_blanks(reader);
+    const char *start = reader->at;
+    while (reader->at < reader->end && !is_line_end(*reader->at)) reader->at++;
+    const char *last = reader->at;
+    while (last > start && is_blank(last[-1])) last--;
+    return (sn_span){start, (size_t)(last - start)};
+}
+
+bool sn_span_is(sn_span span, const char *text) { return strlen(text) == span.length && memcmp(span.text, text, span.length) == 0; }
+
+const char *sn_reader_found(sn_reader *reader, char *buffer) {
+    if (sn_reader_at_line_end(reader)) return "the end of the line";
+    const char *at = reader->at;
+    size_t length = 0;
+    while (length < 40 && !at_boundary(reader, at)) {
+        char c = *at++;
+        buffer[++length] = c >= ' ' && c <= '~' ? c : '?';
+    }
+    buffer[0] = buffer[length + 1] = '\'';
+    buffer[length + 2] = '\0';
+    return buffer;
+}
+
+bool sn_reader_number(sn_reader *reader, double *out) {
+    skip_blanks(reader);
+    const char *next;
+    if (!sn_scan_number(reader->at, reader->end, &next, out) || !at_boundary(reader, next)) return false;
+    reader->at = next;
+    return true;
+}
+
+bool sn_reader_integer(sn_reader *reader, int64_t *out) {
+    skip_blanks(reader);
+    const char *next;
+    if (!sn_scan_integer(reader->at, reader->end, &next, out) || !at_boundary(reader, next)) return false;
+    reader->at = next;
+    return true;
+}
+
+sn_status sn_reader_position(sn_reader *reader, sn_vec3 *out) {
+    double *coordinate[3] = {&out->x, &out->y, &out->z};
+    for (int i = 0; i < 3; i++) {
+        char found[48];
+        if (sn_reader_number(reader, coordinate[i])) continue;
+        sn_index vertex = reader->mesh.vertex_count;
+        return sn_reader_fail(reader, vertex, "vertex %d needs a number for %c, not %s", (int)vertex, "xyz"[i],
+                              sn_reader_found(reader, found));
+    }
+    return SN_OK;
+}
+
+/* ---- equal things --------------------------------------------------------------------------------------------------- */
+
+uint64_t sn_hash_bytes(const void *data, size_t size) {
+    const unsigned char *bytes = data;
+    uint64_t hash = 0xcbf29ce484222325ULL; /* FNV-1a */
+    for (size_t i = 0; i < size; i++) hash = (hash ^ bytes[i]) * 0x100000001b3ULL;
+    return hash ^ (hash >> 32);
+}
+
+static sn_index *find_slot(const sn_index_table *table, sn_index candidate, const void *things, sn_hash_function hash,
+                           sn_equal_function equal) {
+    size_t at = (size_t)hash(things, candidate) & (table->size - 1);
+    while (table->slots[at] != SN_NONE && !equal(things, table->slots[at], candidate)) at = (at + 1) & (table->size - 1);
+    return &table->slots[at];
+}
+
+static bool grow_table(sn_index_table *table, const void *things, sn_hash_function hash, sn_equal_function equal) {
+    sn_index_table larger = {.size = table->size > 0 ? 4 * table->size : 64, .count = table->count};
+    larger.slots = SN_NEW(sn_index, larger.size);
+    if (larger.slots == NULL) return false;
+    for (size_t i = 0; i < larger.size; i++) larger.slots[i] = SN_NONE;
+    for (size_t i = 0; i < table->size; i++) {
+        if (table->slots[i] != SN_NONE) *find_slot(&larger, table->slots[i], things, hash, equal) = table->slots[i];
+    }
+    free(table->slots);
+    *table = larger;
+    return true;
+}
+
+sn_index sn_index_table_intern(sn_index_table *table, sn_index candidate, const void *things, sn_hash_function hash,
+                               sn_equal_function equal) {
+    if (2 * (table->count + 1) > table->size && !grow_table(table, things, hash, equal)) return SN_NONE;
+    sn_index *slot = find_slot(table, candidate, things, hash, equal);
+    if (*slot == SN_NONE) {
+        *slot = candidate;
+        table->count++;
+    }
+    return *slot;
+}
+
+/* ---- the mesh ------------------------------------------------------------------------------------------------------- */
+
+static bool reserve_vertices(sn_reader *reader, size_t count) {
+    return count <= SN_INDEX_MAX && sn_grow((void **)&reader->mesh.positions, &reader->vertex_capacity, count, sizeof(sn_vec3));
+}
+
+static bool reserve_triangles(sn_reader *reader, size_t count) {
+    return count <= SN_INDEX_MAX && sn_grow((void **)&reader->mesh.triangles, &reader->triangle_capacity, count, sizeof(sn_triangle));
+}
+
+sn_status sn_reader_reserve(sn_reader *reader, int64_t vertices, int64_t triangles) {
+    if (vertices > SN_INDEX_MAX || triangles > SN_INDEX_MAX) {
+        return sn_reader_fail(reader, SN_NONE, "%lld vertices and %lld faces are more than the %d that can be counted", (long long)vertices,
+                              (long long)triangles, (int)SN_INDEX_MAX);
+    }
+    if (!reserve_vertices(reader, (size_t)vertices)) return sn_fail_memory(reader->error, "vertices");
+    if (!reserve_triangles(reader, (size_t)triangles)) return sn_fail_memory(reader->error, "triangles");
+    return SN_OK;
+}
+
+sn_status sn_reader_add_vertex(sn_reader *reader, sn_vec3 position) {
+    sn_index vertex = reader->mesh.vertex_count;
+    if (!reader->allow_nonfinite && !sn_finite3(position)) {
+        return sn_reader_fail(reader, vertex, "vertex %d has a coordinate that is not finite (%g %g %g); correct or remove it", (int)vertex,
+                              position.x, position.y, position.z);
+    }
+    if ((size_t)vertex >= reader->vertex_capacity && !reserve_vertices(reader, (size_t)vertex + 1)) {
+        return sn_fail_memory(reader->error, "vertices");
+    }
+    reader->mesh.positions[vertex] = position;
+    reader->mesh.vertex_count = vertex + 1;
+    return SN_OK;
+}
+
+/* What has no value of its own is NaN until the end, when it is known whether 1 or 255 is white. */
+sn_status sn_reader_add_colour(sn_reader *reader, const double *colour, int count) {
+    size_t vertices = (size_t)reader->mesh.vertex_count, known = reader->colour_count;
+    if (!sn_grow((void **)&reader->colours, &reader->colour_capacity, 4 * vertices, sizeof(double))) {
+        return sn_fail_memory(reader->error, "vertex colours");
+    }
+    for (size_t i = 4 * known; i < 4 * vertices; i++) reader->colours[i] = NAN;
+    for (int i = 0; i < count; i++) reader->colours[4 * (vertices - 1) + (size_t)i] = colour[i];
+    reader->has_alpha = reader->has_alpha || count == 4;
+    reader->colour_count = vertices;
+    return SN_OK;
+}
+
+sn_status sn_reader_add_corner(sn_reader *reader, int64_t vertex) {
+    if (vertex < 0 || vertex > SN_INDEX_MAX) {
+        return sn_reader_fail(reader, SN_NONE, "a face names vertex %lld, which cannot be", (long long)(vertex + reader->first_index));
+    }
+    if (vertex > reader->highest_corner) {
+        reader->highest_corner = vertex;
+        reader->highest_place = reader->line > 0 ? reader->line : reader->at - reader->blob->data;
+    }
+    if (reader->corner_count == reader->corner_capacity &&
+        !sn_grow((void **)&reader->corners, &reader->corner_capacity, reader->corner_count + 1, sizeof(sn_index))) {
+        return sn_fail_memory(reader->error, "a face");
+    }
+    reader->corners[reader->corner_count++] = (sn_index)vertex;
+    return SN_OK;
+}
+
+/* Set the group of the triangles that have none yet, up to the last. */
+static bool mark_group(sn_reader *reader, sn_index first, sn_index group) {
+    sn_mesh *mesh = &reader->mesh;
+    bool begins = mesh->triangle_group == NULL;
+    if (!sn_grow((void **)&mesh->triangle_group, &reader->triangle_group_capacity, (size_t)mesh->triangle_count, sizeof(sn_index))) {
+        return false;
+    }
+    for (sn_index i = begins ? 0 : first; i < mesh->triangle_count; i++) mesh->triangle_group[i] = i < first ? SN_NONE : group;
+    return true;
+}
+
+sn_status sn_reader_add_face(sn_reader *reader, sn_index group) {
+    sn_mesh *mesh = &reader->mesh;
+    size_t corners = reader->corner_count;
+    reader->corner_count = 0;
+    if (corners < 3) {
+        reader->thin_faces++;
+        return SN_OK;
+    }
+    size_t first = (size_t)mesh->triangle_count, count = first + corners - 2;
+    if (count > reader->triangle_capacity && !reserve_triangles(reader, count)) return sn_fail_memory(reader->error, "triangles");
+    const sn_index *v = reader->corners;
+    for (size_t i = 2; i < corners; i++) mesh->triangles[first + i - 2] = (sn_triangle){{v[0], v[i - 1], v[i]}};
+    mesh->triangle_count = (sn_index)count;
+    if (mesh->group_count > 0 && !mark_group(reader, (sn_index)first, group)) return sn_fail_memory(reader->error, "triangle groups");
+    if (corners == 3) return SN_OK;
+    if (!sn_grow((void **)&reader->polygons, &reader->polygon_capacity, reader->polygon_count + 1, sizeof(sn_polygon))) {
+        return sn_fail_memory(reader->error, "polygons");
+    }
+    reader->polygons[reader->polygon_count++] = (sn_polygon){(sn_index)first, (sn_index)corners};
+    return SN_OK;
+}
+
+static uint64_t hash_name(const void *names, sn_index i) {
+    const char *name = ((char *const *)names)[i];
+    return sn_hash_bytes(name, strlen(name));
+}
+
+static bool equal_names(const void *names, sn_index i, sn_index j) {
+    return strcmp(((char *const *)names)[i], ((char *const *)names)[j]) == 0;
+}
+
+sn_status sn_reader_group(sn_reader *reader, sn_span name, sn_index *out) {
+    sn_mesh *mesh = &reader->mesh;
+    if (!sn_grow((void **)&mesh->group_names, &reader->group_capacity, (size_t)mesh->group_count + 1, sizeof(char *))) {
+        return sn_fail_memory(reader->error, "group names");
+    }
+    char *copy = sn_strndup(name.text, name.length);
+    if (copy == NULL) return sn_fail_memory(reader->error, "group names");
+    mesh->group_names[mesh->group_count] = copy;
+    *out = sn_index_table_intern(&reader->group_table, mesh->group_count, mesh->group_names, hash_name, equal_names);
+    if (*out == mesh->group_count) {
+        mesh->group_count++;
+        return SN_OK;
+    }
+    free(copy);
+    return *out == SN_NONE ? sn_fail_memory(reader->error, "group names") : SN_OK;
+}
