@@ -145,11 +145,16 @@ typedef struct sn_attach_params {
     int threads;           /* 0 = all */
 } sn_attach_params;
 
-typedef struct sn_attach_pair { sn_index bone, vertices; bool culled; double nearest; } sn_attach_pair;
+typedef struct sn_attach_pair {
+    sn_index bone;     /* index into the bones given */
+    sn_index vertices; /* that the bone has in the end */
+    bool culled;       /* its box is out of reach: not searched */
+    double nearest;    /* least signed distance of a vertex to the bone; where culled the distance of the boxes, a lower bound */
+} sn_attach_pair;
 
 typedef struct sn_attach_report {
     sn_index pair_count;
-    sn_attach_pair *pairs; /* (bones) one per bone, in the order given; owned */
+    sn_attach_pair *pairs; /* (pair_count) one per bone, in the order given; fewer only where the trace stopped; owned */
     sn_index attached;     /* vertices in all */
 } sn_attach_report;
 
