@@ -15,10 +15,14 @@
 /* Join vertices closer than `tolerance`: the lowest index of a cluster stands for it, the others go, triangles that collapse go;
  * clean input keeps vertices and order exactly. new_index (vertex_count before; nullable) maps old to new. */
 SN_MUST_CHECK sn_status sn_weld(sn_mesh *mesh, double tolerance, sn_index *welded, sn_index *new_index, sn_error *error);
-/* Drop triangles with a repeated index or zero area, and all but the first of triangles with the same three vertices. */
+/* Drop all but the first of triangles with the same three vertices, and triangles with a repeated index or no area (height below
+ * 1e-12 of the longest edge). One that has its middle corner on an edge of its neighbour gives way to a split of the neighbour, so
+ * that no crack opens. */
 SN_MUST_CHECK sn_status sn_drop_bad_triangles(sn_mesh *mesh, sn_index *degenerate, sn_index *duplicate, sn_error *error);
 /* Drop vertices that no triangle uses; the rest keep their order. */
 SN_MUST_CHECK sn_status sn_drop_unused_vertices(sn_mesh *mesh, sn_index *dropped, sn_error *error);
+/* Drop vertices with a coordinate that is not finite, and the triangles on them. Indices must be in range. */
+SN_MUST_CHECK sn_status sn_drop_nonfinite_vertices(sn_mesh *mesh, sn_index *dropped, sn_error *error);
 /* Orient the soup, duplicate non-manifold vertices, stitch borders (CGAL PMP). A closed oriented manifold comes back unchanged. */
 typedef struct sn_manifold_report { sn_index flipped, split_vertices, stitched_edges; bool orientable; } sn_manifold_report;
 SN_MUST_CHECK sn_status sn_make_manifold(sn_mesh *mesh, sn_manifold_report *report, sn_error *error);

@@ -38,6 +38,8 @@ void sn_mesh_free(sn_mesh *mesh); /* frees what it owns and zeroes it; an empty 
 /* Every index in range, every coordinate finite, at least one triangle: what every algorithm asks of its input.
  * SN_ERROR_INPUT with the first offending vertex or triangle in error->element. */
 SN_MUST_CHECK sn_status sn_mesh_validate(const sn_mesh *mesh, sn_error *error);
+/* Keep the triangles t with keep[t] (triangle_count), in their order, with their groups; vertices stay. */
+void sn_mesh_keep_triangles(sn_mesh *mesh, const bool *keep);
 
 /* ---- adjacency ---------------------------------------------------------------------------------------------------- */
 

@@ -5,6 +5,7 @@
 
 #include <stdlib.h>
 
+#include "edit.h"
 #include "order.h"
 
 /* The three half-edges of each triangle as (low, high) vertex pairs; half-edge 3t+k lies opposite to corner k. */
@@ -13,8 +14,6 @@ typedef struct half_edges {
     sn_index *low, *high; /* (count) */
     sn_index *order;      /* (count) half-edges sorted by (low, high) */
 } half_edges;
-
-static bool has_repeated_index(sn_triangle t) { return t.v[0] == t.v[1] || t.v[1] == t.v[2] || t.v[2] == t.v[0]; }
 
 static void half_edges_free(half_edges *half) {
     free(half->low);
@@ -26,7 +25,7 @@ static void half_edges_free(half_edges *half) {
 static void half_edges_fill(const sn_mesh *mesh, half_edges *half) {
     for (sn_index t = 0; t < mesh->triangle_count; t++) {
         sn_triangle triangle = mesh->triangles[t];
-        bool skip = has_repeated_index(triangle);
+        bool skip = sn_triangle_repeats_index(triangle);
         for (int k = 0; k < 3; k++) {
             sn_index a = triangle.v[(k + 1) % 3], b = triangle.v[(k + 2) % 3];
             half->low[3 * t + k] = skip ? 0 : (a < b ? a : b);

@@ -1,0 +1,97 @@
+/*
+ * cgal_manifold.cpp -- orientation of a triangle soup, cutting where it is not manifold, stitching of coincident borders
+ * (CGAL Polygon Mesh Processing).
+ */
+#include "cgal_surface.hpp"
+
+#include <array>
+
+#include <CGAL/Polygon_mesh_processing/manifoldness.h>
+#include <CGAL/Polygon_mesh_processing/orient_polygon_soup.h>
+#include <CGAL/Polygon_mesh_processing/polygon_soup_to_polygon_mesh.h>
+#include <CGAL/Polygon_mesh_processing/stitch_borders.h>
+
+namespace PMP = CGAL::Polygon_mesh_processing;
+
+using namespace sinew;
+
+namespace {
+
+using Triangle = std::array<std::size_t, 3>;
+
+/* The soup, and for each of its points the input vertex that it is a copy of. */
+struct Soup {
+    std::vector<Point> points;
+    std::vector<Triangle> triangles;
+    std::vector<sn_index> origin;
+};
+
+struct Remember_origin : PMP::Default_orientation_visitor {
+    std::vector<sn_index> *origin = nullptr;
+    void duplicated_vertex(std::size_t old_vertex, std::size_t new_vertex) {
+        if (origin->size() <= new_vertex) origin->resize(new_vertex + 1, SN_NONE);
+        (*origin)[new_vertex] = (*origin)[old_vertex];
+    }
+};
+
+Soup to_soup(const sn_bridge_mesh *in) {
+    Soup soup;
+    for (sn_index i = 0; i < in->vertex_count; i++) {
+        const double *p = in->points + 3 * i;
+        soup.points.emplace_back(p[0], p[1], p[2]);
+        soup.origin.push_back(i);
+    }
+    for (sn_index t = 0; t < in->triangle_count; t++) {
+        const sn_index *v = in->triangles + 3 * t;
+        soup.triangles.push_back({std::size_t(v[0]), std::size_t(v[1]), std::size_t(v[2])});
+    }
+    return soup;
+}
+
+void from_stitched(const Surface &surface, const std::vector<sn_index> &origin, const Soup &soup, sn_bridge_mesh *out) {
+    sinew::allocate_mesh(surface.number_of_vertices(), surface.number_of_faces(), out);
+    std::vector<sn_index> place(surface.num_vertices(), SN_NONE);
+    sn_index count = 0;
+    for (Vertex v : surface.vertices()) {
+        for (int k = 0; k < 3; k++) out->points[3 * count + k] = surface.point(v)[k];
+        out->vertex_origin[count] = origin[v.idx()];
+        place[v.idx()] = count++;
+    }
+    sn_index t = 0;
+    for (Face face : surface.faces()) {
+        Halfedge h = surface.halfedge(face);
+        for (int turn = 0; turn < 3; turn++) { /* start at the corner where the triangle started */
+            if (origin[surface.source(h).idx()] == soup.origin[soup.triangles[face.idx()][0]]) break;
+            h = surface.next(h);
+        }
+        for (int k = 0; k < 3; k++, h = surface.next(h)) out->triangles[3 * t + k] = place[surface.source(h).idx()];
+        out->triangle_origin[t] = sn_index(face.idx());
+        t++;
+    }
+}
+
+} // namespace
+
+sn_status sn_bridge_make_manifold(const sn_bridge_mesh *in, sn_bridge_mesh *out, sn_bridge_orientation *report, sn_error *error) {
+    return guarded("making the surface a manifold", error, [&] {
+        Soup soup = to_soup(in);
+        Remember_origin visitor;
+        visitor.origin = &soup.origin;
+        PMP::orient_polygon_soup(soup.points, soup.triangles, CGAL::parameters::visitor(visitor));
+        soup.origin.resize(soup.points.size(), SN_NONE);
+        if (!PMP::is_polygon_soup_a_polygon_mesh(soup.triangles)) throw std::runtime_error("its triangles cannot be oriented");
+        Surface surface;
+        PMP::polygon_soup_to_polygon_mesh(soup.points, soup.triangles, surface);
+        report->stitched_edges = sn_index(PMP::stitch_borders(surface));
+        std::vector<sn_index> origin = soup.origin; /* vertices of the soup keep their numbers in the surface */
+        std::vector<std::vector<Vertex>> copies;
+        PMP::duplicate_non_manifold_vertices(surface, CGAL::parameters::output_iterator(std::back_inserter(copies)));
+        origin.resize(surface.num_vertices(), SN_NONE);
+        for (const std::vector<Vertex> &same : copies) {
+            for (Vertex copy : same) origin[copy.idx()] = origin[same.front().idx()];
+        }
+        from_stitched(surface, origin, soup, out);
+        report->split_vertices = out->vertex_count > in->vertex_count ? out->vertex_count - in->vertex_count : 0;
+        return SN_OK;
+    });
+}
