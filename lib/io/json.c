@@ -485,6 +485,22 @@ sn_status sn_json_expect_format(const sn_json_value *top, const char *format, sn
     return status;
 }
 
+void sn_json_warn_unknown(const sn_json_value *object, const char *const *known) {
+    sn_json_value member = {0};
+    while (sn_json_next(object, &member)) {
+        bool found = member.key[0] == '_' || strncmp(member.key, "x-", 2) == 0;
+        for (int i = 0; known[i] != NULL && !found; i++) found = strcmp(known[i], member.key) == 0;
+        if (found) continue;
+        char path[256];
+        sn_error place = {0};
+        const char *at = find_value(&member);
+        write_path(&member, path, sizeof path);
+        if (at != NULL) set_place(&place, object->tree, (size_t)(at - object->tree->text));
+        sn_log(SN_LOG_WARNING, "%s:%lld: %s is not a member that sinew knows; it is left out", object->tree->name, (long long)place.line,
+               path);
+    }
+}
+
 /* ---- arrays of numbers ------------------------------------------------------------------------------------------------------------------
  */
 

@@ -78,6 +78,10 @@ SN_MUST_CHECK sn_status sn_json_get_indices(const sn_json_value *value, sn_index
 /* The members "format" and "version" of a document: the right format, and no version newer than we know. */
 SN_MUST_CHECK sn_status sn_json_expect_format(const sn_json_value *top, const char *format, sn_index newest, sn_error *error);
 
+/* A warning for each member that is not in the NULL-terminated list: most often it is mistyped. Names that begin with '_' or "x-" are
+ * a user's own. */
+void sn_json_warn_unknown(const sn_json_value *object, const char *const *known);
+
 /* ---- passing on ---------------------------------------------------------------------------------------------------------- */
 
 /* Write a value as it was read: same members in the same order, arrays of numbers as they were written. */

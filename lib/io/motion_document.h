@@ -1,0 +1,28 @@
+/* motion_document.h -- joints and channels in scene, motion and activation documents. Private to lib/io. */
+#ifndef SINEW_IO_MOTION_DOCUMENT_H
+#define SINEW_IO_MOTION_DOCUMENT_H
+
+#include "document.h"
+
+/* What turns a document's times and lengths into seconds and metres. */
+typedef struct sn_clock {
+    double rate;                      /* frames per second, for keys given by frame */
+    double meters_per_unit;           /* of points and translations */
+    sn_index first_frame, last_frame; /* where "degreesPerFrame" begins and ends */
+} sn_clock;
+
+extern const char *const sn_interpolation_names[]; /* in the order of sn_interpolation; NULL-terminated */
+
+/* The q with q x factor == value, where there is one: so a number that was scaled on reading is written as it was. */
+double sn_unscale(double value, double factor);
+
+/* The motion of a scene: { "joints": [...] }, or { "uri": "x.motion.json" }, a document of its own. */
+SN_MUST_CHECK sn_status sn_motion_parse(const sn_json_value *value, sn_clock clock, sn_motion *out, sn_error *error);
+void sn_motion_write(const sn_motion *motion, double meters_per_unit, sn_json *json);
+
+/* An activation: a number, { "keys": [[time, activation], ...] }, or { "uri": ..., "channel": ... } (fallback: the muscle's name). */
+SN_MUST_CHECK sn_status sn_activation_parse(const sn_json_value *value, sn_clock clock, const char *fallback, sn_channel *out,
+                                            sn_error *error);
+void sn_activation_write(const sn_channel *channel, sn_json *json);
+
+#endif

@@ -1,0 +1,372 @@
+/* scene_document.c -- the scene document: bones, muscles, motion and solver settings, read and written. */
+#include "motion_document.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#define FORMAT "sinew-scene"
+enum { NEWEST_VERSION = 1, FRAME_LIMIT = 100000000, COUNT_LIMIT = 1000000 };
+
+static const char *const law_names[] = {"projected", "paper", "isochoric", NULL}; /* in the order of sn_fiber_law */
+static const char *const method_names[] = {"xpbd", NULL};                         /* in the order of sn_solver_method */
+
+/* What the parts of a scene need of the whole. */
+typedef struct reader {
+    sn_scene *scene;
+    sn_clock clock;
+    bool load_bones;
+} reader;
+
+/* ---- reading: the whole ------------------------------------------------------------------------------------------------------ */
+
+static sn_status parse_frames(const sn_json_value *value, sn_scene *scene, sn_error *error) {
+    double frames[2] = {scene->first_frame, scene->last_frame};
+    sn_status status = sn_json_get_fixed(value, 2, frames, error);
+    if (status != SN_OK) return status;
+    for (int i = 0; i < 2; i++)
+        if (frames[i] != floor(frames[i]) || fabs(frames[i]) > FRAME_LIMIT)
+            return sn_json_complain(value, error, "expected two whole frame numbers [first,last], found %g", frames[i]);
+    if (frames[1] < frames[0]) return sn_json_complain(value, error, "the last frame comes before the first");
+    scene->first_frame = (sn_index)frames[0];
+    scene->last_frame = (sn_index)frames[1];
+    return SN_OK;
+}
+
+static sn_status parse_solver(const sn_json_value *value, sn_solver_settings *out, sn_error *error) {
+    static const char *const known[] = {"method", "substeps", "iterations", "threads", NULL};
+    if (!sn_json_has(value)) return SN_OK;
+    sn_json_value method = sn_json_member(value, "method"), substeps = sn_json_member(value, "substeps"),
+                  iterations = sn_json_member(value, "iterations"), threads = sn_json_member(value, "threads");
+    int choice = (int)out->method;
+    sn_index thread_count = out->threads;
+    sn_status status = sn_json_expect_object(value, error);
+    if (status == SN_OK) status = sn_json_get_choice(&method, method_names, &choice, error);
+    if (status == SN_OK) status = sn_json_get_index(&substeps, 1, COUNT_LIMIT, &out->substeps, error);
+    if (status == SN_OK) status = sn_json_get_index(&iterations, 1, COUNT_LIMIT, &out->iterations, error);
+    if (status == SN_OK) status = sn_json_get_index(&threads, 0, 1024, &thread_count, error);
+    if (status != SN_OK) return status;
+    out->method = (sn_solver_method)choice;
+    out->threads = thread_count;
+    sn_json_warn_unknown(value, known);
+    return SN_OK;
+}
+
+static sn_status parse_globals(const sn_json_value *top, sn_scene *scene, sn_error *error) {
+    sn_json_value name = sn_json_member(top, "name"), unit = sn_json_member(top, "metersPerUnit"), rate = sn_json_member(top, "rate"),
+                  frames = sn_json_member(top, "frames"), preroll = sn_json_member(top, "preroll"),
+                  gravity = sn_json_member(top, "gravity"), solver = sn_json_member(top, "solver");
+    sn_status status = sn_json_get_text(&name, &scene->name, error);
+    if (status == SN_OK) status = sn_json_get_number(&unit, SN_JSON_POSITIVE, INFINITY, &scene->meters_per_unit, error);
+    if (status == SN_OK) status = sn_json_get_number(&rate, SN_JSON_POSITIVE, INFINITY, &scene->rate, error);
+    if (status == SN_OK) status = parse_frames(&frames, scene, error);
+    if (status == SN_OK) status = sn_json_get_number(&preroll, 0.0, INFINITY, &scene->preroll, error);
+    if (status == SN_OK) status = sn_json_get_vec3(&gravity, &scene->gravity, error);
+    return status == SN_OK ? parse_solver(&solver, &scene->solver, error) : status;
+}
+
+/* "units": "mm", or metres per unit as a number. */
+static sn_status parse_units(const sn_json_value *value, double *out, sn_error *error) {
+    if (sn_json_has(value) && !sn_json_is_text(value)) return sn_json_get_number(value, SN_JSON_POSITIVE, INFINITY, out, error);
+    static const char *const names[] = {"m", "cm", "mm", "um", "in", "ft", NULL};
+    static const double meters[] = {1.0, 0.01, 0.001, 1e-6, 0.0254, 0.3048};
+    int choice = -1;
+    sn_status status = sn_json_get_choice(value, names, &choice, error);
+    if (status == SN_OK && choice >= 0) *out = meters[choice];
+    return status;
+}
+
+/* ---- reading: bones -------------------------------------------------------------------------------------------------------------- */
+
+static sn_status load_bone(const sn_json_value *mesh, sn_scene_bone *out, sn_error *error) {
+    char *path = sn_path_beside(sn_json_name(mesh->tree), out->uri);
+    if (path == NULL) return sn_fail_memory(error, "a path");
+    sn_status status = sn_mesh_read(path, &out->mesh, error);
+    free(path);
+    return status;
+}
+
+/* The joint that a bone hangs on, by name. */
+static sn_status parse_bone_joint(const sn_json_value *value, const sn_motion *motion, sn_index *out, sn_error *error) {
+    char *name = NULL;
+    sn_status status = sn_json_get_text(value, &name, error);
+    if (status != SN_OK || name == NULL) return status;
+    for (sn_index i = 0; i < motion->joint_count && *out == SN_NONE; i++)
+        if (strcmp(motion->joints[i].name, name) == 0) *out = i;
+    if (*out == SN_NONE) status = sn_json_complain(value, error, "the motion has no joint \"%s\"", name);
+    free(name);
+    return status;
+}
+
+static sn_status parse_bone(const sn_json_value *value, const reader *in, sn_scene_bone *out, sn_error *error) {
+    static const char *const known[] = {"name", "mesh", "units", "joint", NULL};
+    sn_json_value name = sn_json_member(value, "name"), mesh = sn_json_member(value, "mesh"), units = sn_json_member(value, "units"),
+                  joint = sn_json_member(value, "joint");
+    out->joint = SN_NONE;
+    out->meters_per_unit = in->scene->meters_per_unit;
+    sn_status status = sn_json_expect_object(value, error);
+    if (status == SN_OK) status = sn_json_require(&name, "the name of the bone", error);
+    if (status == SN_OK) status = sn_json_get_text(&name, &out->name, error);
+    if (status == SN_OK) status = sn_json_require(&mesh, "the file of the bone's surface", error);
+    if (status == SN_OK) status = sn_json_get_text(&mesh, &out->uri, error);
+    if (status == SN_OK) status = parse_units(&units, &out->meters_per_unit, error);
+    if (status == SN_OK) status = parse_bone_joint(&joint, &in->scene->motion, &out->joint, error);
+    if (status != SN_OK) return status;
+    sn_json_warn_unknown(value, known);
+    return in->load_bones ? load_bone(&mesh, out, error) : SN_OK;
+}
+
+static sn_status parse_bones(const sn_json_value *value, const reader *in, sn_error *error) {
+    if (!sn_json_has(value)) return SN_OK;
+    sn_status status = sn_json_expect_array(value, error);
+    if (status != SN_OK) return status;
+    sn_index count = sn_json_length(value);
+    if ((in->scene->bones = SN_NEW(sn_scene_bone, count)) == NULL) return sn_fail_memory(error, "bones");
+    for (sn_index i = 0; i < count && status == SN_OK; i++) {
+        sn_json_value bone = sn_json_element(value, i);
+        in->scene->bone_count = i + 1;
+        status = parse_bone(&bone, in, &in->scene->bones[i], error);
+    }
+    return status;
+}
+
+/* ---- reading: muscles -------------------------------------------------------------------------------------------------------------- */
+
+static sn_status parse_stiffness(const sn_json_value *value, sn_scene_muscle *out, sn_error *error) {
+    static const char *const known[] = {"relaxed", "active", "internal", "dihedral", "volume", NULL};
+    if (!sn_json_has(value)) return SN_OK;
+    sn_json_value relaxed = sn_json_member(value, "relaxed"), active = sn_json_member(value, "active"),
+                  internal = sn_json_member(value, "internal"), dihedral = sn_json_member(value, "dihedral"),
+                  volume = sn_json_member(value, "volume");
+    sn_status status = sn_json_expect_object(value, error);
+    if (status == SN_OK) status = sn_json_get_number(&relaxed, SN_JSON_POSITIVE, INFINITY, &out->stiffness_relaxed, error);
+    if (status == SN_OK) status = sn_json_get_number(&active, SN_JSON_POSITIVE, INFINITY, &out->stiffness_active, error);
+    if (status == SN_OK) status = sn_json_get_number(&internal, 0.0, INFINITY, &out->stiffness_internal, error);
+    if (status == SN_OK) status = sn_json_get_number(&dihedral, 0.0, INFINITY, &out->stiffness_dihedral, error);
+    if (status == SN_OK) status = sn_json_get_number(&volume, 0.0, INFINITY, &out->stiffness_volume, error);
+    if (status == SN_OK) sn_json_warn_unknown(value, known);
+    return status;
+}
+
+static sn_status alloc_knots(sn_index count, sn_knots *out, sn_error *error) {
+    out->x = SN_NEW(double, count);
+    out->y = SN_NEW(double, count);
+    if (out->x == NULL || out->y == NULL) return sn_fail_memory(error, "a curve");
+    out->count = count;
+    return SN_OK;
+}
+
+/* A number is the ratio at full activation, reached in a straight line from 1 at rest. */
+static sn_status parse_full_ratio(const sn_json_value *value, sn_knots *out, sn_error *error) {
+    double ratio = 1.0;
+    sn_status status = sn_json_get_number(value, SN_JSON_POSITIVE, INFINITY, &ratio, error);
+    if (status != SN_OK || ratio == 1.0) return status; /* 1 is what no knots mean */
+    if ((status = alloc_knots(2, out, error)) != SN_OK) return status;
+    out->x[1] = 1.0;
+    out->y[0] = 1.0;
+    out->y[1] = ratio;
+    return SN_OK;
+}
+
+static sn_status parse_volume_ratio(const sn_json_value *value, sn_knots *out, sn_error *error) {
+    if (!sn_json_has(value)) return SN_OK;
+    if (sn_json_is_number(value)) return parse_full_ratio(value, out, error);
+    if (!sn_json_is_array(value)) return sn_json_mismatch(value, error, "a number above 0, or [[activation, ratio], ...]");
+    sn_index count = sn_json_length(value);
+    sn_status status = count > 0 ? alloc_knots(count, out, error) : sn_json_complain(value, error, "there is no [activation, ratio]");
+    for (sn_index i = 0; i < count && status == SN_OK; i++) {
+        sn_json_value knot = sn_json_element(value, i);
+        double pair[2] = {0};
+        status = sn_json_get_fixed(&knot, 2, pair, error);
+        out->x[i] = pair[0];
+        out->y[i] = pair[1];
+        if (status == SN_OK && (pair[0] < 0.0 || pair[0] > 1.0 || pair[1] <= 0.0))
+            status = sn_json_complain(&knot, error, "expected [activation in [0,1], ratio above 0], found [%g,%g]", pair[0], pair[1]);
+        if (status == SN_OK && i > 0 && pair[0] <= out->x[i - 1]) status = sn_json_complain(&knot, error, "the activations do not ascend");
+    }
+    return status;
+}
+
+static sn_status parse_muscle_numbers(const sn_json_value *value, sn_scene_muscle *out, sn_error *error) {
+    sn_json_value contraction = sn_json_member(value, "contraction"), rest = sn_json_member(value, "restActivation"),
+                  law = sn_json_member(value, "law"), density = sn_json_member(value, "density"),
+                  damping = sn_json_member(value, "damping"), iterations = sn_json_member(value, "iterations"),
+                  stiffness = sn_json_member(value, "stiffness"), ratio = sn_json_member(value, "volumeRatio");
+    int choice = (int)out->law;
+    sn_status status = sn_json_get_number(&contraction, 0.0, 0.99, &out->contraction, error);
+    if (status == SN_OK) status = sn_json_get_number(&rest, 0.0, 1.0, &out->rest_activation, error);
+    if (status == SN_OK) status = sn_json_get_choice(&law, law_names, &choice, error);
+    if (status == SN_OK) status = sn_json_get_number(&density, SN_JSON_POSITIVE, INFINITY, &out->density, error);
+    if (status == SN_OK) status = sn_json_get_number(&damping, 0.0, INFINITY, &out->damping, error);
+    if (status == SN_OK) status = sn_json_get_index(&iterations, 0, COUNT_LIMIT, &out->iterations, error);
+    if (status == SN_OK) status = parse_stiffness(&stiffness, out, error);
+    out->law = (sn_fiber_law)choice;
+    return status == SN_OK ? parse_volume_ratio(&ratio, &out->volume_ratio, error) : status;
+}
+
+static sn_status load_rig(const sn_json_value *rig, sn_scene_muscle *out, const sn_scene *scene, sn_error *error) {
+    const sn_read_options options = {.meters_per_unit = scene->meters_per_unit};
+    sn_blob blob = {0};
+    sn_document *document = NULL;
+    char *path = sn_path_beside(sn_json_name(rig->tree), out->uri);
+    sn_status status = path != NULL ? sn_blob_read(path, &blob, error) : sn_fail_memory(error, "a path");
+    if (status == SN_OK) status = sn_muscle_parse(&blob, &options, &out->rig, &document, error);
+    sn_document_free(document);
+    sn_blob_free(&blob);
+    free(path);
+    return status;
+}
+
+/* A muscle without a name of its own has that of its rig, or of the rig's file. */
+static sn_status name_muscle(sn_scene_muscle *out, sn_error *error) {
+    if (out->name != NULL) return SN_OK;
+    out->name = out->rig.name != NULL ? sn_strdup(out->rig.name) : sn_path_stem(out->uri);
+    if (out->name == NULL) return sn_fail_memory(error, "a name");
+    char *middle = out->rig.name == NULL ? strstr(out->name, ".muscle") : NULL;
+    if (middle != NULL && strcmp(middle, ".muscle") == 0) *middle = '\0';
+    return SN_OK;
+}
+
+static sn_status parse_muscle(const sn_json_value *value, const reader *in, sn_scene_muscle *out, sn_error *error) {
+    static const char *const known[] = {"name",           "rig",        "enabled",   "activation",  "contraction",
+                                        "restActivation", "law",        "stiffness", "volumeRatio", "density",
+                                        "damping",        "iterations", NULL};
+    sn_json_value name = sn_json_member(value, "name"), rig = sn_json_member(value, "rig"), enabled = sn_json_member(value, "enabled"),
+                  activation = sn_json_member(value, "activation");
+    sn_scene_muscle_defaults(out);
+    sn_status status = sn_json_expect_object(value, error);
+    if (status == SN_OK) status = sn_json_get_text(&name, &out->name, error);
+    if (status == SN_OK) status = sn_json_require(&rig, "the file of the muscle document", error);
+    if (status == SN_OK) status = sn_json_get_text(&rig, &out->uri, error);
+    if (status == SN_OK) status = sn_json_get_bool(&enabled, &out->enabled, error);
+    if (status == SN_OK) status = parse_muscle_numbers(value, out, error);
+    if (status == SN_OK && out->enabled) status = load_rig(&rig, out, in->scene, error);
+    if (status == SN_OK) status = name_muscle(out, error);
+    if (status == SN_OK) status = sn_activation_parse(&activation, in->clock, out->name, &out->activation, error);
+    if (status == SN_OK) sn_json_warn_unknown(value, known);
+    return status;
+}
+
+static sn_status parse_muscles(const sn_json_value *value, const reader *in, sn_error *error) {
+    if (!sn_json_has(value)) return SN_OK;
+    sn_status status = sn_json_expect_array(value, error);
+    if (status != SN_OK) return status;
+    sn_index count = sn_json_length(value);
+    if ((in->scene->muscles = SN_NEW(sn_scene_muscle, count)) == NULL) return sn_fail_memory(error, "muscles");
+    for (sn_index i = 0; i < count && status == SN_OK; i++) {
+        sn_json_value muscle = sn_json_element(value, i);
+        in->scene->muscle_count = i + 1;
+        status = parse_muscle(&muscle, in, &in->scene->muscles[i], error);
+    }
+    return status;
+}
+
+/* ---- reading: the document
+ * --------------------------------------------------------------------------------------------------------------- */
+
+static sn_status parse_scene(const sn_json_value *top, bool load_bones, sn_scene *scene, sn_error *error) {
+    static const char *const known[] = {"format",  "version", "name",   "metersPerUnit", "rate",    "frames",  "preroll",
+                                        "gravity", "solver",  "motion", "bones",         "muscles", "history", NULL};
+    sn_json_value motion = sn_json_member(top, "motion"), bones = sn_json_member(top, "bones"), muscles = sn_json_member(top, "muscles");
+    sn_status status = sn_json_expect_format(top, FORMAT, NEWEST_VERSION, error);
+    if (status == SN_OK) status = parse_globals(top, scene, error);
+    const sn_clock clock = {scene->rate, scene->meters_per_unit, scene->first_frame, scene->last_frame};
+    const reader in = {.scene = scene, .clock = clock, .load_bones = load_bones};
+    if (status == SN_OK) status = sn_motion_parse(&motion, clock, &scene->motion, error);
+    if (status == SN_OK) status = parse_bones(&bones, &in, error);
+    if (status == SN_OK) status = parse_muscles(&muscles, &in, error);
+    if (status != SN_OK) return status;
+    sn_json_warn_unknown(top, known);
+    return sn_scene_validate(scene, error);
+}
+
+sn_status sn_scene_parse(const sn_blob *blob, bool load_bones, sn_scene *out, sn_error *error) {
+    sn_json_tree *tree = NULL;
+    sn_scene_defaults(out);
+    sn_status status = sn_json_parse(blob, &tree, error);
+    if (status == SN_OK) {
+        sn_json_value top = sn_json_top(tree);
+        status = parse_scene(&top, load_bones, out, error);
+    }
+    sn_json_tree_free(tree);
+    if (status == SN_OK) return SN_OK;
+    sn_error_set_file(error, blob->name);
+    sn_scene_free(out);
+    return status;
+}
+
+/* ---- writing
+ * --------------------------------------------------------------------------------------------------------------------------------- */
+
+static void write_solver(const sn_solver_settings *solver, sn_json *json) {
+    sn_json_object(json, "solver");
+    sn_json_text(json, "method", method_names[solver->method]);
+    sn_json_integer(json, "substeps", solver->substeps);
+    sn_json_integer(json, "iterations", solver->iterations);
+    sn_json_integer(json, "threads", solver->threads);
+    sn_json_close(json);
+}
+
+static void write_bone(const sn_scene *scene, const sn_scene_bone *bone, sn_json *json) {
+    sn_json_object_line(json, NULL);
+    sn_json_text(json, "name", bone->name);
+    sn_json_text(json, "mesh", bone->uri);
+    sn_json_number(json, "units", bone->meters_per_unit);
+    if (bone->joint != SN_NONE) sn_json_text(json, "joint", scene->motion.joints[bone->joint].name);
+    sn_json_close(json);
+}
+
+static void write_volume_ratio(const sn_knots *knots, sn_json *json) {
+    if (knots->count == 0) {
+        sn_json_number(json, "volumeRatio", 1.0);
+        return;
+    }
+    sn_json_array(json, "volumeRatio");
+    for (sn_index i = 0; i < knots->count; i++) sn_json_numbers(json, NULL, (const double[2]){knots->x[i], knots->y[i]}, 2);
+    sn_json_close(json);
+}
+
+static void write_stiffness(const sn_scene_muscle *muscle, sn_json *json) {
+    sn_json_object(json, "stiffness");
+    sn_json_number(json, "relaxed", muscle->stiffness_relaxed);
+    sn_json_number(json, "active", muscle->stiffness_active);
+    sn_json_number(json, "internal", muscle->stiffness_internal);
+    sn_json_number(json, "dihedral", muscle->stiffness_dihedral);
+    sn_json_number(json, "volume", muscle->stiffness_volume);
+    sn_json_close(json);
+}
+
+static void write_muscle(const sn_scene_muscle *muscle, sn_json *json) {
+    sn_json_object(json, NULL);
+    sn_json_text(json, "name", muscle->name);
+    sn_json_text(json, "rig", muscle->uri);
+    sn_json_bool(json, "enabled", muscle->enabled);
+    sn_activation_write(&muscle->activation, json);
+    sn_json_number(json, "contraction", muscle->contraction);
+    sn_json_number(json, "restActivation", muscle->rest_activation);
+    sn_json_text(json, "law", law_names[muscle->law]);
+    write_stiffness(muscle, json);
+    write_volume_ratio(&muscle->volume_ratio, json);
+    sn_json_number(json, "density", muscle->density);
+    sn_json_number(json, "damping", muscle->damping);
+    sn_json_integer(json, "iterations", muscle->iterations);
+    sn_json_close(json);
+}
+
+void sn_scene_write(const sn_scene *scene, sn_json *json) {
+    sn_json_text(json, "format", FORMAT);
+    sn_json_integer(json, "version", NEWEST_VERSION);
+    if (scene->name != NULL) sn_json_text(json, "name", scene->name);
+    sn_json_number(json, "metersPerUnit", scene->meters_per_unit);
+    sn_json_number(json, "rate", scene->rate);
+    sn_json_indices(json, "frames", (const sn_index[2]){scene->first_frame, scene->last_frame}, 2);
+    sn_json_number(json, "preroll", scene->preroll);
+    sn_json_vec3(json, "gravity", scene->gravity);
+    write_solver(&scene->solver, json);
+    sn_motion_write(&scene->motion, scene->meters_per_unit, json);
+    sn_json_array(json, "bones");
+    for (sn_index i = 0; i < scene->bone_count; i++) write_bone(scene, &scene->bones[i], json);
+    sn_json_close(json);
+    sn_json_array(json, "muscles");
+    for (sn_index i = 0; i < scene->muscle_count; i++) write_muscle(&scene->muscles[i], json);
+    sn_json_close(json);
+}

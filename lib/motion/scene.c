@@ -1,0 +1,197 @@
+/* scene.c -- the scene as data: its defaults, whether it can run, and its end. */
+#include "sinew/scene.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/* ---- defaults ------------------------------------------------------------------------------------------------------------ */
+
+void sn_scene_muscle_defaults(sn_scene_muscle *muscle) {
+    muscle->contraction = 0.5;
+    muscle->rest_activation = 0.0;
+    muscle->law = SN_LAW_PROJECTED;
+    muscle->stiffness_relaxed = 5e5;
+    muscle->stiffness_active = 5e7;
+    muscle->stiffness_internal = 1.0;
+    muscle->stiffness_dihedral = 7.5e-5;
+    muscle->stiffness_volume = 4000.0;
+    muscle->density = 1060.0;
+    muscle->damping = 5.0;
+    muscle->iterations = 0;
+    muscle->enabled = true;
+}
+
+void sn_scene_defaults(sn_scene *scene) {
+    *scene = (sn_scene){0};
+    scene->meters_per_unit = 1.0;
+    scene->rate = 24.0;
+    scene->solver = (sn_solver_settings){.method = SN_SOLVER_XPBD, .substeps = 32, .iterations = 1, .threads = 0};
+}
+
+/* ---- the end -------------------------------------------------------------------------------------------------------------- */
+
+static void free_bone(sn_scene_bone *bone) {
+    free(bone->name);
+    free(bone->uri);
+    sn_mesh_free(&bone->mesh);
+}
+
+static void free_muscle(sn_scene_muscle *muscle) {
+    free(muscle->name);
+    free(muscle->uri);
+    sn_muscle_free(&muscle->rig);
+    sn_channel_free(&muscle->activation);
+    free(muscle->volume_ratio.x);
+    free(muscle->volume_ratio.y);
+}
+
+void sn_scene_free(sn_scene *scene) {
+    if (scene == NULL) return;
+    for (sn_index i = 0; i < scene->bone_count; i++) free_bone(&scene->bones[i]);
+    for (sn_index i = 0; i < scene->muscle_count; i++) free_muscle(&scene->muscles[i]);
+    free(scene->bones);
+    free(scene->muscles);
+    sn_motion_free(&scene->motion);
+    free(scene->name);
+    *scene = (sn_scene){0};
+}
+
+/* ---- validation ------------------------------------------------------------------------------------------------------------- */
+
+static bool within(double value, double low, double high) { return isfinite(value) && value >= low && value <= high; }
+
+static const char *name_of(const char *name) { return name != NULL ? name : "(unnamed)"; }
+
+static sn_status check_bone(const sn_scene *scene, sn_index i, sn_error *error) {
+    const sn_scene_bone *bone = &scene->bones[i];
+    if (bone->name == NULL || *bone->name == '\0') return sn_fail(error, SN_ERROR_INPUT, "bone %ld has no name", (long)i);
+    if (!(bone->meters_per_unit > 0.0) || !isfinite(bone->meters_per_unit))
+        return sn_fail(error, SN_ERROR_INPUT, "bone \"%s\": its unit is not a length above 0", bone->name);
+    if (bone->joint != SN_NONE && (bone->joint < 0 || bone->joint >= scene->motion.joint_count))
+        return sn_fail(error, SN_ERROR_INPUT, "bone \"%s\": it hangs on joint %ld, but there are %ld joints", bone->name, (long)bone->joint,
+                       (long)scene->motion.joint_count);
+    for (sn_index k = 0; k < i; k++)
+        if (strcmp(scene->bones[k].name, bone->name) == 0)
+            return sn_fail(error, SN_ERROR_INPUT, "two bones have the name \"%s\"; attachments could not tell them apart", bone->name);
+    return SN_OK;
+}
+
+static sn_status check_activation(const sn_scene_muscle *muscle, sn_error *error) {
+    const sn_channel *activation = &muscle->activation;
+    const char *name = name_of(muscle->name);
+    if (!within(activation->constant, 0.0, 1.0))
+        return sn_fail(error, SN_ERROR_INPUT, "muscle \"%s\": activation is %g; it must be in [0,1]", name, activation->constant);
+    for (sn_index i = 0; i < activation->count; i++) {
+        if (!within(activation->values[i], 0.0, 1.0))
+            return sn_fail(error, SN_ERROR_INPUT, "muscle \"%s\": activation is %g at %g s; it must be in [0,1]", name,
+                           activation->values[i], activation->times[i]);
+        if (!isfinite(activation->times[i]) || (i > 0 && activation->times[i] <= activation->times[i - 1]))
+            return sn_fail(error, SN_ERROR_INPUT, "muscle \"%s\": key %ld of its activation is not later than the one before", name,
+                           (long)i);
+    }
+    return SN_OK;
+}
+
+static sn_status check_volume_ratio(const sn_scene_muscle *muscle, sn_error *error) {
+    const sn_knots *knots = &muscle->volume_ratio;
+    for (sn_index i = 0; i < knots->count; i++) {
+        if (!within(knots->x[i], 0.0, 1.0) || (i > 0 && knots->x[i] <= knots->x[i - 1]))
+            return sn_fail(error, SN_ERROR_INPUT, "muscle \"%s\": the activations of its volume ratio must ascend within [0,1]",
+                           name_of(muscle->name));
+        if (!isfinite(knots->y[i]) || knots->y[i] <= 0.0)
+            return sn_fail(error, SN_ERROR_INPUT, "muscle \"%s\": volume ratio is %g; it must be above 0", name_of(muscle->name),
+                           knots->y[i]);
+    }
+    return SN_OK;
+}
+
+/* The numbers of a muscle, and where each may be. */
+static sn_status check_settings(const sn_scene_muscle *muscle, sn_error *error) {
+    const struct {
+        const char *name;
+        double value, low, high;
+    } ranges[] = {
+        {"contraction", muscle->contraction, 0.0, 0.99},
+        {"restActivation", muscle->rest_activation, 0.0, 1.0},
+        {"stiffness.internal", muscle->stiffness_internal, 0.0, HUGE_VAL},
+        {"stiffness.dihedral", muscle->stiffness_dihedral, 0.0, HUGE_VAL},
+        {"stiffness.volume", muscle->stiffness_volume, 0.0, HUGE_VAL},
+        {"damping", muscle->damping, 0.0, HUGE_VAL},
+        {"iterations", muscle->iterations, 0.0, SN_INDEX_MAX},
+    };
+    const struct {
+        const char *name;
+        double value;
+    } positive[] = {
+        {"stiffness.relaxed", muscle->stiffness_relaxed}, {"stiffness.active", muscle->stiffness_active}, {"density", muscle->density}};
+    for (size_t i = 0; i < sizeof ranges / sizeof *ranges; i++)
+        if (!within(ranges[i].value, ranges[i].low, ranges[i].high))
+            return sn_fail(error, SN_ERROR_INPUT, "muscle \"%s\": %s is %g; it must be in [%g,%g]", name_of(muscle->name), ranges[i].name,
+                           ranges[i].value, ranges[i].low, ranges[i].high);
+    for (size_t i = 0; i < sizeof positive / sizeof *positive; i++)
+        if (!isfinite(positive[i].value) || positive[i].value <= 0.0)
+            return sn_fail(error, SN_ERROR_INPUT, "muscle \"%s\": %s is %g; it must be above 0", name_of(muscle->name), positive[i].name,
+                           positive[i].value);
+    return SN_OK;
+}
+
+static bool has_bone(const sn_scene *scene, const char *name) {
+    for (sn_index i = 0; i < scene->bone_count; i++)
+        if (strcmp(scene->bones[i].name, name) == 0) return true;
+    return false;
+}
+
+static sn_status check_rig(const sn_scene *scene, const sn_scene_muscle *muscle, sn_error *error) {
+    sn_status status = sn_muscle_validate(&muscle->rig, error);
+    for (sn_index i = 0; i < muscle->rig.attachment_count && status == SN_OK; i++) {
+        const char *bone = muscle->rig.attachments[i].bone;
+        if (!has_bone(scene, bone))
+            status = sn_fail(
+                error, SN_ERROR_INPUT,
+                "muscle \"%s\" is attached to the bone \"%s\", which the scene does not have; add it to \"bones\" (attach-detect names "
+                "bones with --bone NAME=FILE)",
+                name_of(muscle->name), bone);
+    }
+    return status;
+}
+
+static sn_status check_muscle(const sn_scene *scene, sn_index i, sn_error *error) {
+    const sn_scene_muscle *muscle = &scene->muscles[i];
+    for (sn_index k = 0; k < i && muscle->name != NULL; k++)
+        if (scene->muscles[k].name != NULL && strcmp(scene->muscles[k].name, muscle->name) == 0)
+            return sn_fail(error, SN_ERROR_INPUT, "two muscles have the name \"%s\"; give one another \"name\"", muscle->name);
+    if (muscle->law < SN_LAW_PROJECTED || muscle->law > SN_LAW_ISOCHORIC)
+        return sn_fail(error, SN_ERROR_INPUT, "muscle \"%s\": its fibre law is not known", name_of(muscle->name));
+    sn_status status = check_settings(muscle, error);
+    if (status == SN_OK) status = check_activation(muscle, error);
+    if (status == SN_OK) status = check_volume_ratio(muscle, error);
+    return status == SN_OK && muscle->enabled ? check_rig(scene, muscle, error) : status;
+}
+
+static sn_status check_clock(const sn_scene *scene, sn_error *error) {
+    const sn_solver_settings *solver = &scene->solver;
+    if (!isfinite(scene->meters_per_unit) || scene->meters_per_unit <= 0.0)
+        return sn_fail(error, SN_ERROR_INPUT, "metersPerUnit is %g; it must be above 0", scene->meters_per_unit);
+    if (!isfinite(scene->rate) || scene->rate <= 0.0)
+        return sn_fail(error, SN_ERROR_INPUT, "rate is %g frames per second; it must be above 0", scene->rate);
+    if (scene->last_frame < scene->first_frame)
+        return sn_fail(error, SN_ERROR_INPUT, "frames end at %ld, before they begin at %ld", (long)scene->last_frame,
+                       (long)scene->first_frame);
+    if (!within(scene->preroll, 0.0, HUGE_VAL))
+        return sn_fail(error, SN_ERROR_INPUT, "preroll is %g s; it must be at least 0", scene->preroll);
+    if (!sn_finite3(scene->gravity)) return sn_fail(error, SN_ERROR_INPUT, "gravity is not finite");
+    if (solver->substeps < 1)
+        return sn_fail(error, SN_ERROR_INPUT, "solver.substeps is %ld; it must be at least 1", (long)solver->substeps);
+    if (solver->iterations < 1)
+        return sn_fail(error, SN_ERROR_INPUT, "solver.iterations is %ld; it must be at least 1", (long)solver->iterations);
+    if (solver->threads < 0) return sn_fail(error, SN_ERROR_INPUT, "solver.threads is %d; it must be at least 0", solver->threads);
+    return SN_OK;
+}
+
+sn_status sn_scene_validate(const sn_scene *scene, sn_error *error) {
+    sn_status status = check_clock(scene, error);
+    if (status == SN_OK) status = sn_motion_validate(&scene->motion, error);
+    for (sn_index i = 0; i < scene->bone_count && status == SN_OK; i++) status = check_bone(scene, i, error);
+    for (sn_index i = 0; i < scene->muscle_count && status == SN_OK; i++) status = check_muscle(scene, i, error);
+    return status;
+}
