@@ -47,7 +47,6 @@ static sn_status check_indices(const sn_mesh *mesh, sn_error *error) {
 static sn_status to_bridge(const sn_mesh *mesh, sn_bridge_mesh *out, frame *where, sn_error *error) {
     *out = (sn_bridge_mesh){.vertex_count = mesh->vertex_count, .triangle_count = mesh->triangle_count};
     sn_status status = find_frame(mesh, where, error);
-    if (status == SN_OK) status = check_indices(mesh, error);
     if (status != SN_OK) return status;
     out->points = sn_alloc((size_t)mesh->vertex_count, 3 * sizeof *out->points);
     out->triangles = sn_alloc((size_t)mesh->triangle_count, 3 * sizeof *out->triangles);
@@ -246,6 +245,7 @@ static sn_status orient_and_stitch(sn_mesh *mesh, sn_manifold_report *report, sn
     sn_mesh after = {0};
     frame where;
     sn_status status = to_bridge(mesh, &in, &where, error);
+    if (status == SN_OK) status = check_indices(mesh, error);
     if (status == SN_OK) status = sn_bridge_make_manifold(&in, &out, &done, error);
     if (status == SN_OK) status = from_bridge(mesh, &in, &out, where, &after, error);
     if (status == SN_OK) status = settle_orientation(&in, &out, &after, &report->flipped, error);
@@ -289,6 +289,7 @@ static sn_status fill_by_library(sn_mesh *mesh, sn_index max_edges, hole_count *
     sn_mesh after = {0};
     frame where;
     sn_status status = to_bridge(mesh, &in, &where, error);
+    if (status == SN_OK) status = check_indices(mesh, error);
     if (status == SN_OK) status = sn_bridge_fill_holes(&in, max_edges, hole_filled, count, &out, error);
     bool stopped = status == SN_STOPPED;
     if (status == SN_OK || stopped) status = from_bridge(mesh, &in, &out, where, &after, error);
@@ -466,6 +467,7 @@ static sn_status collapse_edges(sn_mesh *mesh, sn_index target, bool bounded, sn
     sn_mesh after = {0};
     frame where;
     sn_status status = to_bridge(mesh, &in, &where, error);
+    if (status == SN_OK) status = check_indices(mesh, error);
     if (status == SN_OK) status = sn_bridge_decimate(&in, target, bounded, &out, error);
     if (status == SN_OK) status = from_bridge(mesh, &in, &out, where, &after, error);
     if (status == SN_OK) status = carry_over(mesh, &after, error);
