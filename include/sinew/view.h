@@ -1,0 +1,147 @@
+/*
+ * view.h -- pictures of rigs: a plain description of what to draw, a camera, and a renderer to an RGB image.   rank 3
+ *
+ * No window and no GPU: rays are cast with geom.h's surface search. Everything in a view is in metres, z up; a camera looks without
+ * perspective, so that lengths can be read from the picture. The same view gives the same bytes on any number of threads.
+ */
+#ifndef SINEW_VIEW_H
+#define SINEW_VIEW_H
+
+#include "sinew/geom.h"
+#include "sinew/scene.h"
+
+typedef struct sn_color { double r, g, b; } sn_color; /* sRGB, each in [0,1] */
+
+/* ---- images --------------------------------------------------------------------------------------------------------- */
+
+#define SN_IMAGE_SIDE_MAX 16384 /* pixels */
+
+typedef struct sn_image {
+    sn_index width, height;
+    uint8_t *rgb; /* (height x width x 3) top row first; owned */
+} sn_image;
+
+SN_MUST_CHECK sn_status sn_image_alloc(sn_image *image, sn_index width, sn_index height, sn_color fill, sn_error *error);
+void sn_image_free(sn_image *image);
+/* Encode as an 8-bit RGB PNG (lib/view/png.c). *data is owned by the caller: free(). */
+SN_MUST_CHECK sn_status sn_image_to_png(const sn_image *image, unsigned char **data, size_t *size, sn_error *error);
+
+/* ---- text: a stroke font of our own (lib/view/text.c) ---------------------------------------------------------------- */
+
+/* Draw text with its baseline starting at pixel (x, y); size is the height of a capital in pixels, weight the stroke's thickness
+ * relative to the font's own (1 = regular, 1.6 = bold). Text is UTF-8; what is outside ASCII shows as a box. */
+void sn_text_draw(sn_image *image, double x, double y, double size, double weight, sn_color color, const char *text);
+double sn_text_width(double size, const char *text); /* pixels */
+
+/* ---- what a picture shows ---------------------------------------------------------------------------------------------- */
+
+/* Things that a muscle can show, as bits. */
+typedef enum sn_view_show {
+    SN_SHOW_SURFACE = 1, SN_SHOW_ROOTS = 2, SN_SHOW_STRUCTURE = 4, SN_SHOW_FIBERS = 8, SN_SHOW_ATTACHMENTS = 16, SN_SHOW_BONES = 32,
+    SN_SHOW_WIRE = 64, SN_SHOW_AUTO = 128 /* the sections that are there, drawn so that they can be told apart */
+} sn_view_show;
+
+typedef struct sn_view_mesh {
+    sn_index vertex_count, triangle_count;
+    sn_vec3 *positions;     /* (vertex_count) */
+    sn_triangle *triangles; /* (triangle_count) */
+    sn_color color;
+    double opacity;         /* in (0,1]: 1 = solid; else every layer of it is blended over what lies behind */
+    double gloss;           /* 0 = chalk, 1 = wet */
+    bool wire;              /* draw the edges of its triangles too */
+    sn_index paint_count;
+    sn_color *paints;       /* (paint_count) */
+    sn_index *paint;        /* (vertex_count) index of the vertex's paint, SN_NONE = plain; NULL = no paint */
+} sn_view_mesh;
+
+/* A capsule from a to b; a sphere where a equals b. */
+typedef struct sn_view_tube {
+    sn_vec3 a, b;
+    double radius; /* as a share of the picture's shorter side: thickness on paper, the same under any zoom */
+    sn_color color;
+} sn_view_tube;
+
+typedef enum sn_view_mark { SN_MARK_AREA, SN_MARK_LINE, SN_MARK_DOT } sn_view_mark;
+
+/* A line of the legend. */
+typedef struct sn_view_entry {
+    char *text;
+    sn_view_mark mark;
+    sn_color color;
+} sn_view_entry;
+
+/* A picture's content; an empty one is all zeros. Owns everything in it. */
+typedef struct sn_view {
+    char *title, *subtitle; /* nullable */
+    size_t mesh_count, mesh_capacity, tube_count, tube_capacity, entry_count, entry_capacity;
+    sn_view_mesh *meshes;
+    sn_view_tube *tubes;
+    sn_view_entry *entries;
+} sn_view;
+
+void sn_view_free(sn_view *view); /* frees what it owns and zeroes it */
+/* Add a copy of a valid mesh, each point turned into pose(meters_per_unit x point); pose NULL = as it is. Colour, opacity 1, gloss 0
+ * and no paint; *out (nullable) lets the caller change that and lives until the next mesh is added. */
+SN_MUST_CHECK sn_status sn_view_add_mesh(sn_view *view, const sn_mesh *mesh, double meters_per_unit, const sn_rigid *pose, sn_color color,
+                                         sn_view_mesh **out, sn_error *error);
+SN_MUST_CHECK sn_status sn_view_add_tube(sn_view *view, sn_view_tube tube, sn_error *error);
+/* Add a line to the legend; one with the same text is not added again. */
+SN_MUST_CHECK sn_status sn_view_add_entry(sn_view *view, sn_view_mark mark, sn_color color, const char *text, sn_error *error);
+
+/* ---- builders (lib/view/show_muscle.c, show_scene.c) --------------------------------------------------------------------- */
+
+/* A muscle document, also a partial one: surface, roots purple, branches green, connections blue ([R18] figure 2), fibre directions
+ * as short lines along the surface, attachments in one colour per bone. `show` is bits of sn_view_show. Sets the title and the
+ * subtitle (counts) where there is none yet. */
+SN_MUST_CHECK sn_status sn_view_add_muscle(sn_view *view, const sn_muscle *muscle, unsigned show, sn_error *error);
+SN_MUST_CHECK sn_status sn_view_add_bone(sn_view *view, const sn_mesh *mesh, double meters_per_unit, const sn_rigid *pose, sn_error *error);
+
+/* A scene at a time in seconds: bones in their pose, muscles coloured by activation. positions (nullable; muscle_count; entries
+ * nullable): the muscle's vertices at that time, in metres; without, the muscle is at rest. */
+SN_MUST_CHECK sn_status sn_view_add_scene(sn_view *view, const sn_scene *scene, double time, const sn_vec3 *const *positions, unsigned show,
+                                          sn_error *error);
+
+/* ---- camera (lib/view/camera.c) ------------------------------------------------------------------------------------------- */
+
+typedef struct sn_camera {
+    sn_vec3 right, up, back; /* orthonormal; back points from the subject to the viewer */
+    sn_box extent;           /* what must be in the picture, in the camera's frame (right, up, back), metres; grown by include */
+    double zoom;             /* 1 = all of the extent */
+} sn_camera;
+
+/* Look from azimuth (0 = from the front, that is from -y; 90 = from the right, +x) and elevation (90 = from above), in degrees. */
+sn_camera sn_camera_from(double azimuth, double elevation);
+/* Look along the axis in which the subject is least extended, its long axis along the picture's width (or height, where portrait).
+ * spin turns the subject about its long axis, degrees. A subject without extent is seen from the front. */
+sn_camera sn_camera_auto(const sn_view *view, bool portrait, double spin);
+void sn_camera_include(sn_camera *camera, const sn_view *view); /* grow the extent by all of the view's meshes and tubes */
+
+/* ---- pictures ---------------------------------------------------------------------------------------------------------------- */
+
+typedef struct sn_view_options {
+    sn_index width, height; /* pixels, of the picture, or of one tile of a sheet; default 800 x 600 */
+    int samples;            /* rays per pixel side: samples^2 rays; 1..8; default 3 */
+    int threads;            /* 0 = all */
+    sn_color background;    /* default near white */
+    bool legend;            /* title, captions, legend, scale bar; default true */
+    sn_index columns;       /* of a sheet; 0 = as square as it gets */
+} sn_view_options;
+
+sn_view_options sn_view_defaults(void);
+
+/* Render a view into a new image of width x height, without any text. SN_ERROR_INPUT where coordinates are too large to draw. */
+SN_MUST_CHECK sn_status sn_view_render(const sn_view *view, const sn_camera *camera, const sn_view_options *options, sn_image *out,
+                                       sn_error *error);
+
+typedef struct sn_tile {
+    const sn_view *view;
+    const sn_camera *camera;
+    const char *caption; /* nullable */
+} sn_tile;
+
+/* One picture, or a contact sheet: tiles in rows, a title, a caption each, one legend and a scale bar (a sheet has one where all
+ * cameras agree). */
+SN_MUST_CHECK sn_status sn_sheet_render(sn_index tile_count, const sn_tile *tiles, const char *title, const char *subtitle,
+                                        const sn_view_options *options, sn_image *out, sn_error *error);
+
+#endif

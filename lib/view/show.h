@@ -1,0 +1,25 @@
+/* show.h -- the colours of things, and what the builders share: private to lib/view. */
+#ifndef SINEW_VIEW_SHOW_H
+#define SINEW_VIEW_SHOW_H
+
+#include "sinew/view.h"
+
+static const sn_color COLOR_MUSCLE = {0.66, 0.25, 0.21}, COLOR_RELAXED = {0.64, 0.36, 0.32}, COLOR_ACTIVE = {0.76, 0.13, 0.10};
+static const sn_color COLOR_BONE = {0.90, 0.86, 0.76}, COLOR_ROOTS = {0.52, 0.13, 0.72}, COLOR_BRANCH = {0.07, 0.56, 0.22};
+static const sn_color COLOR_CONNECTION = {0.19, 0.40, 0.84}, COLOR_FIBER = {0.98, 0.87, 0.76};
+
+/* Colour number i of those that tell bones apart; they come round again after eight. */
+sn_color attachment_color(sn_index i);
+
+/* About `target` vertices, evenly spread over the surface (Poisson disc, in index order); all where there are fewer. *radius is the
+ * least distance kept, 0 = none. *out (*count) is owned by the caller. */
+SN_MUST_CHECK sn_status spread_vertices(const sn_mesh *mesh, sn_index target, sn_index *count, sn_index **out, double *radius,
+                                        sn_error *error);
+
+/* Fibre directions as short lines that follow them along the surface, and fibres through the volume (fibers.c). */
+SN_MUST_CHECK sn_status show_fibers(sn_view *view, const sn_muscle *muscle, sn_error *error);
+
+/* Paint the attached vertices of the view's copy of the muscle, and name the bones in the legend. */
+SN_MUST_CHECK sn_status show_attachments(sn_view *view, sn_view_mesh *mesh, const sn_muscle *muscle, sn_error *error);
+
+#endif

@@ -1,0 +1,65 @@
+/* show_scene.c -- a scene at a time: posed bones, muscles at rest or deformed, redder the more they are active. */
+#include "show.h"
+
+#include <stdlib.h>
+
+static sn_color mix(sn_color a, sn_color b, double t) {
+    return (sn_color){a.r + (b.r - a.r) * t, a.g + (b.g - a.g) * t, a.b + (b.b - a.b) * t};
+}
+
+static sn_status show_bones(sn_view *view, const sn_scene *scene, double time, sn_error *error) {
+    sn_rigid *poses = SN_NEW(sn_rigid, scene->motion.joint_count);
+    if (!poses) return sn_fail_memory(error, "the bones' poses");
+    sn_motion_poses(&scene->motion, time, poses);
+    sn_status status = SN_OK;
+    for (sn_index i = 0; i < scene->bone_count && !status; i++) {
+        const sn_scene_bone *bone = &scene->bones[i];
+        const sn_rigid *pose = bone->joint == SN_NONE ? NULL : &poses[bone->joint];
+        if (bone->mesh.triangle_count > 0) status = sn_view_add_bone(view, &bone->mesh, bone->meters_per_unit, pose, error);
+    }
+    free(poses);
+    return status;
+}
+
+/* The rig with other vertices, in metres; it borrows all but them. */
+static sn_muscle deformed_rig(const sn_muscle *rig, const sn_vec3 *positions) {
+    sn_muscle deformed = *rig;
+    if (positions) {
+        deformed.mesh.positions = (sn_vec3 *)(uintptr_t)positions; /* only read */
+        deformed.meters_per_unit = 1.0;
+    }
+    return deformed;
+}
+
+static sn_status show_muscle_at(sn_view *view, const sn_scene_muscle *muscle, double time, const sn_vec3 *positions, unsigned show,
+                                sn_error *error) {
+    sn_muscle rig = deformed_rig(&muscle->rig, positions);
+    double activation = fmin(fmax(sn_channel_at(&muscle->activation, time), 0.0), 1.0);
+    sn_view_mesh *mesh;
+    sn_status status =
+        sn_view_add_mesh(view, &rig.mesh, rig.meters_per_unit, NULL, mix(COLOR_RELAXED, COLOR_ACTIVE, activation), &mesh, error);
+    if (status) return status;
+    mesh->gloss = 0.6;
+    mesh->wire = (show & SN_SHOW_WIRE) != 0;
+    if (show & SN_SHOW_ATTACHMENTS) status = show_attachments(view, mesh, &rig, error);
+    /* directions belong to the rest shape */
+    if (!status && show & SN_SHOW_FIBERS && !positions && rig.fibers.directions) status = show_fibers(view, &rig, error);
+    return status;
+}
+
+sn_status sn_view_add_scene(sn_view *view, const sn_scene *scene, double time, const sn_vec3 *const *positions, unsigned show,
+                            sn_error *error) {
+    if (show & SN_SHOW_AUTO) show |= SN_SHOW_SURFACE | SN_SHOW_BONES;
+    if (!view->title && scene->name && !(view->title = sn_strdup(scene->name))) return sn_fail_memory(error, "the title");
+    sn_status status = show & SN_SHOW_BONES ? show_bones(view, scene, time, error) : SN_OK;
+    bool muscles = show & (SN_SHOW_SURFACE | SN_SHOW_ATTACHMENTS | SN_SHOW_WIRE | SN_SHOW_FIBERS);
+    bool shown = false;
+    for (sn_index i = 0; i < scene->muscle_count && muscles && !status; i++) {
+        if (!scene->muscles[i].enabled) continue;
+        shown = true;
+        status = show_muscle_at(view, &scene->muscles[i], time, positions ? positions[i] : NULL, show, error);
+    }
+    if (!status && shown) status = sn_view_add_entry(view, SN_MARK_AREA, COLOR_RELAXED, "relaxed", error);
+    if (!status && shown) status = sn_view_add_entry(view, SN_MARK_AREA, COLOR_ACTIVE, "active", error);
+    return status;
+}
