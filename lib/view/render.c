@@ -149,33 +149,39 @@ static sn_status place_tubes(picture *p, const sn_view *view, sn_error *error) {
     return SN_OK;
 }
 
-static sn_status render(picture *p, const sn_view *view, const sn_camera *camera, sn_pool *pool, sn_error *error) {
-    sn_status status = frame_set(&p->frame, camera, p->image->width, p->image->height, error);
+static sn_status prepare(picture *p, const sn_view *view, const sn_camera *camera, inset clear, sn_pool *pool, sn_error *error) {
+    sn_status status = frame_set(&p->frame, camera, p->image->width, p->image->height, clear, error);
     if (!status) status = place_tubes(p, view, error);
     if (!status) status = layer_build(&p->solid, view, &p->frame, true, error);
     if (!status) status = layer_build(&p->glass, view, &p->frame, false, error);
     if (!status) status = layer_occlude(&p->solid, NULL, pool, error);
     if (!status) status = layer_occlude(&p->glass, &p->solid, pool, error);
-    if (status) return status;
     p->background = tint_from(p->options->background);
-    double size = p->glass.surface ? sn_box_diagonal(p->glass.box) : 0.0;
-    p->epsilon = fmax(0.01, 1e-6 * size);
-    sn_parallel_for(pool, p->image->height, BAND_ROWS, render_band, p);
-    return atomic_load(&p->out_of_memory) ? sn_fail_memory(error, "the picture's samples") : SN_OK;
+    p->epsilon = fmax(0.01, p->glass.surface ? 1e-6 * sn_box_diagonal(p->glass.box) : 0.0);
+    return status;
 }
 
-sn_status sn_view_render(const sn_view *view, const sn_camera *camera, const sn_view_options *options, sn_image *out, sn_error *error) {
+sn_status picture_render(const sn_view *view, const sn_camera *camera, const sn_view_options *options, inset clear, sn_pool *pool,
+                         sn_image *image, sn_error *error) {
+    picture p = {.options = options, .image = image};
+    sn_status status = SN_OK;
     if (options->samples < 1 || options->samples > 8)
-        return sn_fail(error, SN_ERROR_USAGE, "%d samples per pixel side is out of range: 1 to 8", options->samples);
-    sn_status status = sn_image_alloc(out, options->width, options->height, options->background, error);
-    if (status) return status;
-    picture p = {.options = options, .image = out};
-    sn_pool *pool = sn_pool_create(options->threads);
-    status = pool ? render(&p, view, camera, pool, error) : sn_fail_memory(error, "the renderer's threads");
-    sn_pool_destroy(pool);
+        status = sn_fail(error, SN_ERROR_USAGE, "%d samples per pixel side is out of range: 1 to 8", options->samples);
+    if (!status) status = prepare(&p, view, camera, clear, pool, error);
+    if (!status) sn_parallel_for(pool, image->height, BAND_ROWS, render_band, &p);
+    if (!status && atomic_load(&p.out_of_memory)) status = sn_fail_memory(error, "the picture's samples");
     layer_free(&p.solid);
     layer_free(&p.glass);
     free(p.tubes);
+    return status;
+}
+
+sn_status sn_view_render(const sn_view *view, const sn_camera *camera, const sn_view_options *options, sn_image *out, sn_error *error) {
+    sn_status status = sn_image_alloc(out, options->width, options->height, options->background, error);
+    if (status) return status;
+    sn_pool *pool = sn_pool_create(options->threads);
+    status = pool ? picture_render(view, camera, options, (inset){0, 0}, pool, out, error) : sn_fail_memory(error, "the renderer's threads");
+    sn_pool_destroy(pool);
     if (status) sn_image_free(out);
     return status;
 }

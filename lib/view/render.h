@@ -24,9 +24,12 @@ static inline tint tint_scale(tint a, float s) { return (tint){a.r * s, a.g * s,
 typedef struct frame {
     sn_vec3 right, up, back, centre; /* centre: in the camera's frame */
     double pixels_per_meter;
-    double width, height;
+    double x, y;          /* where the centre comes to lie */
+    double width, height; /* of the picture */
 } frame;
-SN_MUST_CHECK sn_status frame_set(frame *f, const sn_camera *camera, double width, double height, sn_error *error);
+/* Pixels of the picture that the subject keeps clear of: they are for text. */
+typedef struct inset { double top, bottom; } inset;
+SN_MUST_CHECK sn_status frame_set(frame *f, const sn_camera *camera, double width, double height, inset clear, sn_error *error);
 sn_vec3 frame_apply(const frame *f, sn_vec3 world);
 
 /* Light that a surface with unit normal n (towards the viewer where seen from its outside) sends to the viewer. open: share of the sky
@@ -86,6 +89,10 @@ typedef struct band {
     double left, top, step;   /* centre of sample (0, 0), distance between samples; pixels */
     sample *samples;          /* (height x width) top row first */
 } band;
+
+/* Render into an image that is there. */
+SN_MUST_CHECK sn_status picture_render(const sn_view *view, const sn_camera *camera, const sn_view_options *options, inset clear,
+                                       sn_pool *pool, sn_image *image, sn_error *error);
 
 /* Draw the capsules with depth test (tubes.c). */
 typedef struct tube { sn_vec3 a, b; double radius; tint color; } tube;

@@ -13,24 +13,28 @@ double channel_to_srgb(double linear) {
     return c <= 0.0031308 ? 12.92 * c : 1.055 * pow(c, 1.0 / 2.4) - 0.055;
 }
 
-sn_status frame_set(frame *f, const sn_camera *camera, double width, double height, sn_error *error) {
-    const double margin = 0.92; /* share of the picture that the subject fills */
+sn_status frame_set(frame *f, const sn_camera *camera, double width, double height, inset clear, sn_error *error) {
+    const double margin = 0.92; /* share of the room that the subject fills */
     sn_box box = camera->extent;
     bool empty = !(box.low.x <= box.high.x);
     sn_vec3 size = empty ? sn_v3(0, 0, 0) : sn_sub(box.high, box.low);
     if (!isfinite(sn_norm(size)) || !(camera->zoom > 0.0))
         return sn_fail(error, SN_ERROR_INPUT, "the subject is too large to draw: its coordinates overflow");
-    double scale = fmax(size.x / width, size.y / height) / margin;
+    double room = fmax(height - clear.top - clear.bottom, 0.25 * height);
+    double scale = fmax(size.x / width, size.y / room) / margin;
     if (!(scale > 0.0)) scale = fmax(size.z / width, 1e-300);
-    *f = (frame){camera->right, camera->up, camera->back, empty ? size : sn_lerp(box.low, box.high, 0.5), camera->zoom / scale, width, height};
-    if (!isfinite(f->pixels_per_meter)) f->pixels_per_meter = 1.0;
+    *f = (frame){.right = camera->right, .up = camera->up, .back = camera->back, .width = width, .height = height};
+    f->centre = empty ? size : sn_lerp(box.low, box.high, 0.5);
+    f->pixels_per_meter = isfinite(camera->zoom / scale) ? camera->zoom / scale : 1.0;
+    f->x = 0.5 * width;
+    f->y = 0.5 * (height - clear.top - clear.bottom) + clear.bottom;
     return SN_OK;
 }
 
 sn_vec3 frame_apply(const frame *f, sn_vec3 world) {
     sn_vec3 q = sn_v3(sn_dot(world, f->right), sn_dot(world, f->up), sn_dot(world, f->back));
     q = sn_scale(sn_sub(q, f->centre), f->pixels_per_meter);
-    return sn_v3(q.x + 0.5 * f->width, q.y + 0.5 * f->height, q.z);
+    return sn_v3(q.x + f->x, q.y + f->y, q.z);
 }
 
 static float clamp01(double value) { return (float)fmin(fmax(value, 0.0), 1.0); }

@@ -1,0 +1,223 @@
+/* sheet.c -- pictures with words: title, captions, legend, scale bar; several of them on a contact sheet. */
+#include "image.h"
+#include "render.h"
+
+#include <stdio.h>
+#include <string.h>
+
+/* Measures of the text on the page, in pixels. */
+typedef struct typography {
+    double unit; /* 1 at 600 pixels of height */
+    sn_color ink, pale;
+} typography;
+
+static typography typography_for(const sn_view_options *options, double width, double height) {
+    sn_color b = options->background;
+    bool dark = 0.3 * b.r + 0.59 * b.g + 0.11 * b.b < 0.45;
+    double unit = fmin(fmax(fmin(width, height) / 600.0, 0.62), 4.0);
+    sn_color ink = dark ? (sn_color){0.93, 0.93, 0.92} : (sn_color){0.13, 0.13, 0.15};
+    sn_color pale = dark ? (sn_color){0.70, 0.70, 0.69} : (sn_color){0.40, 0.40, 0.42};
+    return (typography){unit, ink, pale};
+}
+
+/* ---- words ------------------------------------------------------------------------------------------------------------------ */
+
+/* Text in at most `width` pixels: cut with dots where it is longer. */
+static void draw_fitted(sn_image *image, double x, double y, double size, double weight, sn_color color, const char *text, double width) {
+    char cut[512];
+    snprintf(cut, sizeof cut, "%s", text);
+    for (size_t length = strlen(cut); length > 4 && sn_text_width(size, cut) > width; length--) {
+        cut[length - 1] = 0;
+        memset(cut + length - 4, '.', 3);
+    }
+    sn_text_draw(image, x, y, size, weight, color, cut);
+}
+
+static double draw_title(sn_image *image, typography t, const char *title, const char *subtitle) {
+    double y = 14.0 * t.unit, left = 18.0 * t.unit, width = image->width - 2.0 * left;
+    if (title) draw_fitted(image, left, y += 13.0 * t.unit, 12.5 * t.unit, 1.5, t.ink, title, width);
+    if (subtitle) draw_fitted(image, left, y += (title ? 20.0 : 11.0) * t.unit, 8.5 * t.unit, 1.0, t.pale, subtitle, width);
+    return y;
+}
+
+static double title_height(typography t, const char *title, const char *subtitle) {
+    return title || subtitle ? (14.0 + (title ? 13.0 : 0.0) + (subtitle ? (title ? 20.0 : 11.0) : 0.0) + 10.0) * t.unit : 0.0;
+}
+
+/* ---- legend ------------------------------------------------------------------------------------------------------------------ */
+
+static void draw_mark(sn_image *image, typography t, double x, double y, sn_view_mark mark, sn_color color) {
+    double size = 10.0 * t.unit, middle = y - 0.4 * size;
+    if (mark == SN_MARK_DOT) {
+        image_lines(image, 1, &(image_line){x + 0.5 * size, middle, x + 0.5 * size, middle}, 0.45 * size, color);
+    } else if (mark == SN_MARK_LINE) {
+        image_lines(image, 1, &(image_line){x, middle, x + size, middle}, 0.5 * size * 0.62, t.pale);
+        image_lines(image, 1, &(image_line){x, middle, x + size, middle}, 0.5 * size * 0.5, color);
+    } else {
+        image_line rows[3];
+        for (int i = 0; i < 3; i++) {
+            double row = middle + (i - 1) * 0.3 * size;
+            rows[i] = (image_line){x + 0.1 * size, row, x + 0.9 * size, row};
+        }
+        image_lines(image, 3, rows, 0.24 * size, color);
+    }
+}
+
+/* Lay the legend out in rows from the top; returns its height. image NULL = only measure. */
+static double legend_rows(sn_image *image, typography t, size_t count, const sn_view_entry *const *entries, double width, double top) {
+    double left = 18.0 * t.unit, x = left, row = 19.0 * t.unit, y = top + row, text_size = 8.5 * t.unit;
+    for (size_t i = 0; i < count; i++) {
+        double needed = 16.0 * t.unit + sn_text_width(text_size, entries[i]->text);
+        if (x > left && x + needed > width - left) {
+            x = left;
+            y += row;
+        }
+        if (image) {
+            draw_mark(image, t, x, y, entries[i]->mark, entries[i]->color);
+            draw_fitted(image, x + 16.0 * t.unit, y, text_size, 1.0, t.ink, entries[i]->text, width - left - x - 16.0 * t.unit);
+        }
+        x += needed + 20.0 * t.unit;
+    }
+    return count ? y - top : 0.0;
+}
+
+/* The entries of all tiles, each text once. Returns how many; they are borrowed. */
+static size_t collect_entries(sn_index tile_count, const sn_tile *tiles, size_t room, const sn_view_entry **entries) {
+    size_t count = 0;
+    for (sn_index i = 0; i < tile_count; i++)
+        for (size_t e = 0; e < tiles[i].view->entry_count && count < room; e++) {
+            const sn_view_entry *entry = &tiles[i].view->entries[e];
+            bool known = false;
+            for (size_t k = 0; k < count; k++) known = known || strcmp(entries[k]->text, entry->text) == 0;
+            if (!known) entries[count++] = entry;
+        }
+    return count;
+}
+
+/* ---- scale bar ------------------------------------------------------------------------------------------------------------------ */
+
+/* The longest of 1, 2, 5 x 10^k metres that takes at most a fifth of the width, lower right. */
+static void draw_scale_bar(sn_image *image, typography t, const frame *f, double right, double y) {
+    double most = 0.2 * f->width / f->pixels_per_meter, power = pow(10.0, floor(log10(most)));
+    if (!(most > 1e-9) || !(most < 1e6)) return;
+    double length = power * (most >= 5.0 * power ? 5.0 : most >= 2.0 * power ? 2.0 : 1.0), pixels = length * f->pixels_per_meter;
+    char text[48];
+    const char *unit = length >= 0.9 ? "m" : length >= 0.009 ? "cm" : length >= 0.9e-3 ? "mm" : "um";
+    double in_unit = length * (length >= 0.9 ? 1.0 : length >= 0.009 ? 1e2 : length >= 0.9e-3 ? 1e3 : 1e6);
+    snprintf(text, sizeof text, "%.4g %s", in_unit, unit);
+    double size = 8.0 * t.unit, tick = 3.0 * t.unit;
+    const image_line lines[3] = {{right - pixels, y, right, y}, {right - pixels, y - tick, right - pixels, y + tick}, {right, y - tick, right, y + tick}};
+    image_lines(image, 3, lines, 0.6 * t.unit, t.pale);
+    sn_text_draw(image, right - 0.5 * (pixels + sn_text_width(size, text)), y - 6.0 * t.unit, size, 1.0, t.pale, text);
+}
+
+/* ---- pages ------------------------------------------------------------------------------------------------------------------------ */
+
+enum { ENTRIES_MAX = 64 };
+
+typedef struct page {
+    sn_index count, columns, rows;
+    const sn_tile *tiles;
+    const char *title, *subtitle;
+    const sn_view_options *options;
+    size_t entry_count;
+    const sn_view_entry *entries[ENTRIES_MAX];
+    typography type;
+    sn_pool *pool;
+} page;
+
+static sn_status single_page(page *g, sn_image *out, sn_error *error) {
+    const sn_view_options *options = g->options;
+    sn_status status = sn_image_alloc(out, options->width, options->height, options->background, error);
+    if (status) return status;
+    double legend = legend_rows(NULL, g->type, g->entry_count, g->entries, out->width, 0.0);
+    double bottom = (legend > 0.0 ? 14.0 * g->type.unit + legend : 0.0) + 6.0 * g->type.unit;
+    inset clear = {0, 0};
+    if (options->legend) clear = (inset){title_height(g->type, g->title, g->subtitle), bottom + 24.0 * g->type.unit};
+    status = picture_render(g->tiles[0].view, g->tiles[0].camera, options, clear, g->pool, out, error);
+    frame f;
+    if (status || !options->legend) return status;
+    status = frame_set(&f, g->tiles[0].camera, out->width, out->height, clear, error);
+    draw_title(out, g->type, g->title, g->subtitle);
+    legend_rows(out, g->type, g->entry_count, g->entries, out->width, out->height - 14.0 * g->type.unit - legend);
+    if (!status) draw_scale_bar(out, g->type, &f, out->width - 18.0 * g->type.unit, out->height - bottom - 6.0 * g->type.unit);
+    return status;
+}
+
+static sn_status draw_tile(const page *g, const sn_tile *tile, sn_image *out, sn_index x, sn_index y, sn_error *error) {
+    const sn_view_options *options = g->options;
+    sn_image image;
+    sn_status status = sn_image_alloc(&image, options->width, options->height, options->background, error);
+    if (status) return status;
+    typography t = typography_for(options, 1.2 * image.width, 1.2 * image.height);
+    inset clear = {0, 0};
+    if (options->legend) clear = (inset){tile->caption ? 30.0 * t.unit : 0.0, 26.0 * t.unit};
+    frame f;
+    status = picture_render(tile->view, tile->camera, options, clear, g->pool, &image, error);
+    if (!status) status = frame_set(&f, tile->camera, image.width, image.height, clear, error);
+    if (!status && options->legend) {
+        double left = 12.0 * t.unit;
+        if (tile->caption) draw_fitted(&image, left, 22.0 * t.unit, 9.0 * t.unit, 1.2, t.ink, tile->caption, image.width - 2.0 * left);
+        draw_scale_bar(&image, t, &f, image.width - left, image.height - 10.0 * t.unit);
+    }
+    if (!status) image_paste(out, &image, x, y);
+    sn_image_free(&image);
+    return status;
+}
+
+static sn_status sheet_page(page *g, sn_image *out, sn_error *error) {
+    const sn_view_options *options = g->options;
+    const double gap = fmax(round(3.0 * g->type.unit), 1.0);
+    double width = g->columns * (options->width + gap) - gap, top = 0.0, bottom = 0.0;
+    if (options->legend) {
+        top = ceil(title_height(g->type, g->title, g->subtitle));
+        double legend = legend_rows(NULL, g->type, g->entry_count, g->entries, width, 0.0);
+        bottom = legend > 0.0 ? ceil(legend + 14.0 * g->type.unit) : 0.0;
+    }
+    double height = top + g->rows * (options->height + gap) - gap + bottom;
+    sn_status status = sn_image_alloc(out, (sn_index)fmin(width, 1e6), (sn_index)fmin(height, 1e6), options->background, error);
+    for (sn_index i = 0; i < g->count && !status; i++) {
+        sn_index x = (sn_index)(i % g->columns * (options->width + gap)), y = (sn_index)(top + i / g->columns * (options->height + gap));
+        status = draw_tile(g, &g->tiles[i], out, x, y, error);
+    }
+    if (status || !options->legend) return status;
+    draw_title(out, g->type, g->title, g->subtitle);
+    legend_rows(out, g->type, g->entry_count, g->entries, width, height - bottom);
+    return SN_OK;
+}
+
+/* As square as it gets: the sheet's sides in pixels differ least. */
+static sn_index automatic_columns(sn_index count, const sn_view_options *options) {
+    sn_index best = 1;
+    double least = INFINITY;
+    for (sn_index columns = 1; columns <= count; columns++) {
+        sn_index rows = (count - 1) / columns + 1;
+        double shape = fabs(log((double)columns * options->width / ((double)rows * options->height * 4.0 / 3.0)));
+        shape += 0.5 * (rows * columns - count);
+        if (shape < least) {
+            least = shape;
+            best = columns;
+        }
+    }
+    return best;
+}
+
+sn_status sn_sheet_render(sn_index tile_count, const sn_tile *tiles, const char *title, const char *subtitle, const sn_view_options *options,
+                          sn_image *out, sn_error *error) {
+    *out = (sn_image){0};
+    if (tile_count < 1) return sn_fail(error, SN_ERROR_USAGE, "there is nothing to draw");
+    if (options->width < 1 || options->height < 1 || options->width > SN_IMAGE_SIDE_MAX || options->height > SN_IMAGE_SIDE_MAX)
+        return sn_image_alloc(out, options->width, options->height, options->background, error);
+    page g = {.count = tile_count, .tiles = tiles, .title = title, .subtitle = subtitle, .options = options};
+    g.columns = options->columns > 0 ? (options->columns < tile_count ? options->columns : tile_count) : automatic_columns(tile_count, options);
+    g.rows = (tile_count - 1) / g.columns + 1;
+    g.entry_count = options->legend ? collect_entries(tile_count, tiles, ENTRIES_MAX, g.entries) : 0;
+    g.type = tile_count == 1 ? typography_for(options, options->width, options->height)
+                             : typography_for(options, 0.7 * g.columns * options->width, 0.7 * g.rows * options->height + 240.0);
+    g.pool = sn_pool_create(options->threads);
+    if (!g.pool) return sn_fail_memory(error, "the renderer's threads");
+    sn_status status = tile_count == 1 ? single_page(&g, out, error) : sheet_page(&g, out, error);
+    sn_pool_destroy(g.pool);
+    if (status) sn_image_free(out);
+    return status;
+}
