@@ -98,6 +98,8 @@ void sn_document_free(sn_document *document);
 
 /* ---- the scene document (lib/io/scene_document.c) -------------------------------------------------------------------------- */
 
+/* Is this a scene document, by its "format" member? false for anything else, also for what is malformed (lib/io/detect.c). */
+bool sn_scene_detect(const sn_blob *blob);
 /* Parse a scene and load the rigs of its enabled muscles; bone meshes only if load_bones. Relative paths are relative to the scene. */
 SN_MUST_CHECK sn_status sn_scene_parse(const sn_blob *blob, bool load_bones, sn_scene *out, sn_error *error);
 /* The scene with every default filled in, as JSON members of the open object of json. */

@@ -4,7 +4,9 @@
 
 #include "sinew/view.h"
 
-typedef struct image_line { double ax, ay, bx, by; } image_line;
+typedef struct image_line {
+    double ax, ay, bx, by;
+} image_line;
 
 /* Mix color into one pixel; outside the image nothing happens. */
 void image_blend(sn_image *image, sn_index x, sn_index y, sn_color color, double coverage);

@@ -53,8 +53,7 @@ static void append_mesh(layer *l, const sn_view_mesh *mesh, const frame *f, sn_i
         for (int c = 0; c < 3; c++) l->mesh.triangles[triangle + t].v[c] = vertex + mesh->triangles[t].v[c];
         l->part[triangle + t] = (sn_index)l->part_count;
     }
-    l->parts[l->part_count++] =
-        (layer_part){tint_from(mesh->color), (float)mesh->opacity, (float)mesh->gloss, mesh->wire, id};
+    l->parts[l->part_count++] = (layer_part){tint_from(mesh->color), (float)mesh->opacity, (float)mesh->gloss, mesh->wire, id};
     for (sn_index p = 0; p < mesh->paint_count; p++) l->paints[l->paint_count++] = tint_from(mesh->paints[p]);
 }
 
@@ -184,8 +183,14 @@ bool layer_cast(const layer *l, double x, double y, double near, double far, lay
     const layer_part *part = &l->parts[l->part[ray.triangle]];
     sn_index paint = paint_at(l, v, weight);
     bool behind = flat.z < 0.0;
-    *hit = (layer_hit){.z = (float)(start - ray.distance), .albedo = paint == SN_NONE ? part->color : l->paints[paint], .open = open,
-                       .gloss = part->gloss, .opacity = part->opacity, .behind = behind, .painted = paint != SN_NONE, .id = part->id};
+    *hit = (layer_hit){.z = (float)(start - ray.distance),
+                       .albedo = paint == SN_NONE ? part->color : l->paints[paint],
+                       .open = open,
+                       .gloss = part->gloss,
+                       .opacity = part->opacity,
+                       .behind = behind,
+                       .painted = paint != SN_NONE,
+                       .id = part->id};
     hit->normal = behind ? sn_neg(smooth) : smooth;
     if (behind) hit->open = 0.8f;
     if (part->wire && on_wire(l, v, x, y)) hit->albedo = tint_scale(hit->albedo, 0.35f);

@@ -10,14 +10,14 @@
 #include "sinew/thread.h"
 #include "sinew/view.h"
 
-typedef struct tint { float r, g, b; } tint; /* linear light */
+typedef struct tint {
+    float r, g, b;
+} tint; /* linear light */
 
 tint tint_from(sn_color color);
 double channel_to_srgb(double linear); /* 0..1 */
 
-static inline tint tint_mix(tint a, tint b, float t) {
-    return (tint){a.r + (b.r - a.r) * t, a.g + (b.g - a.g) * t, a.b + (b.b - a.b) * t};
-}
+static inline tint tint_mix(tint a, tint b, float t) { return (tint){a.r + (b.r - a.r) * t, a.g + (b.g - a.g) * t, a.b + (b.b - a.b) * t}; }
 static inline tint tint_scale(tint a, float s) { return (tint){a.r * s, a.g * s, a.b * s}; }
 
 /* World to picture. */
@@ -28,7 +28,9 @@ typedef struct frame {
     double width, height; /* of the picture */
 } frame;
 /* Pixels of the picture that the subject keeps clear of: they are for text. */
-typedef struct inset { double top, bottom; } inset;
+typedef struct inset {
+    double top, bottom;
+} inset;
 SN_MUST_CHECK sn_status frame_set(frame *f, const sn_camera *camera, double width, double height, inset clear, sn_error *error);
 sn_vec3 frame_apply(const frame *f, sn_vec3 world);
 
@@ -47,10 +49,10 @@ typedef struct layer_part {
 
 typedef struct layer {
     sn_mesh mesh;
-    sn_vec3 *normals;   /* (vertex_count) */
-    float *open;        /* (vertex_count) share of the sky seen from outside */
-    sn_index *paint;    /* (vertex_count) into paints, SN_NONE = plain */
-    sn_index *part;     /* (triangle_count) into parts */
+    sn_vec3 *normals; /* (vertex_count) */
+    float *open;      /* (vertex_count) share of the sky seen from outside */
+    sn_index *paint;  /* (vertex_count) into paints, SN_NONE = plain */
+    sn_index *part;   /* (triangle_count) into parts */
     size_t part_count, paint_count;
     layer_part *parts;
     tint *paints;
@@ -69,7 +71,7 @@ typedef struct layer_hit {
     sn_vec3 normal; /* towards the viewer */
     tint albedo;
     float open, gloss, opacity;
-    bool behind;    /* the surface is seen from its inner side */
+    bool behind; /* the surface is seen from its inner side */
     bool painted;
     sn_index id;
 } layer_hit;
@@ -85,9 +87,9 @@ typedef struct sample {
 } sample;
 
 typedef struct band {
-    sn_index width, height;   /* samples */
-    double left, top, step;   /* centre of sample (0, 0), distance between samples; pixels */
-    sample *samples;          /* (height x width) top row first */
+    sn_index width, height; /* samples */
+    double left, top, step; /* centre of sample (0, 0), distance between samples; pixels */
+    sample *samples;        /* (height x width) top row first */
 } band;
 
 /* Render into an image that is there. */
@@ -95,7 +97,11 @@ SN_MUST_CHECK sn_status picture_render(const sn_view *view, const sn_camera *cam
                                        sn_pool *pool, sn_image *image, sn_error *error);
 
 /* Draw the capsules with depth test (tubes.c). */
-typedef struct tube { sn_vec3 a, b; double radius; tint color; } tube;
+typedef struct tube {
+    sn_vec3 a, b;
+    double radius;
+    tint color;
+} tube;
 void tubes_draw(band *b, size_t count, const tube *tubes);
 
 #endif

@@ -41,7 +41,7 @@ static float clamp01(double value) { return (float)fmin(fmax(value, 0.0), 1.0); 
 
 tint shade(tint albedo, sn_vec3 n, float open, float gloss) {
     static const sn_vec3 KEY = {-0.4523, 0.6031, 0.6569}, FILL = {0.8018, 0.0535, 0.5952}; /* unit */
-    static const sn_vec3 HALF = {-0.2485, 0.3313, 0.9102};                                  /* between KEY and the viewer (0,0,1) */
+    static const sn_vec3 HALF = {-0.2485, 0.3313, 0.9102};                                 /* between KEY and the viewer (0,0,1) */
     /* wrapped diffuse: light creeps a little around the form, as it does in flesh */
     float key = clamp01((sn_dot(n, KEY) + 0.25) / 1.25), fill = clamp01(sn_dot(n, FILL));
     float sky = (float)(0.5 + 0.5 * n.y);

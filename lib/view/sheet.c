@@ -106,7 +106,8 @@ static void draw_scale_bar(sn_image *image, typography t, const frame *f, double
     double in_unit = length * (length >= 0.9 ? 1.0 : length >= 0.009 ? 1e2 : length >= 0.9e-3 ? 1e3 : 1e6);
     snprintf(text, sizeof text, "%.4g %s", in_unit, unit);
     double size = 8.0 * t.unit, tick = 3.0 * t.unit;
-    const image_line lines[3] = {{right - pixels, y, right, y}, {right - pixels, y - tick, right - pixels, y + tick}, {right, y - tick, right, y + tick}};
+    const image_line lines[3] = {
+        {right - pixels, y, right, y}, {right - pixels, y - tick, right - pixels, y + tick}, {right, y - tick, right, y + tick}};
     image_lines(image, 3, lines, 0.6 * t.unit, t.pale);
     sn_text_draw(image, right - 0.5 * (pixels + sn_text_width(size, text)), y - 6.0 * t.unit, size, 1.0, t.pale, text);
 }
@@ -202,14 +203,15 @@ static sn_index automatic_columns(sn_index count, const sn_view_options *options
     return best;
 }
 
-sn_status sn_sheet_render(sn_index tile_count, const sn_tile *tiles, const char *title, const char *subtitle, const sn_view_options *options,
-                          sn_image *out, sn_error *error) {
+sn_status sn_sheet_render(sn_index tile_count, const sn_tile *tiles, const char *title, const char *subtitle,
+                          const sn_view_options *options, sn_image *out, sn_error *error) {
     *out = (sn_image){0};
     if (tile_count < 1) return sn_fail(error, SN_ERROR_USAGE, "there is nothing to draw");
     if (options->width < 1 || options->height < 1 || options->width > SN_IMAGE_SIDE_MAX || options->height > SN_IMAGE_SIDE_MAX)
         return sn_image_alloc(out, options->width, options->height, options->background, error);
     page g = {.count = tile_count, .tiles = tiles, .title = title, .subtitle = subtitle, .options = options};
-    g.columns = options->columns > 0 ? (options->columns < tile_count ? options->columns : tile_count) : automatic_columns(tile_count, options);
+    g.columns =
+        options->columns > 0 ? (options->columns < tile_count ? options->columns : tile_count) : automatic_columns(tile_count, options);
     g.rows = (tile_count - 1) / g.columns + 1;
     g.entry_count = options->legend ? collect_entries(tile_count, tiles, ENTRIES_MAX, g.entries) : 0;
     g.type = tile_count == 1 ? typography_for(options, options->width, options->height)

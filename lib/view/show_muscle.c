@@ -16,7 +16,10 @@ sn_color attachment_color(sn_index i) {
 
 /* ---- words -------------------------------------------------------------------------------------------------------------------- */
 
-typedef struct phrase { char text[256]; int length; } phrase;
+typedef struct phrase {
+    char text[256];
+    int length;
+} phrase;
 
 /* ", 26 408 triangles": digits in threes from five digits on. */
 static void phrase_count(phrase *p, int64_t count, const char *one, const char *many) {

@@ -7,11 +7,13 @@ typedef struct spread {
     const sn_mesh *mesh;
     sn_vec3 origin;
     double radius;
-    size_t buckets;       /* a power of two */
+    size_t buckets;        /* a power of two */
     sn_index *head, *next; /* accepted vertices by grid cell */
 } spread;
 
-typedef struct cell { int64_t x, y, z; } cell;
+typedef struct cell {
+    int64_t x, y, z;
+} cell;
 
 static cell cell_of(const spread *s, sn_vec3 p) {
     return (cell){(int64_t)floor((p.x - s->origin.x) / s->radius), (int64_t)floor((p.y - s->origin.y) / s->radius),

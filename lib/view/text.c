@@ -111,7 +111,10 @@ static const char *const GLYPHS[95] = {
 };
 static const char *const BOX_GLYPH = "0D4D4L0L0D";
 
-typedef struct pen_point { double x, y; bool corner; } pen_point;
+typedef struct pen_point {
+    double x, y;
+    bool corner;
+} pen_point;
 
 /* Read one stroke; returns how many points. *next is behind it. */
 static int read_stroke(const char *text, const char **next, pen_point *points, bool *closed) {
@@ -138,7 +141,11 @@ static int read_stroke(const char *text, const char **next, pen_point *points, b
 
 static pen_point middle(pen_point a, pen_point b) { return (pen_point){0.5 * (a.x + b.x), 0.5 * (a.y + b.y), true}; }
 
-typedef struct glyph { int count; image_line lines[GLYPH_LINES]; double width; } glyph;
+typedef struct glyph {
+    int count;
+    image_line lines[GLYPH_LINES];
+    double width;
+} glyph;
 
 static void glyph_line(glyph *g, pen_point a, pen_point b) {
     if (g->count == GLYPH_LINES) return;

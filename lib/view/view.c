@@ -24,8 +24,7 @@ void sn_view_free(sn_view *view) {
 
 sn_status sn_view_add_mesh(sn_view *view, const sn_mesh *mesh, double meters_per_unit, const sn_rigid *pose, sn_color color,
                            sn_view_mesh **out, sn_error *error) {
-    sn_view_mesh copy = {
-        .vertex_count = mesh->vertex_count, .triangle_count = mesh->triangle_count, .color = color, .opacity = 1.0};
+    sn_view_mesh copy = {.vertex_count = mesh->vertex_count, .triangle_count = mesh->triangle_count, .color = color, .opacity = 1.0};
     copy.positions = SN_NEW(sn_vec3, mesh->vertex_count);
     copy.triangles = SN_NEW(sn_triangle, mesh->triangle_count);
     if (!copy.positions || !copy.triangles ||

@@ -1,0 +1,66 @@
+/* detect.c -- which kind of document a JSON text is, without parsing it all: looks for the top-level member "format". */
+#include "sinew/io.h"
+
+#include <string.h>
+
+typedef struct scan {
+    const char *at, *end;
+} scan;
+
+static void skip_blanks(scan *s) {
+    while (s->at < s->end && strchr(" \t\r\n", *s->at) && *s->at) s->at++;
+}
+
+/* Over a string that begins at *at; false = it does not end. */
+static bool skip_string(scan *s) {
+    for (s->at++; s->at < s->end && *s->at != '"'; s->at++)
+        if (*s->at == '\\') s->at++;
+    if (s->at >= s->end) return false;
+    s->at++;
+    return true;
+}
+
+/* Over one value up to the comma or brace behind it. */
+static bool skip_value(scan *s) {
+    int depth = 0;
+    while (s->at < s->end) {
+        char c = *s->at;
+        if (depth == 0 && (c == ',' || c == '}')) return true;
+        if (c == '"') {
+            if (!skip_string(s)) return false;
+            continue;
+        }
+        if (c == '[' || c == '{') depth++;
+        if (c == ']' || c == '}') depth--;
+        s->at++;
+    }
+    return false;
+}
+
+static bool take(scan *s, char c) {
+    skip_blanks(s);
+    if (s->at >= s->end || *s->at != c) return false;
+    s->at++;
+    skip_blanks(s);
+    return true;
+}
+
+static bool equals(const char *text, const char *end, const char *quoted) {
+    return (size_t)(end - text) == strlen(quoted) && memcmp(text, quoted, strlen(quoted)) == 0;
+}
+
+bool sn_scene_detect(const sn_blob *blob) {
+    scan s = {blob->data, blob->data + blob->size};
+    if (blob->size >= 3 && memcmp(blob->data, "\xEF\xBB\xBF", 3) == 0) s.at += 3;
+    if (!take(&s, '{')) return false;
+    while (s.at < s.end && *s.at == '"') {
+        const char *key = s.at;
+        if (!skip_string(&s)) return false;
+        bool found = equals(key, s.at, "\"format\"");
+        if (!take(&s, ':')) return false;
+        const char *value = s.at;
+        if (found && s.at < s.end && *s.at == '"') return skip_string(&s) && equals(value, s.at, "\"sinew-scene\"");
+        if (!skip_value(&s) || !take(&s, ',')) return false;
+    }
+    return false;
+}

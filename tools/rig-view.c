@@ -1,0 +1,390 @@
+/* rig-view -- draw a muscle document, a mesh, a scene or frames of a simulation as a PNG picture. */
+#include "cli.h"
+#include "sinew/view.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* ---- options ---------------------------------------------------------------------------------------------------------------- */
+
+static struct {
+    const char *size, *camera, *show, *views, *background, *title, *frames, *frame;
+    double zoom;
+    int64_t samples, columns;
+    bool legend;
+    cli_list bones;
+} given = {.camera = "auto", .zoom = 1.0, .samples = 9, .legend = true};
+
+static const cli_option options[] = {
+    {.kind = CLI_HEADING, .help = "What is drawn:"},
+    {0, "show", "LIST", CLI_TEXT, &given.show, 0, 0, 0, NULL,
+     "any of surface, roots, structure, fibers, attachments, bones, wire, with commas (default: what is there)"},
+    {0, "bone", "NAME=FILE", CLI_LIST, &given.bones, 0, 0, 0, NULL, "draw the bone in FILE, in the muscle's unit, with every muscle"},
+    {0, "frames", "PATH", CLI_TEXT, &given.frames, 0, 0, 0, NULL,
+     "PC2 point cache of the scene's one muscle, or folder with MUSCLE.pc2 for each"},
+    {0, "frame", "LIST", CLI_TEXT, &given.frame, 0, 0, 0, NULL,
+     "frames of the scene to draw, one tile each: 0,12,24 or 0:90:15 (default: its first)"},
+    {.kind = CLI_HEADING, .help = "From where:"},
+    {0, "camera", "VIEW", CLI_TEXT, &given.camera, 0, 0, 0, NULL,
+     "auto (default: across the long axis), front, back, left, right, top, bottom, or AZIMUTH:ELEVATION in degrees"},
+    {0, "views", "N|LIST", CLI_TEXT, &given.views, 0, 0, 0, NULL,
+     "several tiles: N turns of the camera, or a list such as front,left,30:20"},
+    {0, "zoom", "FACTOR", CLI_NUMBER, &given.zoom, 0, 0.01, 1000, NULL, "enlarge about the middle (default 1: all is in the picture)"},
+    {.kind = CLI_HEADING, .help = "The picture:"},
+    {0, "size", "WxH", CLI_TEXT, &given.size, 0, 0, 0, NULL,
+     "pixels of the picture (default 800x600), or of a tile where there are several (480x360)"},
+    {0, "columns", "N", CLI_INTEGER, &given.columns, 0, 1, 1000, NULL, "tiles in a row (default: as square as it gets)"},
+    {0, "title", "TEXT", CLI_TEXT, &given.title, 0, 0, 0, NULL, "title (default: the muscle's or scene's name)"},
+    {0, "no-legend", NULL, CLI_CLEAR, &given.legend, 0, 0, 0, NULL, "leave out title, captions, legend and scale bar"},
+    {0, "background", "COLOUR", CLI_TEXT, &given.background, 0, 0, 0, NULL, "#rrggbb, white, grey or black (default: a warm near white)"},
+    {0, "samples", "N", CLI_INTEGER, &given.samples, 0, 1, 64, NULL, "rays for each pixel, rounded up to a square (default 9)"},
+};
+
+static const cli_tool tool = {
+    .name = "rig-view",
+    .summary = "Draw muscle documents, meshes, scenes and frames of a simulation as a PNG picture.",
+    .shared = CLI_TAKES_INPUTS | CLI_HAS_OUTPUT | CLI_HAS_UNITS | CLI_HAS_THREADS,
+    .options = options,
+    .option_count = sizeof options / sizeof *options,
+    .notes = "INPUT is a muscle document, a bare mesh (OBJ, PLY, STL, OFF) or a scene; nothing or \"-\" is standard input.\n"
+             "Several inputs, views or frames make a contact sheet.",
+};
+
+/* ---- words into values ---------------------------------------------------------------------------------------------------------- */
+
+static unsigned parse_show(const cli *c, const char *text) {
+    static const struct {
+        const char *name;
+        unsigned bit;
+    } names[] = {
+        {"surface", SN_SHOW_SURFACE},         {"roots", SN_SHOW_ROOTS}, {"structure", SN_SHOW_STRUCTURE}, {"fibers", SN_SHOW_FIBERS},
+        {"attachments", SN_SHOW_ATTACHMENTS}, {"bones", SN_SHOW_BONES}, {"wire", SN_SHOW_WIRE},           {"auto", SN_SHOW_AUTO}};
+    if (!text) return SN_SHOW_AUTO;
+    unsigned show = 0;
+    while (*text) {
+        size_t length = strcspn(text, ","), k = 0;
+        while (k < sizeof names / sizeof *names && (strlen(names[k].name) != length || memcmp(names[k].name, text, length) != 0)) k++;
+        if (k == sizeof names / sizeof *names)
+            cli_usage_error(c, "--show: '%.*s' is none of surface, roots, structure, fibers, attachments, bones, wire", (int)length, text);
+        show |= names[k].bit;
+        text += length + (text[length] == ',');
+    }
+    /* wire alone means: the surface with its edges */
+    return show & SN_SHOW_WIRE && !(show & ~(unsigned)SN_SHOW_WIRE) ? show | SN_SHOW_AUTO : show;
+}
+
+static void parse_size(const cli *c, sn_view_options *o) {
+    int width, height, used = 0;
+    if (!given.size) return;
+    if (sscanf(given.size, "%5dx%5d%n", &width, &height, &used) != 2 || given.size[used] || width < 16 || height < 16 ||
+        width > SN_IMAGE_SIDE_MAX || height > SN_IMAGE_SIDE_MAX)
+        cli_usage_error(c, "--size: '%s' is not WIDTHxHEIGHT with both from 16 to %d, as in 800x600", given.size, SN_IMAGE_SIDE_MAX);
+    o->width = width;
+    o->height = height;
+}
+
+static sn_color parse_color(const cli *c, const char *text) {
+    unsigned r, g, b;
+    int used = 0;
+    if (strcmp(text, "white") == 0) return (sn_color){1, 1, 1};
+    if (strcmp(text, "grey") == 0 || strcmp(text, "gray") == 0) return (sn_color){0.5, 0.5, 0.5};
+    if (strcmp(text, "black") == 0) return (sn_color){0, 0, 0};
+    if (sscanf(text, "#%2x%2x%2x%n", &r, &g, &b, &used) != 3 || strlen(text) != 7 || used != 7)
+        cli_usage_error(c, "--background: '%s' is no colour; write #rrggbb, white, grey or black", text);
+    return (sn_color){r / 255.0, g / 255.0, b / 255.0};
+}
+
+/* One way to look at the subject. */
+typedef struct look {
+    bool automatic;
+    double azimuth, elevation, spin; /* degrees */
+    char caption[40];                /* "" = the only one */
+} look;
+
+static look parse_look(const cli *c, const char *option, const char *text, size_t length) {
+    static const struct {
+        const char *name;
+        double azimuth, elevation;
+    } names[] = {{"front", 0, 0}, {"right", 90, 0}, {"back", 180, 0}, {"left", 270, 0}, {"top", 0, 90}, {"bottom", 0, -90}};
+    char word[40];
+    snprintf(word, sizeof word, "%.*s", (int)(length < 39 ? length : 39), text);
+    look l = {.automatic = strcmp(word, "auto") == 0};
+    snprintf(l.caption, sizeof l.caption, "%s", word);
+    if (l.automatic) return l;
+    for (size_t i = 0; i < sizeof names / sizeof *names; i++)
+        if (strcmp(names[i].name, word) == 0) {
+            l.azimuth = names[i].azimuth;
+            l.elevation = names[i].elevation;
+            return l;
+        }
+    double angles[2];
+    char *colon = strchr(word, ':');
+    if (colon) *colon = ',';
+    if (sn_parse_numbers(word, 2, angles, NULL) != SN_OK || fabs(angles[0]) > 3600.0 || fabs(angles[1]) > 90.0)
+        cli_usage_error(c, "--%s: '%s' is no view; write auto, front, back, left, right, top, bottom or AZIMUTH:ELEVATION as in 30:20",
+                        option, l.caption);
+    l.azimuth = angles[0];
+    l.elevation = angles[1];
+    return l;
+}
+
+typedef struct looks {
+    sn_index count;
+    look items[64];
+} looks;
+
+static looks parse_looks(const cli *c) {
+    looks all = {1, {parse_look(c, "camera", given.camera, strlen(given.camera))}};
+    int64_t turns;
+    if (!given.views) {
+        all.items[0].caption[0] = 0;
+    } else if (sn_parse_integer(given.views, 1, 64, &turns, NULL) == SN_OK) {
+        all.count = (sn_index)turns;
+        for (sn_index i = 1; i < all.count; i++) all.items[i] = all.items[0];
+        for (sn_index i = 0; i < all.count; i++) {
+            double turn = 360.0 * i / all.count;
+            all.items[i].spin = turn;
+            all.items[i].azimuth += turn;
+            snprintf(all.items[i].caption, sizeof all.items[i].caption, "turned %.4g deg", turn);
+        }
+    } else {
+        const char *text = given.views;
+        for (all.count = 0; *text; all.count++) {
+            if (all.count == 64) cli_usage_error(c, "--views: more than 64 views");
+            size_t length = strcspn(text, ",");
+            all.items[all.count] = parse_look(c, "views", text, length);
+            text += length + (text[length] == ',');
+        }
+        if (all.count == 0) cli_usage_error(c, "--views: an empty list");
+    }
+    return all;
+}
+
+/* ---- contents: what there is to look at -------------------------------------------------------------------------------------------- */
+
+typedef struct content {
+    sn_view view;
+    char *caption;
+    sn_index group; /* contents of one group share their cameras */
+} content;
+
+typedef struct album {
+    const cli *c;
+    unsigned show;
+    size_t count, capacity;
+    content *items;
+    sn_index group_count;
+    sn_mesh *bones; /* (given.bones.count) */
+} album;
+
+static sn_status album_add(album *a, content *item, sn_error *error) {
+    if (!sn_grow((void **)&a->items, &a->capacity, a->count + 1, sizeof *a->items)) {
+        sn_view_free(&item->view);
+        free(item->caption);
+        return sn_fail_memory(error, "the pictures");
+    }
+    a->items[a->count++] = *item;
+    return SN_OK;
+}
+
+static void album_free(album *a) {
+    for (size_t i = 0; i < a->count; i++) {
+        sn_view_free(&a->items[i].view);
+        free(a->items[i].caption);
+    }
+    for (int i = 0; i < given.bones.count && a->bones; i++) sn_mesh_free(&a->bones[i]);
+    free(a->bones);
+    free(a->items);
+    free(given.bones.items);
+}
+
+static sn_status load_bones(album *a, sn_error *error) {
+    a->bones = SN_NEW(sn_mesh, given.bones.count);
+    if (!a->bones) return sn_fail_memory(error, "the bones");
+    for (int i = 0; i < given.bones.count; i++) {
+        char *name;
+        const char *file;
+        if (!cli_split(given.bones.items[i], &name, &file)) cli_usage_error(a->c, "--bone: '%s' is not NAME=FILE", given.bones.items[i]);
+        free(name);
+        sn_status status = sn_mesh_read(file, &a->bones[i], error);
+        if (!status) status = sn_mesh_validate(&a->bones[i], error);
+        if (status) {
+            sn_error_set_file(error, file);
+            return status;
+        }
+    }
+    return SN_OK;
+}
+
+/* File name without folder and extensions. */
+static char *caption_of(const char *path) {
+    const char *slash = strrchr(path, '/'), *name = slash ? slash + 1 : path;
+    const char *ends[] = {".muscle.json", ".scene.json", ".json", ".ply", ".obj", ".stl", ".off"};
+    size_t length = strlen(name);
+    for (size_t i = 0; i < sizeof ends / sizeof *ends; i++)
+        if (length > strlen(ends[i]) && strcmp(name + length - strlen(ends[i]), ends[i]) == 0)
+            return sn_strndup(name, length - strlen(ends[i]));
+    return sn_strdup(strcmp(name, "-") == 0 ? "standard input" : name);
+}
+
+static sn_status add_muscle(album *a, const sn_blob *blob, const char *path, sn_error *error) {
+    sn_muscle muscle;
+    sn_document *document = NULL;
+    content item = {.caption = caption_of(path), .group = a->group_count++};
+    sn_status status = sn_muscle_parse(blob, &a->c->read, &muscle, &document, error);
+    sn_document_free(document);
+    if (!status && !item.caption) status = sn_fail_memory(error, "a caption");
+    if (!status) status = sn_mesh_validate(&muscle.mesh, error);
+    if (!status) status = sn_view_add_muscle(&item.view, &muscle, a->show, error);
+    for (int i = 0; i < given.bones.count && !status; i++)
+        status = sn_view_add_bone(&item.view, &a->bones[i], muscle.meters_per_unit, NULL, error);
+    sn_muscle_free(&muscle);
+    if (!status) return album_add(a, &item, error);
+    sn_view_free(&item.view);
+    free(item.caption);
+    return status;
+}
+
+static sn_status add_input(album *a, const char *path, sn_error *error) {
+    sn_blob blob = {0};
+    sn_status status = sn_blob_read(path, &blob, error);
+    if (status) return status;
+    status = add_muscle(a, &blob, path, error);
+    if (status) sn_error_set_file(error, blob.name);
+    sn_blob_free(&blob);
+    return status;
+}
+
+/* ---- cameras ---------------------------------------------------------------------------------------------------------------------------
+ */
+
+/* Stages of one muscle belong together: their extents are nearly the same. */
+static bool same_place(const sn_camera *a, const sn_camera *b) {
+    double size = sn_box_diagonal(a->extent);
+    return sn_distance(a->extent.low, b->extent.low) < 0.15 * size && sn_distance(a->extent.high, b->extent.high) < 0.15 * size;
+}
+
+static void join_groups(album *a) {
+    for (size_t i = 1; i < a->count; i++) {
+        sn_camera here = sn_camera_from(0, 0), before = here;
+        sn_camera_include(&here, &a->items[i].view);
+        sn_camera_include(&before, &a->items[i - 1].view);
+        if (same_place(&before, &here)) a->items[i].group = a->items[i - 1].group;
+    }
+}
+
+static sn_camera camera_for(const album *a, sn_index group, const look *l, const sn_view_options *o) {
+    sn_camera camera = sn_camera_from(l->azimuth, l->elevation);
+    bool oriented = !l->automatic;
+    for (size_t i = 0; i < a->count; i++) {
+        if (a->items[i].group != group) continue;
+        if (!oriented) camera = sn_camera_auto(&a->items[i].view, o->height > o->width, l->spin);
+        oriented = true;
+        sn_camera_include(&camera, &a->items[i].view);
+    }
+    camera.zoom = given.zoom;
+    return camera;
+}
+
+/* ---- the sheet
+ * ---------------------------------------------------------------------------------------------------------------------------- */
+
+static const char *common_text(const album *a, bool title) {
+    const char *first = title ? a->items[0].view.title : a->items[0].view.subtitle;
+    for (size_t i = 1; i < a->count; i++) {
+        const char *text = title ? a->items[i].view.title : a->items[i].view.subtitle;
+        if (!first || !text || strcmp(first, text) != 0) return NULL;
+    }
+    return first;
+}
+
+typedef struct caption {
+    char text[256];
+} caption;
+
+static caption tile_caption(const album *a, size_t item, const look *l) {
+    caption out = {{0}};
+    const char *name = a->count > 1 && a->items[item].caption ? a->items[item].caption : "";
+    snprintf(out.text, sizeof out.text, "%s%s%s", name, *name && *l->caption ? ", " : "", l->caption);
+    return out;
+}
+
+static sn_status draw(const album *a, const looks *views, sn_view_options *o, sn_image *image, sn_error *error) {
+    size_t count = a->count * (size_t)views->count;
+    sn_tile *tiles = SN_NEW(sn_tile, count);
+    sn_camera *cameras = SN_NEW(sn_camera, count);
+    caption *captions = SN_NEW(caption, count);
+    sn_status status = tiles && cameras && captions ? SN_OK : sn_fail_memory(error, "the tiles");
+    for (size_t i = 0; i < count && !status; i++) {
+        size_t item = i / (size_t)views->count;
+        const look *l = &views->items[i % (size_t)views->count];
+        cameras[i] = camera_for(a, a->items[item].group, l, o);
+        captions[i] = tile_caption(a, item, l);
+        tiles[i] = (sn_tile){&a->items[item].view, &cameras[i], captions[i].text[0] ? captions[i].text : NULL};
+    }
+    if (!o->columns && a->count > 1 && views->count > 1) o->columns = views->count;
+    const char *title = given.title ? given.title : common_text(a, true);
+    if (!status) status = sn_sheet_render((sn_index)count, tiles, title, common_text(a, false), o, image, error);
+    free(tiles);
+    free(cameras);
+    free(captions);
+    return status;
+}
+
+static sn_status save(const cli *c, const sn_image *image, sn_output *output, sn_error *error) {
+    unsigned char *data = NULL;
+    size_t size = 0;
+    sn_status status = sn_image_to_png(image, &data, &size, error);
+    if (!status) status = sn_output_write(output, data, size, error);
+    free(data);
+    if (!status) cli_say(c, "%d x %d pixels", image->width, image->height);
+    return status;
+}
+
+static sn_view_options picture_options(const cli *c, bool sheet) {
+    sn_view_options o = sn_view_defaults();
+    if (sheet) o.width = 480, o.height = 360;
+    parse_size(c, &o);
+    if (given.background) o.background = parse_color(c, given.background);
+    o.samples = (int)ceil(sqrt((double)given.samples));
+    o.threads = c->threads;
+    o.legend = given.legend;
+    o.columns = (sn_index)given.columns;
+    return o;
+}
+
+static sn_status view_rigs(const cli *c, sn_error *error) {
+    static const char *const standard_input[] = {"-"};
+    cli_list inputs = c->inputs.count ? c->inputs : (cli_list){1, (const char **)(uintptr_t)standard_input};
+    album a = {.c = c, .show = parse_show(c, given.show)};
+    looks views = parse_looks(c);
+    sn_output *output = NULL;
+    sn_image image = {0};
+    picture_options(c, false); /* wrong words are told before any work */
+    sn_status status = sn_output_open(c->output, false, &output, error);
+    if (!status && sn_output_is_terminal(output))
+        cli_usage_error(c, "a picture is not for a terminal; give -o FILE.png or redirect the output");
+    if (!status) status = load_bones(&a, error);
+    for (int i = 0; i < inputs.count && !status; i++) status = add_input(&a, inputs.items[i], error);
+    if (!status) {
+        join_groups(&a);
+        sn_view_options o = picture_options(c, a.count * (size_t)views.count > 1);
+        status = draw(&a, &views, &o, &image, error);
+    }
+    if (!status) status = save(c, &image, output, error);
+    if (status)
+        sn_output_abort(output);
+    else
+        status = sn_output_commit(output, error);
+    sn_image_free(&image);
+    album_free(&a);
+    return status;
+}
+
+int main(int argc, char **argv) {
+    cli c;
+    sn_error error = {0};
+    cli_start(&c, &tool, argc, argv);
+    return cli_finish(&c, view_rigs(&c, &error), &error);
+}
