@@ -238,7 +238,8 @@ static sn_status plan(sn_reader *reader, header *h) {
     const element *vertices = find_element(h, "vertex"), *faces = find_element(h, "face");
     if (vertices == NULL) return sn_reader_fail(reader, SN_NONE, "the header declares no element vertex");
     if (faces == NULL || faces->count == 0) {
-        return sn_reader_fail(reader, SN_NONE, "has no faces; a surface of triangles or polygons is needed");
+        return sn_fail_at(reader->error, SN_ERROR_INPUT, reader->blob->name, 0,
+                          "has no faces; a surface of triangles or polygons is needed");
     }
     sn_status status = check_counts(reader, h);
     if (status == SN_OK) status = sn_reader_reserve(reader, vertices->count, faces->count);
@@ -319,7 +320,7 @@ static sn_status read_row(sn_reader *reader, const header *h, const element *e, 
     return SN_OK;
 }
 
-/* In text: to the row's line, and that nothing but blanks follows on it. */
+/* In text: to the line of a row. */
 static sn_status find_row(sn_reader *reader, const element *e, int64_t row) {
     if (sn_reader_find_line(reader)) return SN_OK;
     return sn_reader_fail(reader, SN_NONE, "the file ends before number %lld of %lld of element %.*s", (long long)row, (long long)e->count,

@@ -16,7 +16,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-enum { CHUNK = 1 << 16 };
+enum { CHUNK = 1 << 16, ATTEMPTS = 100 };
 
 static bool is_standard(const char *path) { return !path || strcmp(path, "-") == 0; }
 
@@ -101,28 +101,47 @@ static sn_status report_failure(const sn_output *output, sn_error *error) {
     return output->failure.code;
 }
 
-/* An open file in the folder of path that becomes path on commit. */
-static sn_status open_beside(sn_output *output, sn_error *error) {
-    const char *slash = strrchr(output->target, '/');
-    char *folder = slash ? sn_strndup(output->target, slash == output->target ? 1 : (size_t)(slash - output->target)) : sn_strdup(".");
-    if (!folder) return sn_fail_memory(error, "a file name");
-    /* linking a nameless file needs /proc */
-    output->fd = access("/proc/self/fd", X_OK) == 0 ? open(folder, O_TMPFILE | O_WRONLY | O_CLOEXEC, 0666) : -1;
+/* The folder of the target with a '/' at its end; "" for the current one. NULL = out of memory. */
+static char *folder_of(const char *target) {
+    const char *slash = strrchr(target, '/');
+    return sn_strndup(target, slash ? (size_t)(slash - target) + 1 : 0);
+}
+
+/* A name for attempt number `attempt` at a temporary file beside the target; NULL = out of memory. */
+static char *temporary_name(const char *target, int attempt) {
+    char *folder = folder_of(target), *name = NULL;
+    if (folder && asprintf(&name, "%s.sinew-%ld-%d~", folder, (long)getpid(), attempt) < 0) name = NULL;
     free(folder);
-    if (output->fd >= 0) return SN_OK;
-    size_t size = strlen(output->target) + 32;
-    output->temporary = SN_NEW(char, size);
-    if (!output->temporary) return sn_fail_memory(error, "a file name");
-    for (int attempt = 0; output->fd < 0 && attempt < 100; attempt++) {
-        snprintf(output->temporary, size, "%s.%ld-%d~", output->target, (long)getpid(), attempt);
-        output->fd = open(output->temporary, O_CREAT | O_EXCL | O_WRONLY | O_CLOEXEC, 0666);
-        if (output->fd < 0 && errno != EEXIST) break;
+    return name;
+}
+
+/* A file without a name; linking it later needs /proc. -1 where the file system has no such files. */
+static int open_nameless(const char *target) {
+    if (access("/proc/self/fd", X_OK) != 0) return -1;
+    char *folder = folder_of(target);
+    int fd = folder ? open(*folder ? folder : ".", O_TMPFILE | O_WRONLY | O_CLOEXEC, 0666) : -1;
+    free(folder);
+    return fd;
+}
+
+/* An open file in the target's folder, to become the target on commit. */
+static sn_status open_beside(sn_output *output, sn_error *error) {
+    output->fd = open_nameless(output->target);
+    for (int attempt = 0; output->fd < 0 && attempt < ATTEMPTS; attempt++) {
+        char *name = temporary_name(output->target, attempt);
+        if (!name) return sn_fail_memory(error, "a file name");
+        output->fd = open(name, O_CREAT | O_EXCL | O_WRONLY | O_CLOEXEC, 0666);
+        int reason = errno;
+        if (output->fd >= 0) {
+            output->temporary = name;
+            break;
+        }
+        free(name);
+        if (reason != EEXIST || attempt + 1 == ATTEMPTS) {
+            return sn_fail_at(error, SN_ERROR_IO, output->name, 0, "cannot be written: %s", strerror(reason));
+        }
     }
-    if (output->fd >= 0) return SN_OK;
-    int reason = errno;
-    free(output->temporary);
-    output->temporary = NULL;
-    return sn_fail_at(error, SN_ERROR_IO, output->name, 0, "cannot be written: %s", strerror(reason));
+    return SN_OK;
 }
 
 static sn_status open_in_place(sn_output *output, const char *path, sn_error *error) {
@@ -274,22 +293,22 @@ bool sn_output_is_terminal(const sn_output *output) { return isatty(output->fd) 
 static void name_temporary(sn_output *output) {
     char descriptor[32];
     snprintf(descriptor, sizeof descriptor, "/proc/self/fd/%d", output->fd);
-    size_t size = strlen(output->target) + 32;
-    char *name = SN_NEW(char, size);
-    if (!name) {
-        keep_failure(output, SN_ERROR_MEMORY, "out of memory for a file name");
-        return;
-    }
-    for (int attempt = 0; attempt < 100; attempt++) {
-        snprintf(name, size, "%s.%ld-%d~", output->target, (long)getpid(), attempt);
+    for (int attempt = 0; attempt < ATTEMPTS; attempt++) {
+        char *name = temporary_name(output->target, attempt);
+        if (!name) {
+            keep_failure(output, SN_ERROR_MEMORY, "out of memory for a file name");
+            return;
+        }
         if (linkat(AT_FDCWD, descriptor, AT_FDCWD, name, AT_SYMLINK_FOLLOW) == 0) {
             output->temporary = name;
             return;
         }
+        int reason = errno;
+        free(name);
+        errno = reason;
         if (errno != EEXIST) break;
     }
     keep_system_failure(output, "cannot be written");
-    free(name);
 }
 
 static void replace_target(sn_output *output) {
