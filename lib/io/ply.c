@@ -139,7 +139,6 @@ static sn_status read_header(sn_reader *reader, header *h) {
             status = read_property(reader, h);
         } else if (sn_span_is(word, "end_header")) {
             if (h->encoding == SN_ENCODING_DEFAULT) return sn_reader_fail(reader, SN_NONE, "the header names no format");
-            begin_data(reader, h);
             return SN_OK;
         } else if (word.length > 0 && !sn_span_is(word, "comment") && !sn_span_is(word, "obj_info")) {
             char found[48];
@@ -363,6 +362,7 @@ sn_status sn_ply_parse(sn_reader *reader) {
     if (h == NULL) return sn_fail_memory(reader->error, "a PLY header");
     sn_status status = read_header(reader, h);
     if (status == SN_OK) status = plan(reader, h);
+    if (status == SN_OK) begin_data(reader, h);
     for (size_t i = 0; status == SN_OK && i < h->element_count; i++) status = read_elements(reader, h, &h->elements[i]);
     free(h);
     return status;
