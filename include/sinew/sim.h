@@ -1,0 +1,220 @@
+/*
+ * sim.h -- the simulation: one constraint table per muscle, a model that never changes, a state that steps, statistics.   rank 3
+ *
+ * Everything here is in metres, kilograms, seconds and radians; only sn_state_positions() gives document units back.
+ * Names follow methods.md: C is a constraint's value, w an inverse mass, k a stiffness, alpha = 1/k a compliance, h a time step.
+ *
+ *   sn_model_create     scene -> model: decides what runs (the plan), builds the rows of every constraint once
+ *   sn_state_create     the arrays that a run writes; sn_state_reset puts them at the scene's first frame
+ *   sn_settle           the pre-roll: time passes with the inputs of the first frame
+ *   sn_step             one frame further; writes the state only; no allocation, printing or I/O
+ *
+ * Back end `xpbd` ([R18] alg. 1, guarded): per substep predict, carry the attached vertices with their bones, then per iteration
+ * project internal, radial and mesh distances, dihedral angles, and last the volume. Muscles run in parallel, each one in one thread
+ * and in row order, so that the bits do not depend on the number of threads.
+ */
+#ifndef SINEW_SIM_H
+#define SINEW_SIM_H
+
+#include "sinew/numeric.h"
+#include "sinew/scene.h"
+#include "sinew/thread.h"
+#include "sinew/trace.h"
+
+/* ---- the plan: what runs, what was left out, and why ------------------------------------------------------------------ */
+
+/* The groups of rows, in the order in which they are projected. */
+typedef enum sn_row_kind { SN_ROWS_INTERNAL, SN_ROWS_RADIAL, SN_ROWS_MESH, SN_ROWS_DIHEDRAL, SN_ROWS_VOLUME, SN_ROW_KINDS } sn_row_kind;
+#define SN_DISTANCE_KINDS 3 /* the first three are distances */
+
+typedef enum sn_left_out {
+    SN_RUNS,             /* not left out */
+    SN_OUT_NO_STIFFNESS, /* its stiffness is 0 at every activation */
+    SN_OUT_NO_STRUCTURE, /* the document has no internal structure */
+    SN_OUT_OPEN_SURFACE, /* an open surface encloses no volume */
+    SN_OUT_FLAT,         /* the rest volume is 0 */
+    SN_OUT_NOTHING       /* no row is left: every point is carried by a bone, or degenerate at rest */
+} sn_left_out;
+
+typedef struct sn_plan_group {
+    sn_left_out reason;
+    sn_index rows;       /* that run */
+    sn_index kinematic;  /* rows left out because every point of theirs is carried by a bone */
+    sn_index degenerate; /* rows left out because their rest shape has no length or no area (guards below) */
+    size_t bytes;        /* of the rows, in model and state */
+} sn_plan_group;
+
+typedef struct sn_plan_muscle {
+    const char *name;      /* the scene's */
+    bool enabled;          /* false: nothing of it is in the model */
+    bool fibers;           /* false: no fibre directions, so that it does not contract */
+    sn_index vertices, samples, triangles;
+    sn_index kinematic;    /* vertices carried by bones */
+    sn_index iterations;   /* per substep */
+    sn_plan_group groups[SN_ROW_KINDS];
+    size_t model_bytes, state_bytes;
+} sn_plan_muscle;
+
+typedef struct sn_plan {
+    sn_index muscle_count;
+    sn_plan_muscle *muscles; /* (muscle_count) one per muscle of the scene, disabled ones too */
+} sn_plan;
+
+const char *sn_row_kind_name(sn_row_kind kind);         /* "internal", "radial", "mesh", "dihedral", "volume" */
+const char *sn_left_out_text(sn_left_out reason);       /* half a sentence; "" for SN_RUNS */
+const char *sn_fiber_law_name(sn_fiber_law law);        /* "projected", "paper", "isochoric" */
+
+/* ---- the constraint table --------------------------------------------------------------------------------------------- */
+
+/* C = |x0 - x1| - sigma. */
+typedef struct sn_distance_row { sn_index point[2]; } sn_distance_row;
+
+/* The two triangles (a,b,c) and (b,a,d) at edge a-b: C = wrap(theta - theta0). */
+typedef struct sn_hinge_row { sn_index point[4]; } sn_hinge_row;
+
+/* The square of a goal length is a sum of terms (of the row) times factors (of the activation); see distance.c. */
+#define SN_LAW_TERMS 3
+
+/* Surface vertices that move with one bone: kinematic_points[begin .. end - 1]. */
+typedef struct sn_site {
+    sn_index joint;      /* SN_NONE = the bone never moves */
+    sn_index begin, end;
+    sn_vec3 centre;      /* mean rest position, m */
+} sn_site;
+
+/* One muscle, immutable. Points are the surface vertices in document order, then the samples. */
+typedef struct sn_model_muscle {
+    const sn_scene_muscle *source;
+    sn_index vertex_count, point_count, triangle_count;
+    sn_vec3 *rest;                         /* (point_count) m */
+    double *inverse_mass;                  /* (point_count) 1/kg; 0 = carried by a bone */
+    sn_triangle *triangles;                /* (triangle_count) */
+    double *rest_area;                     /* (triangle_count) m^2 */
+    sn_index kinematic_count, site_count;
+    sn_index *kinematic_points;            /* (kinematic_count) grouped by site */
+    sn_site *sites;                        /* (site_count) one per attachment with vertices */
+    sn_index distance_start[SN_DISTANCE_KINDS + 1]; /* rows of kind k are distance_start[k] .. distance_start[k + 1] - 1 */
+    sn_distance_row *distances;            /* (distance_start[SN_DISTANCE_KINDS]) */
+    double (*distance_terms)[SN_LAW_TERMS];/* (the same) m^2: the goal length's dependence on activation */
+    sn_index hinge_count;
+    sn_hinge_row *hinges;                  /* (hinge_count) */
+    double *hinge_angles;                  /* (hinge_count) theta0, rad */
+    bool keeps_volume;                     /* the volume row runs */
+    double rest_volume;                    /* V0, m^3; NaN for an open surface */
+    sn_curve *volume_ratio;                /* g(activation); NULL = 1 */
+    double rest_ratio;                     /* g(rest activation) */
+    double mass;                           /* kg, all points together */
+    double mean_edge, diagonal;            /* m */
+    sn_index iterations;                   /* per substep */
+} sn_model_muscle;
+
+typedef struct sn_model {
+    const sn_scene *scene;
+    sn_plan plan;
+    sn_index muscle_count;
+    sn_model_muscle *muscles; /* (muscle_count) the enabled ones, in the scene's order */
+    double frame_duration;    /* s */
+    double substep_duration;  /* h, s */
+} sn_model;
+
+/* Validate the scene, plan, build every row. The scene must outlive the model and keep still. */
+SN_MUST_CHECK sn_status sn_model_create(const sn_scene *scene, sn_model **out, sn_error *error);
+void sn_model_destroy(sn_model *model); /* NULL is fine */
+
+/* ---- statistics: numbers, not text -------------------------------------------------------------------------------------- */
+
+typedef struct sn_residual { double rms, max; sn_index worst; } sn_residual; /* of |C|; worst row in its kind, SN_NONE = no row */
+
+/* Of one muscle at one moment. Errors of lengths are over the mean edge, of angles in radians, of the volume over V0. */
+typedef struct sn_statistics {
+    double activation, contraction;      /* the input in [0,1]; a = contraction x activation */
+    double stiffness;                    /* k, N/m */
+    double volume_ratio;                 /* V / V0; NaN for an open surface */
+    double volume_goal;                  /* g(a) / g(a0) */
+    double volume_error;                 /* V / (goal V0) - 1 */
+    sn_residual residuals[SN_ROW_KINDS];
+    double smallest_triangle;            /* least area over rest area; NaN where no triangle has a rest area */
+    sn_index smallest_triangle_index;    /* SN_NONE = none */
+    double kinetic_energy;               /* J */
+    sn_index nan_points, first_nan;      /* points whose position is not finite; the first of them or SN_NONE */
+    int64_t skipped_edges, skipped_hinges; /* projections in the last frame that a guard left out */
+    int64_t clamped_hinges;              /* and that the dihedral clamp limited */
+} sn_statistics;
+
+/* ---- the state ------------------------------------------------------------------------------------------------------------ */
+
+/* Position and inverse mass side by side: one record of 32 bytes is what a projection reads and writes. */
+typedef struct sn_point { double x, y, z, w; } sn_point;
+
+static inline sn_vec3 sn_point_position(const sn_point *p) { return sn_v3(p->x, p->y, p->z); }
+
+/* Arrays of one muscle's state: type, name, count in terms of `m` (its model), kept when a run is saved and continued. */
+#define SN_STATE_ARRAYS(X)                                        \
+    X(sn_point, points, m->point_count, true)                     \
+    X(sn_vec3, velocities, m->point_count, true)                  \
+    X(sn_vec3, previous, m->point_count, false)                   \
+    X(double, goals, m->distance_start[SN_DISTANCE_KINDS], false) \
+    X(double, distance_lambda, m->distance_start[SN_DISTANCE_KINDS], false) \
+    X(double, hinge_lambda, m->hinge_count, false)                \
+    X(sn_vec3, volume_gradient, m->keeps_volume ? m->vertex_count : 0, false)
+
+typedef struct sn_muscle_state {
+#define SN_STATE_MEMBER(type, name, count, kept) type *name;
+    SN_STATE_ARRAYS(SN_STATE_MEMBER)
+#undef SN_STATE_MEMBER
+    double volume_lambda;
+    double activation, contraction, stiffness, volume_goal; /* inputs at the state's time */
+    double goal_contraction, goal_ratio;                    /* what `goals` were made for; NaN = not made yet */
+    sn_statistics statistics;                               /* at the end of the last step */
+} sn_muscle_state;
+
+typedef struct sn_state {
+    sn_index frame;             /* the frame that the state has reached */
+    sn_muscle_state *muscles;   /* (model.muscle_count) */
+    sn_rigid *poses;            /* (substeps x joints) of the frame being stepped */
+} sn_state;
+
+SN_MUST_CHECK sn_status sn_state_create(const sn_model *model, sn_state **out, sn_error *error); /* and reset */
+void sn_state_destroy(const sn_model *model, sn_state *state); /* NULL is fine */
+/* The first frame, before any pre-roll: at rest, carried along where the first frame's bones are away from their rest place (each
+ * point by the poses of its muscle's bones, weighted by the inverse square of its distance to each bone's attachment). */
+void sn_state_reset(const sn_model *model, sn_state *state);
+/* Positions of a muscle's surface vertices in its document's unit and order: positions (vertex_count). */
+void sn_state_positions(const sn_model *model, const sn_state *state, sn_index muscle, sn_vec3 *positions);
+
+/* ---- stepping ------------------------------------------------------------------------------------------------------------- */
+
+typedef struct sn_step_options {
+    sn_pool *pool;            /* nullable: one thread */
+    sn_trace *trace;          /* nullable: one step per substep and muscle, with its residuals */
+    sn_index stop_substep;    /* 1..substeps: stop after this substep of the frame; 0 = do all */
+    sn_index stop_iteration;  /* with stop_substep: after this iteration in it; 0 = all */
+} sn_step_options;
+
+/* The scene's pre-roll: whole substeps, rounded up, with the bones and activations of the first frame. */
+SN_MUST_CHECK sn_status sn_settle(const sn_model *model, sn_state *state, const sn_step_options *options, sn_error *error);
+/* From frame state->frame to the next. SN_STOPPED: stopped on the way (by the options or the trace): the state is that of the stop, and
+ * can be looked at but not stepped on. options NULL = none. */
+SN_MUST_CHECK sn_status sn_step(const sn_model *model, sn_state *state, const sn_step_options *options, sn_error *error);
+
+/* ---- single constraints: value and gradients, for tests, pictures and other back ends ------------------------------------- */
+
+/* Guards (numerics.md 5): an edge with l^2 below the first has no direction; a hinge with |n|^2 <= the second x |e|^4 has no angle. */
+#define SN_EDGE_GUARD 1e-24
+#define SN_HINGE_GUARD 1e-12
+/* A dihedral error beyond this is projected as this: it removes the blow-ups (numerics.md 2). Radians. */
+#define SN_HINGE_CLAMP 0.3
+
+/* C = |p0 - p1| - goal, gradients[i] = dC/dp_i; false where the guard holds (then nothing is written). */
+bool sn_distance_constraint(sn_vec3 p0, sn_vec3 p1, double goal, double *value, sn_vec3 gradients[2]);
+/* C = wrap(theta - rest), theta = atan2((n1 x n2).e, n1.n2), n1 = (a-c) x (b-c), n2 = (b-d) x (a-d); p = {a,b,c,d}; false: guard. */
+bool sn_hinge_constraint(const sn_vec3 p[4], double rest, double *value, sn_vec3 gradients[4]);
+/* V = 1/6 sum p_i . (p_j x p_k) relative to the mean point; gradients (vertex_count, nullable) are dV/dp_i. */
+double sn_volume_constraint(sn_index vertex_count, const sn_point *points, sn_index triangle_count, const sn_triangle *triangles,
+                            sn_vec3 *gradients);
+/* Goal length of a distance row with these terms at contraction a (of rest contraction a0) and goal volume ratio g. */
+double sn_goal_length(sn_fiber_law law, const double terms[SN_LAW_TERMS], double a, double a0, double g);
+/* Terms of an edge e (m) with fibre axes f1, f2 at its ends (unit, or zero where there is none), for rest contraction a0. */
+void sn_law_terms(sn_fiber_law law, sn_vec3 edge, sn_vec3 f1, sn_vec3 f2, double a0, double terms[SN_LAW_TERMS]);
+
+#endif

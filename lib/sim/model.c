@@ -1,0 +1,168 @@
+/*
+ * model.c -- from a scene to the model: points, masses, and the constraint table, built once.
+ */
+#include "rows.h"
+
+#include <stdlib.h>
+
+/* ---- points --------------------------------------------------------------------------------------------------------------- */
+
+static sn_status copy_points(const sn_build *build, sn_error *error) {
+    const sn_muscle *rig = &build->source->rig;
+    sn_model_muscle *m = build->model;
+    m->point_count = m->vertex_count + build->plan->samples;
+    m->rest = SN_NEW(sn_vec3, m->point_count);
+    m->inverse_mass = SN_NEW(double, m->point_count);
+    if (m->rest == NULL || m->inverse_mass == NULL) return sn_fail_memory(error, "points");
+    for (sn_index i = 0; i < m->vertex_count; i++) m->rest[i] = sn_scale(rig->mesh.positions[i], rig->meters_per_unit);
+    for (sn_index i = m->vertex_count; i < m->point_count; i++)
+        m->rest[i] = sn_scale(rig->structure.positions[i - m->vertex_count], rig->meters_per_unit);
+    return SN_OK;
+}
+
+static sn_status copy_triangles(const sn_build *build, sn_error *error) {
+    const sn_mesh *mesh = &build->source->rig.mesh;
+    sn_model_muscle *m = build->model;
+    m->triangle_count = mesh->triangle_count;
+    m->triangles = SN_NEW(sn_triangle, m->triangle_count);
+    m->rest_area = SN_NEW(double, m->triangle_count);
+    if (m->triangles == NULL || m->rest_area == NULL) return sn_fail_memory(error, "triangles");
+    for (sn_index t = 0; t < m->triangle_count; t++) {
+        const sn_index *v = mesh->triangles[t].v;
+        m->triangles[t] = mesh->triangles[t];
+        m->rest_area[t] = 0.5 * sn_norm(sn_area_vector(m->rest[v[0]], m->rest[v[1]], m->rest[v[2]]));
+    }
+    return SN_OK;
+}
+
+static void measure_size(const sn_build *build) {
+    const sn_muscle *rig = &build->source->rig;
+    sn_model_muscle *m = build->model;
+    double unit = rig->meters_per_unit;
+    m->diagonal = sn_box_diagonal(sn_mesh_box(&rig->mesh)) * unit;
+    m->mean_edge = sn_mesh_mean_edge(&rig->mesh, build->topology) * unit;
+    m->rest_volume = sn_mesh_volume(&rig->mesh) * unit * unit * unit;
+}
+
+/* ---- masses --------------------------------------------------------------------------------------------------------------- */
+
+/* A vertex with less than this share of the mean mass is given it: an unused vertex would have none. */
+static const double LEAST_MASS = 1e-2;
+
+/* Density times volume; a sheet without volume is taken as a layer of a thousandth of its mean edge. */
+static double total_mass(const sn_model_muscle *m, double density) {
+    double area = 0.0;
+    for (sn_index t = 0; t < m->triangle_count; t++) area += m->rest_area[t];
+    return density * fmax(fabs(m->rest_volume), 1e-3 * m->mean_edge * area);
+}
+
+/* The mass is lumped on the vertices, each by a third of its triangles' area; a sample weighs as much as the mean vertex, and all are
+ * scaled so that the total stays density x volume. Leaves 1/m in inverse_mass. */
+static void lump_masses(sn_model_muscle *m, double density) {
+    double *mass = m->inverse_mass, sum = 0.0;
+    double area = 0.0;
+    for (sn_index t = 0; t < m->triangle_count; t++) {
+        area += m->rest_area[t];
+        for (int i = 0; i < 3; i++) mass[m->triangles[t].v[i]] += m->rest_area[t] / 3.0;
+    }
+    double mean = area / m->vertex_count;
+    for (sn_index i = 0; i < m->point_count; i++) {
+        mass[i] = i < m->vertex_count ? fmax(mass[i], LEAST_MASS * mean) : mean;
+        sum += mass[i];
+    }
+    m->mass = total_mass(m, density);
+    for (sn_index i = 0; i < m->point_count; i++) m->inverse_mass[i] = sum / (mass[i] * m->mass);
+}
+
+/* ---- one muscle ----------------------------------------------------------------------------------------------------------- */
+
+static sn_status make_volume_ratio(const sn_build *build, sn_error *error) {
+    const sn_knots *knots = &build->source->volume_ratio;
+    sn_model_muscle *m = build->model;
+    m->rest_ratio = 1.0;
+    if (knots->count == 0) return SN_OK;
+    sn_status status = sn_curve_create(knots->count, knots->x, knots->y, &m->volume_ratio, error);
+    if (status != SN_OK) return status;
+    m->rest_ratio = sn_curve_at(m->volume_ratio, build->source->rest_activation);
+    return SN_OK;
+}
+
+static sn_status build_muscle(const sn_build *build, sn_error *error) {
+    sn_model_muscle *m = build->model;
+    sn_status status;
+    m->source = build->source;
+    m->vertex_count = build->source->rig.mesh.vertex_count;
+    m->iterations = build->source->iterations > 0 ? build->source->iterations : build->scene->solver.iterations;
+    measure_size(build);
+    sn_plan_decide(build);
+    if ((status = copy_points(build, error)) != SN_OK) return status;
+    if ((status = copy_triangles(build, error)) != SN_OK) return status;
+    if (!(m->mean_edge > 0.0) || !isfinite(m->mean_edge))
+        return sn_fail(error, SN_ERROR_INPUT, "muscle \"%s\": all edges of its mesh have zero length", build->source->name);
+    lump_masses(m, build->source->density);
+    if ((status = make_volume_ratio(build, error)) != SN_OK) return status;
+    if ((status = sn_kinematics_build(build, error)) != SN_OK) return status;
+    if ((status = sn_distance_build(build, error)) != SN_OK) return status;
+    if ((status = sn_hinge_build(build, error)) != SN_OK) return status;
+    sn_volume_build(build);
+    sn_plan_count(build);
+    return SN_OK;
+}
+
+static sn_status add_muscle(sn_model *model, const sn_scene_muscle *source, sn_plan_muscle *plan, sn_error *error) {
+    *plan = (sn_plan_muscle){.name = source->name, .enabled = source->enabled};
+    if (!source->enabled) return SN_OK;
+    sn_topology topology = {0};
+    sn_build build = {model->scene, source, &topology, &model->muscles[model->muscle_count++], plan};
+    plan->vertices = source->rig.mesh.vertex_count;
+    plan->triangles = source->rig.mesh.triangle_count;
+    sn_status status = sn_topology_build(&source->rig.mesh, &topology, error);
+    if (status == SN_OK) status = build_muscle(&build, error);
+    plan->iterations = build.model->iterations;
+    sn_topology_free(&topology);
+    return status;
+}
+
+sn_status sn_model_create(const sn_scene *scene, sn_model **out, sn_error *error) {
+    *out = NULL;
+    sn_status status = sn_scene_validate(scene, error);
+    if (status != SN_OK) return status;
+    sn_model *model = SN_NEW(sn_model, 1);
+    if (model == NULL) return sn_fail_memory(error, "the model");
+    model->scene = scene;
+    model->frame_duration = 1.0 / scene->rate;
+    model->substep_duration = 1.0 / (scene->rate * scene->solver.substeps);
+    model->muscles = SN_NEW(sn_model_muscle, scene->muscle_count);
+    model->plan.muscles = SN_NEW(sn_plan_muscle, scene->muscle_count);
+    if (model->muscles == NULL || model->plan.muscles == NULL) status = sn_fail_memory(error, "the model");
+    model->plan.muscle_count = status == SN_OK ? scene->muscle_count : 0;
+    for (sn_index i = 0; status == SN_OK && i < scene->muscle_count; i++)
+        status = add_muscle(model, &scene->muscles[i], &model->plan.muscles[i], error);
+    if (status != SN_OK)
+        sn_model_destroy(model);
+    else
+        *out = model;
+    return status;
+}
+
+static void free_muscle(sn_model_muscle *m) {
+    free(m->rest);
+    free(m->inverse_mass);
+    free(m->triangles);
+    free(m->rest_area);
+    free(m->kinematic_points);
+    free(m->sites);
+    free(m->distances);
+    free(m->distance_terms);
+    free(m->hinges);
+    free(m->hinge_angles);
+    sn_curve_destroy(m->volume_ratio);
+}
+
+void sn_model_destroy(sn_model *model) {
+    if (model == NULL) return;
+    for (sn_index i = 0; i < model->muscle_count; i++) free_muscle(&model->muscles[i]);
+    free(model->muscles);
+    free(model->plan.muscles);
+    free(model);
+}

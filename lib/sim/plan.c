@@ -1,0 +1,97 @@
+/*
+ * plan.c -- what a muscle needs: groups of rows that run, the others with the reason why not, and the bytes.
+ *
+ * A group that is off must leave no trace: no rows, no points, no memory. So everything is decided here, before anything is allocated.
+ */
+#include "rows.h"
+
+const char *sn_row_kind_name(sn_row_kind kind) {
+    static const char *const NAMES[SN_ROW_KINDS] = {"internal", "radial", "mesh", "dihedral", "volume"};
+    return NAMES[kind];
+}
+
+const char *sn_left_out_text(sn_left_out reason) {
+    switch (reason) {
+    case SN_RUNS:
+        return "";
+    case SN_OUT_NO_STIFFNESS:
+        return "its stiffness is 0";
+    case SN_OUT_NO_STRUCTURE:
+        return "the document has no internal structure (build-structure makes one)";
+    case SN_OUT_OPEN_SURFACE:
+        return "the surface is open and encloses no volume (mesh-clean closes it)";
+    case SN_OUT_FLAT:
+        return "the rest volume is 0";
+    case SN_OUT_NOTHING:
+        return "no row is left: every point of it is carried by a bone, or degenerate";
+    }
+    return "";
+}
+
+const char *sn_fiber_law_name(sn_fiber_law law) {
+    static const char *const NAMES[] = {"projected", "paper", "isochoric"};
+    return NAMES[law];
+}
+
+static bool has_stiffness(const sn_scene_muscle *source, double factor) {
+    return factor > 0.0 && (source->stiffness_relaxed > 0.0 || source->stiffness_active > 0.0);
+}
+
+static bool closed(const sn_topology *topology) {
+    for (sn_index i = 0; i < topology->edge_count; i++)
+        if (topology->edges[i].triangle_count != 2) return false;
+    return topology->edge_count > 0;
+}
+
+static sn_left_out volume_reason(const sn_build *build) {
+    double size = build->model->diagonal, volume = build->model->rest_volume;
+    if (!has_stiffness(build->source, build->source->stiffness_volume)) return SN_OUT_NO_STIFFNESS;
+    if (!closed(build->topology)) return SN_OUT_OPEN_SURFACE;
+    return fabs(volume) > 1e-12 * size * size * size ? SN_RUNS : SN_OUT_FLAT;
+}
+
+void sn_plan_decide(const sn_build *build) {
+    const sn_scene_muscle *source = build->source;
+    sn_plan_group *groups = build->plan->groups;
+    sn_left_out inside = source->rig.structure.sample_count == 0              ? SN_OUT_NO_STRUCTURE
+                         : !has_stiffness(source, source->stiffness_internal) ? SN_OUT_NO_STIFFNESS
+                                                                              : SN_RUNS;
+    groups[SN_ROWS_INTERNAL].reason = groups[SN_ROWS_RADIAL].reason = inside;
+    groups[SN_ROWS_MESH].reason = has_stiffness(source, 1.0) ? SN_RUNS : SN_OUT_NO_STIFFNESS;
+    groups[SN_ROWS_DIHEDRAL].reason = has_stiffness(source, source->stiffness_dihedral) ? SN_RUNS : SN_OUT_NO_STIFFNESS;
+    groups[SN_ROWS_VOLUME].reason = volume_reason(build);
+    build->plan->samples = inside == SN_RUNS ? source->rig.structure.sample_count : 0;
+    build->plan->fibers = source->rig.fibers.directions != NULL;
+}
+
+/* Bytes of the arrays of a state, by the list that allocates them. */
+static size_t state_bytes(const sn_model_muscle *m) {
+    size_t bytes = sizeof(sn_muscle_state);
+#define ADD(type, name, count, kept) bytes += (size_t)(count) * sizeof(type);
+    SN_STATE_ARRAYS(ADD)
+#undef ADD
+    return bytes;
+}
+
+static size_t model_bytes(const sn_model_muscle *m) {
+    size_t points = (size_t)m->point_count * (sizeof(sn_vec3) + sizeof(double));
+    size_t triangles = (size_t)m->triangle_count * (sizeof(sn_triangle) + sizeof(double));
+    size_t distances = (size_t)m->distance_start[SN_DISTANCE_KINDS] * (sizeof(sn_distance_row) + sizeof(*m->distance_terms));
+    size_t hinges = (size_t)m->hinge_count * (sizeof(sn_hinge_row) + sizeof(double));
+    size_t sites = (size_t)m->site_count * sizeof(sn_site) + (size_t)m->kinematic_count * sizeof(sn_index);
+    return sizeof(*m) + points + triangles + distances + hinges + sites;
+}
+
+void sn_plan_count(const sn_build *build) {
+    const sn_model_muscle *m = build->model;
+    sn_plan_group *groups = build->plan->groups;
+    for (int kind = 0; kind < SN_ROW_KINDS; kind++) {
+        if (groups[kind].reason == SN_RUNS && groups[kind].rows == 0) groups[kind].reason = SN_OUT_NOTHING;
+        size_t row = kind < SN_DISTANCE_KINDS   ? sizeof(sn_distance_row) + sizeof(*m->distance_terms) + 2 * sizeof(double)
+                     : kind == SN_ROWS_DIHEDRAL ? sizeof(sn_hinge_row) + 2 * sizeof(double)
+                                                : (size_t)m->vertex_count * sizeof(sn_vec3);
+        groups[kind].bytes = (size_t)groups[kind].rows * row;
+    }
+    build->plan->model_bytes = model_bytes(m);
+    build->plan->state_bytes = state_bytes(m);
+}

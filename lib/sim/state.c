@@ -1,0 +1,77 @@
+/*
+ * state.c -- the arrays that a run writes: made, put at the start, read.
+ */
+#include "rows.h"
+
+#include <stdlib.h>
+
+_Static_assert(sizeof(sn_point) == 32, "a point is one record of four doubles");
+_Static_assert(sizeof(sn_distance_row) == 8 && sizeof(sn_hinge_row) == 16, "rows are packed indices");
+
+static bool make_arrays(const sn_model_muscle *m, sn_muscle_state *s) {
+    bool made = true;
+#define MAKE(type, name, count, kept) made = (s->name = SN_NEW(type, count)) != NULL && made;
+    SN_STATE_ARRAYS(MAKE)
+#undef MAKE
+    return made;
+}
+
+static void free_arrays(sn_muscle_state *s) {
+#define FREE(type, name, count, kept) free(s->name);
+    SN_STATE_ARRAYS(FREE)
+#undef FREE
+}
+
+sn_status sn_state_create(const sn_model *model, sn_state **out, sn_error *error) {
+    *out = NULL;
+    sn_state *state = SN_NEW(sn_state, 1);
+    if (state == NULL) return sn_fail_memory(error, "the state");
+    size_t joints = (size_t)model->scene->motion.joint_count, substeps = (size_t)model->scene->solver.substeps;
+    state->muscles = SN_NEW(sn_muscle_state, model->muscle_count);
+    state->poses = joints > 0 && substeps > SIZE_MAX / joints ? NULL : SN_NEW(sn_rigid, joints * substeps);
+    bool made = state->muscles != NULL && state->poses != NULL;
+    for (sn_index i = 0; made && i < model->muscle_count; i++) made = make_arrays(&model->muscles[i], &state->muscles[i]);
+    if (!made) {
+        sn_state_destroy(model, state);
+        return sn_fail_memory(error, "the state");
+    }
+    sn_state_reset(model, state);
+    *out = state;
+    return SN_OK;
+}
+
+void sn_state_destroy(const sn_model *model, sn_state *state) {
+    if (state == NULL) return;
+    for (sn_index i = 0; state->muscles != NULL && i < model->muscle_count; i++) free_arrays(&state->muscles[i]);
+    free(state->muscles);
+    free(state->poses);
+    free(state);
+}
+
+static void reset_muscle(const sn_model_muscle *m, sn_muscle_state *s, const sn_rigid *poses, double time) {
+    s->activation = s->goal_contraction = s->goal_ratio = NAN; /* nothing has been made for any input yet */
+    s->statistics = (sn_statistics){0};
+    for (sn_index i = 0; i < m->point_count; i++) {
+        s->points[i].w = m->inverse_mass[i];
+        s->velocities[i] = sn_v3(0, 0, 0);
+    }
+    sn_kinematics_carry(m, s, poses);
+    sn_inputs_update(m, s, time);
+    sn_statistics_measure(m, s);
+}
+
+void sn_state_reset(const sn_model *model, sn_state *state) {
+    double time = model->scene->first_frame / model->scene->rate;
+    state->frame = model->scene->first_frame;
+    sn_motion_poses(&model->scene->motion, time, state->poses);
+    for (sn_index i = 0; i < model->muscle_count; i++) reset_muscle(&model->muscles[i], &state->muscles[i], state->poses, time);
+}
+
+void sn_state_positions(const sn_model *model, const sn_state *state, sn_index muscle, sn_vec3 *positions) {
+    const sn_model_muscle *m = &model->muscles[muscle];
+    double unit = m->source->rig.meters_per_unit;
+    for (sn_index i = 0; i < m->vertex_count; i++) {
+        const sn_point *p = &state->muscles[muscle].points[i];
+        positions[i] = sn_v3(p->x / unit, p->y / unit, p->z / unit);
+    }
+}

@@ -1,0 +1,50 @@
+/*
+ * statistics.c -- how far a muscle is from what its constraints ask for.   numerics.md 4
+ */
+#include "rows.h"
+
+static void measure_volume(const sn_model_muscle *m, const sn_muscle_state *s, sn_statistics *out) {
+    double volume = sn_volume_constraint(m->vertex_count, s->points, m->triangle_count, m->triangles, NULL);
+    double error = volume / m->rest_volume - s->volume_goal;
+    out->volume_ratio = volume / m->rest_volume;
+    out->volume_goal = s->volume_goal;
+    out->volume_error = out->volume_ratio / s->volume_goal - 1.0;
+    out->residuals[SN_ROWS_VOLUME] = m->keeps_volume ? (sn_residual){fabs(error), fabs(error), 0} : (sn_residual){.worst = SN_NONE};
+}
+
+static void measure_triangles(const sn_model_muscle *m, const sn_muscle_state *s, sn_statistics *out) {
+    out->smallest_triangle = NAN;
+    out->smallest_triangle_index = SN_NONE;
+    for (sn_index t = 0; t < m->triangle_count; t++) {
+        const sn_index *v = m->triangles[t].v;
+        if (!(m->rest_area[t] > 0.0)) continue;
+        sn_vec3 a = sn_point_position(&s->points[v[0]]), b = sn_point_position(&s->points[v[1]]), c = sn_point_position(&s->points[v[2]]);
+        double ratio = 0.5 * sn_norm(sn_area_vector(a, b, c)) / m->rest_area[t];
+        if (out->smallest_triangle_index != SN_NONE && !(ratio < out->smallest_triangle)) continue;
+        out->smallest_triangle = ratio;
+        out->smallest_triangle_index = t;
+    }
+}
+
+static void measure_points(const sn_model_muscle *m, const sn_muscle_state *s, sn_statistics *out) {
+    out->kinetic_energy = 0.0;
+    out->nan_points = 0;
+    out->first_nan = SN_NONE;
+    for (sn_index i = 0; i < m->point_count; i++) {
+        if (m->inverse_mass[i] > 0.0) out->kinetic_energy += 0.5 * sn_norm2(s->velocities[i]) / m->inverse_mass[i];
+        if (sn_finite3(sn_point_position(&s->points[i]))) continue;
+        if (out->nan_points++ == 0) out->first_nan = i;
+    }
+}
+
+void sn_statistics_measure(const sn_model_muscle *m, sn_muscle_state *s) {
+    sn_statistics *out = &s->statistics;
+    out->activation = s->activation;
+    out->contraction = s->contraction;
+    out->stiffness = s->stiffness;
+    measure_points(m, s, out);
+    measure_triangles(m, s, out);
+    measure_volume(m, s, out);
+    for (int kind = 0; kind < SN_DISTANCE_KINDS; kind++) out->residuals[kind] = sn_distance_residual(m, s, (sn_row_kind)kind);
+    out->residuals[SN_ROWS_DIHEDRAL] = sn_hinge_residual(m, s);
+}
