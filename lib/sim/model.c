@@ -56,21 +56,24 @@ static double total_mass(const sn_model_muscle *m, double density) {
     return density * fmax(fabs(m->rest_volume), 1e-3 * m->mean_edge * area);
 }
 
-/* The mass is lumped on the vertices, each by a third of its triangles' area; a sample weighs as much as the mean vertex, and all are
- * scaled so that the total stays density x volume. Leaves 1/m in inverse_mass. */
-static void lump_masses(sn_model_muscle *m, double density) {
-    double *mass = m->inverse_mass, sum = 0.0;
-    double area = 0.0;
+/* The mass is lumped on the vertices, each by a third of its triangles' area. A vertex that hangs on a sample keeps half of its mass and
+ * gives the other half to the sample: it stands for the flesh between the two. Leaves 1/m in inverse_mass. */
+static void lump_masses(sn_model_muscle *m, const sn_scene_muscle *source) {
+    double *mass = m->inverse_mass, area = 0.0, sum = 0.0;
     for (sn_index t = 0; t < m->triangle_count; t++) {
         area += m->rest_area[t];
         for (int i = 0; i < 3; i++) mass[m->triangles[t].v[i]] += m->rest_area[t] / 3.0;
     }
-    double mean = area / m->vertex_count;
-    for (sn_index i = 0; i < m->point_count; i++) {
-        mass[i] = i < m->vertex_count ? fmax(mass[i], LEAST_MASS * mean) : mean;
-        sum += mass[i];
+    double least = LEAST_MASS * area / m->vertex_count;
+    for (sn_index v = 0; v < m->vertex_count; v++) {
+        sn_index sample = m->point_count > m->vertex_count ? source->rig.structure.vertex_sample[v] : SN_NONE;
+        mass[v] = fmax(mass[v], least);
+        if (sample == SN_NONE) continue;
+        mass[v] *= 0.5;
+        mass[m->vertex_count + sample] += mass[v];
     }
-    m->mass = total_mass(m, density);
+    for (sn_index i = 0; i < m->point_count; i++) sum += mass[i] = fmax(mass[i], 0.5 * least);
+    m->mass = total_mass(m, source->density);
     for (sn_index i = 0; i < m->point_count; i++) m->inverse_mass[i] = sum / (mass[i] * m->mass);
 }
 
@@ -99,7 +102,7 @@ static sn_status build_muscle(const sn_build *build, sn_error *error) {
     if ((status = copy_triangles(build, error)) != SN_OK) return status;
     if (!(m->mean_edge > 0.0) || !isfinite(m->mean_edge))
         return sn_fail(error, SN_ERROR_INPUT, "muscle \"%s\": all edges of its mesh have zero length", build->source->name);
-    lump_masses(m, build->source->density);
+    lump_masses(m, build->source);
     if ((status = make_volume_ratio(build, error)) != SN_OK) return status;
     if ((status = sn_kinematics_build(build, error)) != SN_OK) return status;
     if ((status = sn_distance_build(build, error)) != SN_OK) return status;
