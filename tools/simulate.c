@@ -1,0 +1,561 @@
+/*
+ * simulate -- move the bones of a scene, contract its muscles, write the frames and what there is to know about them.
+ */
+#include "cli.h"
+#include "sinew/sim.h"
+
+#include <errno.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+/* ---- options -------------------------------------------------------------------------------------------------------------- */
+
+enum { FORMAT_PC2, FORMAT_PLY };
+static const char *const FORMATS[] = {"pc2", "ply", NULL};
+static const char *const LAWS[] = {"projected", "paper", "isochoric", NULL};
+
+typedef struct choices {
+    const char *frames, *log, *fail_on;
+    double rate, preroll;
+    int64_t substeps, iterations;
+    int format, law;
+    bool plan;
+} choices;
+
+static choices given;
+
+static const cli_option OPTIONS[] = {
+    {0, "frames", "A:B", CLI_TEXT, &given.frames, 0, 0, 0, NULL, "simulate frames A to B instead of the scene's"},
+    {0, "rate", "N", CLI_NUMBER, &given.rate, 0, 1e-6, 1e6, NULL, "frames per second instead of the scene's"},
+    {0, "preroll", "SECONDS", CLI_NUMBER, &given.preroll, 0, 0, 1e6, NULL, "let it settle this long at the first frame's inputs"},
+    {0, "law", "LAW", CLI_CHOICE, &given.law, 0, 0, 0, LAWS, "fibre law of all muscles: projected, paper or isochoric"},
+    {0, NULL, NULL, CLI_HEADING, NULL, 0, 0, 0, NULL, "Solver:"},
+    {0, "substeps", "N", CLI_INTEGER, &given.substeps, 0, 1, 1e6, NULL, "substeps per frame instead of the scene's"},
+    {0, "iterations", "N", CLI_INTEGER, &given.iterations, 0, 1, 1e6, NULL,
+     "iterations per substep, where a muscle has no number of its own"},
+    {0, NULL, NULL, CLI_HEADING, NULL, 0, 0, 0, NULL, "Output:"},
+    {0, "format", "FORMAT", CLI_CHOICE, &given.format, 0, 0, 0, FORMATS, "frames in a folder: pc2 (default) or ply, one file per frame"},
+    {0, "log", "FILE", CLI_TEXT, &given.log, 0, 0, 0, NULL, "write the log to FILE instead of standard output"},
+    {0, "plan", NULL, CLI_FLAG, &given.plan, 0, 0, 0, NULL, "print the scene with every default, and what would run; run nothing"},
+    {0, "fail-on", "LIST", CLI_TEXT, &given.fail_on, 0, 0, 0, NULL,
+     "exit with 3 where a frame breaks one of these: 'volume>0.01,triangle<0.1'"},
+};
+
+static const cli_tool TOOL = {
+    .name = "simulate",
+    .summary = "Simulate the muscles of a scene; the log goes to standard output, the frames where -o says.",
+    .shared = CLI_TAKES_INPUT | CLI_HAS_OUTPUT | CLI_HAS_TRACE | CLI_HAS_REPORT | CLI_HAS_THREADS,
+    .options = OPTIONS,
+    .option_count = sizeof OPTIONS / sizeof *OPTIONS,
+    .notes = "-o is NAME.pc2 for one muscle, or a folder with one cache per muscle. --stop-after takes FRAME[:SUBSTEP[:ITERATION]].\n"
+             "--fail-on knows volume, nan, triangle, internal, radial, mesh, dihedral and energy; '<' and '>' compare.",
+};
+
+/* "A:B" or "A" into whole numbers; unset parts keep their value. Returns how many there were; 0 = not of this form. */
+static int parse_parts(const char *text, int most, sn_index *parts) {
+    const char *end = text + strlen(text);
+    for (int count = 0; count < most;) {
+        int64_t value;
+        if (!sn_scan_integer(text, end, &text, &value) || value < -SN_INDEX_MAX || value > SN_INDEX_MAX) return 0;
+        parts[count++] = (sn_index)value;
+        if (text == end) return count;
+        if (*text++ != ':') return 0;
+    }
+    return 0;
+}
+
+/* ---- --fail-on ------------------------------------------------------------------------------------------------------------ */
+
+typedef struct measure {
+    const char *name;
+    double (*read)(const sn_statistics *);
+} measure;
+
+static double read_volume(const sn_statistics *s) { return fabs(s->volume_error); }
+static double read_nan(const sn_statistics *s) { return s->nan_points; }
+static double read_triangle(const sn_statistics *s) { return s->smallest_triangle; }
+static double read_internal(const sn_statistics *s) { return s->residuals[SN_ROWS_INTERNAL].max; }
+static double read_radial(const sn_statistics *s) { return s->residuals[SN_ROWS_RADIAL].max; }
+static double read_mesh(const sn_statistics *s) { return s->residuals[SN_ROWS_MESH].max; }
+static double read_dihedral(const sn_statistics *s) { return s->residuals[SN_ROWS_DIHEDRAL].max; }
+static double read_energy(const sn_statistics *s) { return s->kinetic_energy; }
+
+static const measure MEASURES[] = {
+    {"volume", read_volume}, {"nan", read_nan},   {"triangle", read_triangle}, {"internal", read_internal},
+    {"radial", read_radial}, {"mesh", read_mesh}, {"dihedral", read_dihedral}, {"energy", read_energy},
+};
+enum { MEASURE_COUNT = sizeof MEASURES / sizeof *MEASURES, MAX_LIMITS = 32 };
+
+typedef struct limit {
+    const measure *measure;
+    bool above;
+    double value;
+} limit;
+typedef struct limits {
+    int count;
+    limit items[MAX_LIMITS];
+} limits;
+
+static bool parse_limit(const char *text, const char *end, limit *out) {
+    size_t name = strcspn(text, "<>,");
+    const char *next;
+    if (text[name] != '<' && text[name] != '>') return false;
+    out->above = text[name] == '>';
+    out->measure = NULL;
+    for (int i = 0; i < MEASURE_COUNT; i++)
+        if (strlen(MEASURES[i].name) == name && strncmp(MEASURES[i].name, text, name) == 0) out->measure = &MEASURES[i];
+    return out->measure != NULL && sn_scan_number(text + name + 1, end, &next, &out->value) && next == end && isfinite(out->value);
+}
+
+static void parse_limits(const cli *c, const char *text, limits *out) {
+    out->count = 0;
+    if (text == NULL) return;
+    for (const char *end; *text != '\0'; text = *end == ',' ? end + 1 : end) {
+        end = text + strcspn(text, ",");
+        if (out->count == MAX_LIMITS) cli_usage_error(c, "--fail-on takes at most %d limits", MAX_LIMITS);
+        if (!parse_limit(text, end, &out->items[out->count++]))
+            cli_usage_error(c, "--fail-on: cannot read \"%.*s\": write NAME>VALUE or NAME<VALUE", (int)(end - text), text);
+    }
+}
+
+/* ---- the run -------------------------------------------------------------------------------------------------------------- */
+
+/* Where one muscle's frames go. */
+typedef struct target {
+    char *path;    /* the cache; or "FOLDER/NAME" for a sequence */
+    sn_pc2 *cache; /* NULL for a sequence */
+    sn_mesh mesh;  /* of a sequence: triangles as in the document */
+    sn_vec3 *positions;
+} target;
+
+typedef struct job {
+    cli c;
+    sn_scene scene;
+    sn_model *model;
+    sn_state *state;
+    sn_pool *pool;
+    sn_output *log;
+    target *targets; /* (muscle_count); NULL = no frames */
+    limits limits;
+    sn_index stop[3]; /* frame, substep, iteration */
+    int stop_parts;   /* how many of them were given */
+    double setup_seconds;
+    double *frame_seconds; /* (frames) */
+    sn_index frames_done;
+} job;
+
+static sn_index enabled_count(const sn_scene *scene) {
+    sn_index count = 0;
+    for (sn_index i = 0; i < scene->muscle_count; i++) count += scene->muscles[i].enabled;
+    return count;
+}
+
+static void apply_options(job *j) {
+    sn_scene *scene = &j->scene;
+    sn_index range[2];
+    if (given.frames != NULL) {
+        if (parse_parts(given.frames, 2, range) != 2 || range[0] > range[1])
+            cli_usage_error(&j->c, "--frames %s: write A:B with A not greater than B", given.frames);
+        scene->first_frame = range[0];
+        scene->last_frame = range[1];
+    }
+    if (cli_given(&j->c, "rate")) scene->rate = given.rate;
+    if (cli_given(&j->c, "preroll")) scene->preroll = given.preroll;
+    if (cli_given(&j->c, "substeps")) scene->solver.substeps = (sn_index)given.substeps;
+    if (cli_given(&j->c, "iterations")) scene->solver.iterations = (sn_index)given.iterations;
+    for (sn_index i = 0; cli_given(&j->c, "law") && i < scene->muscle_count; i++) scene->muscles[i].law = (sn_fiber_law)given.law;
+    if (j->c.threads > 0) scene->solver.threads = j->c.threads;
+}
+
+static void parse_stop(job *j) {
+    const char *text = j->c.stop_after;
+    j->c.trace.stop_after = -1; /* a number of frames here, not of trace records */
+    if (text == NULL) return;
+    j->stop_parts = parse_parts(text, 3, j->stop);
+    bool good = j->stop_parts > 0 && (j->stop_parts < 2 || j->stop[1] > 0) && (j->stop_parts < 3 || j->stop[2] > 0);
+    if (!good) cli_usage_error(&j->c, "--stop-after %s: write FRAME[:SUBSTEP[:ITERATION]], the last two from 1", text);
+}
+
+static void check_stop(const job *j) {
+    if (j->stop_parts == 0) return;
+    sn_index first = j->scene.first_frame;
+    if (j->stop[0] < first || (j->stop_parts > 1 && j->stop[0] == first))
+        cli_usage_error(&j->c, "--stop-after %s: the run starts at frame %d%s", j->c.stop_after, (int)first,
+                        j->stop_parts > 1 ? ", which has no substeps" : "");
+    if (j->stop_parts > 1 && j->stop[1] > j->scene.solver.substeps)
+        cli_usage_error(&j->c, "--stop-after %s: a frame has %d substeps", j->c.stop_after, (int)j->scene.solver.substeps);
+}
+
+static sn_status load_scene(job *j, sn_error *error) {
+    sn_blob blob = {0};
+    sn_status status = sn_blob_read(j->c.inputs.items[0], &blob, error);
+    if (status != SN_OK) return status;
+    status = sn_scene_parse(&blob, false, &j->scene, error);
+    if (status == SN_OK) {
+        apply_options(j);
+        check_stop(j);
+        status = sn_model_create(&j->scene, &j->model, error);
+    }
+    if (status != SN_OK) sn_error_set_file(error, blob.name);
+    sn_blob_free(&blob);
+    return status;
+}
+
+/* ---- frames --------------------------------------------------------------------------------------------------------------- */
+
+static bool is_folder(const char *path) {
+    struct stat status;
+    return stat(path, &status) == 0 && S_ISDIR(status.st_mode);
+}
+
+static const char *extension(const char *path) {
+    const char *slash = strrchr(path, '/'), *dot = strrchr(slash != NULL ? slash : path, '.');
+    return dot != NULL ? dot : "";
+}
+
+/* One cache in a file of its own, or one or several in a folder? Says why where neither fits. */
+static bool one_file(const job *j) {
+    const char *output = j->c.output;
+    if (strcmp(output, "-") == 0) cli_usage_error(&j->c, "frames cannot go to standard output; name a file or a folder with -o");
+    if (is_folder(output) || extension(output)[0] == '\0' || output[strlen(output) - 1] == '/') return false;
+    if (given.format == FORMAT_PLY || strcmp(extension(output), ".ply") == 0)
+        cli_usage_error(&j->c, "a PLY sequence needs a folder: -o FOLDER --format ply");
+    if (strcmp(extension(output), ".pc2") != 0) cli_usage_error(&j->c, "-o %s: frames are written as NAME.pc2 or into a folder", output);
+    if (j->model->muscle_count > 1)
+        cli_usage_error(&j->c, "%d muscles do not fit into one cache: give -o a folder", (int)j->model->muscle_count);
+    return true;
+}
+
+static sn_status make_folder(const char *path, sn_error *error) {
+    if (is_folder(path) || mkdir(path, 0777) == 0) return SN_OK;
+    return sn_fail_at(error, SN_ERROR_IO, path, 0, "cannot make this folder: %s", strerror(errno));
+}
+
+/* "FOLDER/NAME" or "FOLDER/NAME.pc2"; a '/' in a muscle's name becomes '_'. */
+static char *path_in_folder(const char *folder, const char *name, const char *suffix) {
+    size_t size = strlen(folder) + strlen(name) + strlen(suffix) + 2;
+    char *path = sn_alloc(size, 1);
+    if (path == NULL) return NULL;
+    size_t start = (size_t)snprintf(path, size, "%s%s", folder, folder[strlen(folder) - 1] == '/' ? "" : "/");
+    snprintf(path + start, size - start, "%s%s", name, suffix);
+    for (char *p = path + start; *p != '\0'; p++)
+        if (*p == '/') *p = '_';
+    return path;
+}
+
+static sn_status open_target(job *j, sn_index muscle, bool file, sn_error *error) {
+    const sn_model_muscle *m = &j->model->muscles[muscle];
+    target *t = &j->targets[muscle];
+    const char *suffix = given.format == FORMAT_PC2 ? ".pc2" : "";
+    t->path = file ? sn_strdup(j->c.output) : path_in_folder(j->c.output, m->source->name, suffix);
+    t->positions = SN_NEW(sn_vec3, m->vertex_count);
+    if (t->path == NULL || t->positions == NULL) return sn_fail_memory(error, "the frames");
+    if (given.format == FORMAT_PC2) return sn_pc2_create(t->path, m->vertex_count, j->scene.first_frame, 1.0, &t->cache, error);
+    return sn_mesh_copy(&m->source->rig.mesh, &t->mesh, error);
+}
+
+static sn_status open_targets(job *j, sn_error *error) {
+    if (!cli_given(&j->c, "output")) return SN_OK;
+    bool file = one_file(j);
+    sn_status status = file ? SN_OK : make_folder(j->c.output, error);
+    if (status == SN_OK && (j->targets = SN_NEW(target, j->model->muscle_count)) == NULL) status = sn_fail_memory(error, "the frames");
+    for (sn_index i = 0; status == SN_OK && i < j->model->muscle_count; i++) status = open_target(j, i, file, error);
+    return status;
+}
+
+static sn_status write_ply(const target *t, sn_index frame, sn_error *error) {
+    size_t size = strlen(t->path) + 32;
+    char *path = sn_alloc(size, 1);
+    sn_output *output = NULL;
+    if (path == NULL) return sn_fail_memory(error, "the frames");
+    snprintf(path, size, "%s.%04d.ply", t->path, (int)frame);
+    sn_status status = sn_output_open(path, false, &output, error);
+    if (status == SN_OK) status = sn_mesh_write(&t->mesh, SN_MESH_PLY, SN_ENCODING_LITTLE, output, error);
+    if (status == SN_OK)
+        status = sn_output_commit(output, error);
+    else
+        sn_output_abort(output);
+    free(path);
+    return status;
+}
+
+static sn_status write_frames(job *j, sn_error *error) {
+    sn_status status = SN_OK;
+    for (sn_index i = 0; j->targets != NULL && status == SN_OK && i < j->model->muscle_count; i++) {
+        target *t = &j->targets[i];
+        sn_state_positions(j->model, j->state, i, t->cache != NULL ? t->positions : t->mesh.positions);
+        status = t->cache != NULL ? sn_pc2_append(t->cache, t->positions, error) : write_ply(t, j->state->frame, error);
+    }
+    return status;
+}
+
+static sn_status commit_targets(job *j, sn_error *error) {
+    sn_status status = SN_OK;
+    for (sn_index i = 0; j->targets != NULL && status == SN_OK && i < j->model->muscle_count; i++) {
+        sn_pc2 *cache = j->targets[i].cache;
+        j->targets[i].cache = NULL;
+        if (cache != NULL) status = sn_pc2_commit(cache, error);
+    }
+    return status;
+}
+
+static void free_targets(job *j) {
+    for (sn_index i = 0; j->targets != NULL && i < j->model->muscle_count; i++) {
+        sn_pc2_abort(j->targets[i].cache);
+        sn_mesh_free(&j->targets[i].mesh);
+        free(j->targets[i].positions);
+        free(j->targets[i].path);
+    }
+    free(j->targets);
+}
+
+/* ---- the log -------------------------------------------------------------------------------------------------------------- */
+
+static void write_errors(sn_json *json, const sn_statistics *s, const sn_plan_muscle *plan) {
+    sn_json_object(json, "errors");
+    for (int kind = 0; kind < SN_ROWS_VOLUME; kind++) {
+        if (plan->groups[kind].rows == 0) continue;
+        sn_json_object(json, sn_row_kind_name((sn_row_kind)kind));
+        sn_json_number(json, "rms", s->residuals[kind].rms);
+        sn_json_number(json, "max", s->residuals[kind].max);
+        sn_json_close(json);
+    }
+    sn_json_close(json);
+}
+
+static void write_statistics(const job *j, sn_json *json, const sn_statistics *s, const sn_plan_muscle *plan, bool stopped) {
+    sn_json_object(json, NULL);
+    sn_json_integer(json, "frame", j->state->frame);
+    if (stopped) sn_json_integer(json, "substep", j->stop[1]);
+    if (stopped && j->stop_parts > 2) sn_json_integer(json, "iteration", j->stop[2]);
+    sn_json_number(json, "time", j->state->frame / j->scene.rate);
+    sn_json_text(json, "muscle", plan->name);
+    sn_json_number(json, "activation", s->activation);
+    sn_json_number(json, "volume_ratio", s->volume_ratio);
+    sn_json_number(json, "volume_goal", s->volume_goal);
+    sn_json_number(json, "volume_error", s->volume_error);
+    write_errors(json, s, plan);
+    sn_json_number(json, "smallest_triangle", s->smallest_triangle);
+    sn_json_number(json, "kinetic_energy", s->kinetic_energy);
+    sn_json_integer(json, "nan", s->nan_points);
+    sn_json_integer(json, "skipped_edges", s->skipped_edges);
+    sn_json_integer(json, "skipped_hinges", s->skipped_hinges);
+    sn_json_integer(json, "clamped_hinges", s->clamped_hinges);
+    sn_json_close(json);
+}
+
+static const sn_plan_muscle *plan_of(const job *j, sn_index muscle) {
+    return &j->model->plan.muscles[j->model->muscles[muscle].source - j->scene.muscles];
+}
+
+static sn_status write_log(job *j, bool stopped, sn_error *error) {
+    sn_status status = SN_OK;
+    for (sn_index i = 0; status == SN_OK && i < j->model->muscle_count; i++) {
+        sn_json *json = sn_json_begin(j->log, false);
+        if (json == NULL) return sn_fail_memory(error, "the log");
+        write_statistics(j, json, &j->state->muscles[i].statistics, plan_of(j, i), stopped);
+        status = sn_json_end(json, error);
+    }
+    return status;
+}
+
+/* ---- checks after each frame ---------------------------------------------------------------------------------------------- */
+
+static sn_status check_nan(const job *j, sn_error *error) {
+    for (sn_index i = 0; i < j->model->muscle_count; i++) {
+        const sn_statistics *s = &j->state->muscles[i].statistics;
+        if (s->nan_points == 0) continue;
+        return sn_fail(error, SN_ERROR_INPUT,
+                       "muscle \"%s\" has %d points that are not finite at frame %d, point %d first; more substeps may help",
+                       j->model->muscles[i].source->name, (int)s->nan_points, (int)j->state->frame, (int)s->first_nan);
+    }
+    return SN_OK;
+}
+
+/* Each limit is reported where it is broken first, and only then. */
+static void check_limits(job *j) {
+    for (int k = 0; k < j->limits.count; k++) {
+        const limit *l = &j->limits.items[k];
+        for (sn_index i = 0; l->measure != NULL && i < j->model->muscle_count; i++) {
+            double value = l->measure->read(&j->state->muscles[i].statistics);
+            if (l->above ? !(value > l->value) : !(value < l->value)) continue;
+            cli_shortfall(&j->c, "frame %d, muscle \"%s\": %s is %g, %s the limit of %g", (int)j->state->frame,
+                          j->model->muscles[i].source->name, l->measure->name, value, l->above ? "above" : "below", l->value);
+            j->limits.items[k].measure = NULL;
+            break;
+        }
+    }
+}
+
+/* ---- frame after frame ------------------------------------------------------------------------------------------------------ */
+
+static sn_status finish_frame(job *j, bool stopped, sn_error *error) {
+    sn_status status = write_log(j, stopped, error);
+    if (status == SN_OK) status = check_nan(j, error);
+    if (status == SN_OK) status = write_frames(j, error);
+    check_limits(j);
+    cli_progress(&j->c, j->state->frame - j->scene.first_frame, j->scene.last_frame - j->scene.first_frame, "frame");
+    return status;
+}
+
+static sn_status next_frame(job *j, sn_error *error) {
+    bool last = j->stop_parts > 0 && j->state->frame + 1 == j->stop[0];
+    sn_step_options options = {.pool = j->pool, .trace = &j->c.trace};
+    if (last && j->stop_parts > 1) options.stop_substep = j->stop[1];
+    if (last && j->stop_parts > 2) options.stop_iteration = j->stop[2];
+    double started = cli_seconds();
+    sn_status status = sn_step(j->model, j->state, &options, error);
+    j->frame_seconds[j->frames_done++] = cli_seconds() - started;
+    if (status != SN_OK && status != SN_STOPPED) return status;
+    sn_status finished = finish_frame(j, status == SN_STOPPED, error);
+    return finished != SN_OK ? finished : last ? SN_STOPPED : status;
+}
+
+static sn_status run_frames(job *j, sn_error *error) {
+    sn_step_options options = {.pool = j->pool, .trace = &j->c.trace};
+    sn_status status = sn_settle(j->model, j->state, &options, error);
+    if (status == SN_OK) status = finish_frame(j, false, error);
+    if (status == SN_OK && j->stop_parts > 0 && j->stop[0] == j->scene.first_frame) return SN_STOPPED;
+    while (status == SN_OK && j->state->frame < j->scene.last_frame) status = next_frame(j, error);
+    return status;
+}
+
+static sn_status prepare(job *j, sn_error *error) {
+    size_t frames = (size_t)((int64_t)j->scene.last_frame - j->scene.first_frame) + 1;
+    j->pool = sn_pool_create(j->scene.solver.threads);
+    j->frame_seconds = SN_NEW(double, frames);
+    if (j->pool == NULL || j->frame_seconds == NULL) return sn_fail_memory(error, "the run");
+    sn_status status = sn_state_create(j->model, &j->state, error);
+    if (status == SN_OK) status = open_targets(j, error);
+    if (status == SN_OK) status = sn_output_open(given.log, true, &j->log, error);
+    j->setup_seconds = cli_seconds() - j->c.started;
+    return status;
+}
+
+static sn_status simulate(job *j, sn_error *error) {
+    sn_status status = prepare(j, error);
+    if (status == SN_OK) status = run_frames(j, error);
+    bool done = status == SN_OK || status == SN_STOPPED;
+    if (j->log != NULL) { /* its lines stay, whatever happened */
+        sn_status committed = sn_output_commit(j->log, done ? error : NULL);
+        if (done && committed != SN_OK) return committed;
+    }
+    if (!done) return status;
+    sn_status committed = commit_targets(j, error);
+    return committed != SN_OK ? committed : status;
+}
+
+/* ---- plan and report -------------------------------------------------------------------------------------------------------- */
+
+static void write_group(sn_json *json, sn_row_kind kind, const sn_plan_group *group) {
+    sn_json_object(json, NULL);
+    sn_json_text(json, "kind", sn_row_kind_name(kind));
+    sn_json_integer(json, "rows", group->rows);
+    sn_json_integer(json, "bytes", (int64_t)group->bytes);
+    if (group->reason != SN_RUNS) sn_json_text(json, "leftOut", sn_left_out_text(group->reason));
+    if (group->kinematic > 0) sn_json_integer(json, "carriedByBones", group->kinematic);
+    if (group->degenerate > 0) sn_json_integer(json, "degenerate", group->degenerate);
+    sn_json_close(json);
+}
+
+static void write_muscle_plan(sn_json *json, const sn_plan_muscle *plan) {
+    sn_json_object(json, NULL);
+    sn_json_text(json, "name", plan->name);
+    if (!plan->enabled) {
+        sn_json_text(json, "leftOut", "it is not enabled");
+        sn_json_close(json);
+        return;
+    }
+    sn_json_integer(json, "vertices", plan->vertices);
+    sn_json_integer(json, "triangles", plan->triangles);
+    sn_json_integer(json, "samples", plan->samples);
+    sn_json_integer(json, "carriedByBones", plan->kinematic);
+    sn_json_integer(json, "iterations", plan->iterations);
+    if (!plan->fibers)
+        sn_json_text(json, "contraction", "surface edges keep their length: the document has no fibre directions (fiber-flow makes them)");
+    sn_json_integer(json, "modelBytes", (int64_t)plan->model_bytes);
+    sn_json_integer(json, "stateBytes", (int64_t)plan->state_bytes);
+    sn_json_array(json, "groups");
+    for (int kind = 0; kind < SN_ROW_KINDS; kind++) write_group(json, (sn_row_kind)kind, &plan->groups[kind]);
+    sn_json_close(json);
+    sn_json_close(json);
+}
+
+static void write_plan_members(sn_json *json, const sn_model *model) {
+    sn_json_text(json, "solver", "xpbd");
+    sn_json_number(json, "substepDuration", model->substep_duration);
+    sn_json_array(json, "muscles");
+    for (sn_index i = 0; i < model->plan.muscle_count; i++) write_muscle_plan(json, &model->plan.muscles[i]);
+    sn_json_close(json);
+}
+
+static sn_status print_plan(const job *j, sn_error *error) {
+    sn_output *output = NULL;
+    sn_status status = sn_output_open("-", false, &output, error);
+    if (status != SN_OK) return status;
+    sn_json *json = sn_json_begin(output, true);
+    if (json == NULL) {
+        sn_output_abort(output);
+        return sn_fail_memory(error, "the plan");
+    }
+    sn_json_object(json, NULL);
+    sn_json_object(json, "scene");
+    sn_scene_write(&j->scene, json);
+    sn_json_close(json);
+    sn_json_object(json, "plan");
+    write_plan_members(json, j->model);
+    sn_json_close(json);
+    sn_json_close(json);
+    status = sn_json_end(json, error);
+    if (status == SN_OK) return sn_output_commit(output, error);
+    sn_output_abort(output);
+    return status;
+}
+
+static int compare_numbers(const void *a, const void *b) {
+    double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+static void write_report(sn_json *json, const void *data) {
+    const job *j = data;
+    sn_index n = j->frames_done;
+    sn_json_number(json, "setupSeconds", j->setup_seconds);
+    sn_json_integer(json, "threads", sn_pool_threads(j->pool));
+    sn_json_integer(json, "frames", n);
+    if (n > 0) {
+        qsort(j->frame_seconds, (size_t)n, sizeof *j->frame_seconds, compare_numbers);
+        sn_json_number(json, "medianFrameSeconds", j->frame_seconds[n / 2]);
+        sn_json_number(json, "longestFrameSeconds", j->frame_seconds[n - 1]);
+    }
+    write_plan_members(json, j->model);
+}
+
+static sn_status work(job *j, sn_error *error) {
+    sn_status status = load_scene(j, error);
+    if (status != SN_OK) return status;
+    if (given.plan) return print_plan(j, error);
+    if (enabled_count(&j->scene) == 0) cli_warn(&j->c, "the scene has no muscle that is enabled: there is nothing to simulate");
+    status = simulate(j, error);
+    if (status != SN_OK && status != SN_STOPPED) return status;
+    sn_status reported = cli_report(&j->c, write_report, j, error);
+    return reported != SN_OK ? reported : status;
+}
+
+int main(int argc, char **argv) {
+    job j = {0};
+    sn_error error = {0};
+    cli_start(&j.c, &TOOL, argc, argv);
+    parse_limits(&j.c, given.fail_on, &j.limits);
+    parse_stop(&j);
+    sn_status status = work(&j, &error);
+    free_targets(&j);
+    free(j.frame_seconds);
+    sn_pool_destroy(j.pool);
+    sn_state_destroy(j.model, j.state);
+    sn_model_destroy(j.model);
+    sn_scene_free(&j.scene);
+    return cli_finish(&j.c, status, &error);
+}
