@@ -30,7 +30,7 @@ typedef struct sn_scene_muscle {
     double contraction;         /* a = contraction x activation; in [0,0.99]; default 0.5 */
     double rest_activation;     /* a0 = contraction x rest_activation; in [0,1]; default 0 */
     sn_fiber_law law;
-    double stiffness_relaxed;   /* N/m, default 5e5: interpolated to active in log scale by activation */
+    double stiffness_relaxed;   /* N/m, default 5e5: interpolated to active in log scale by activation; 0 = none at all */
     double stiffness_active;    /* N/m, default 5e7 */
     double stiffness_internal;  /* factor on the stiffness of internal and radial rows; default 1; 0 = no internal structure */
     double stiffness_dihedral;  /* k_b / k in m^2: hinge stiffness over edge stiffness; default 7.5e-5; 0 = none */
@@ -46,8 +46,8 @@ typedef enum sn_solver_method { SN_SOLVER_XPBD } sn_solver_method;
 
 typedef struct sn_solver_settings {
     sn_solver_method method;
-    sn_index substeps;   /* per frame; default 32 */
-    sn_index iterations; /* per substep; default 1 */
+    sn_index substeps;   /* per frame; default 16 */
+    sn_index iterations; /* per substep; default 2: a single one lets rows that disagree pump energy into the muscle */
     int threads;         /* 0 = all */
 } sn_solver_settings;
 

@@ -25,7 +25,7 @@ void sn_scene_defaults(sn_scene *scene) {
     *scene = (sn_scene){0};
     scene->meters_per_unit = 1.0;
     scene->rate = 24.0;
-    scene->solver = (sn_solver_settings){.method = SN_SOLVER_XPBD, .substeps = 32, .iterations = 1, .threads = 0};
+    scene->solver = (sn_solver_settings){.method = SN_SOLVER_XPBD, .substeps = 16, .iterations = 2, .threads = 0};
 }
 
 /* ---- the end -------------------------------------------------------------------------------------------------------------- */
@@ -113,25 +113,20 @@ static sn_status check_settings(const sn_scene_muscle *muscle, sn_error *error) 
     } ranges[] = {
         {"contraction", muscle->contraction, 0.0, 0.99},
         {"restActivation", muscle->rest_activation, 0.0, 1.0},
+        {"stiffness.relaxed", muscle->stiffness_relaxed, 0.0, HUGE_VAL},
+        {"stiffness.active", muscle->stiffness_active, 0.0, HUGE_VAL},
         {"stiffness.internal", muscle->stiffness_internal, 0.0, HUGE_VAL},
         {"stiffness.dihedral", muscle->stiffness_dihedral, 0.0, HUGE_VAL},
         {"stiffness.volume", muscle->stiffness_volume, 0.0, HUGE_VAL},
         {"damping", muscle->damping, 0.0, HUGE_VAL},
         {"iterations", muscle->iterations, 0.0, SN_INDEX_MAX},
     };
-    const struct {
-        const char *name;
-        double value;
-    } positive[] = {
-        {"stiffness.relaxed", muscle->stiffness_relaxed}, {"stiffness.active", muscle->stiffness_active}, {"density", muscle->density}};
     for (size_t i = 0; i < sizeof ranges / sizeof *ranges; i++)
         if (!within(ranges[i].value, ranges[i].low, ranges[i].high))
             return sn_fail(error, SN_ERROR_INPUT, "muscle \"%s\": %s is %g; it must be in [%g,%g]", name_of(muscle->name), ranges[i].name,
                            ranges[i].value, ranges[i].low, ranges[i].high);
-    for (size_t i = 0; i < sizeof positive / sizeof *positive; i++)
-        if (!isfinite(positive[i].value) || positive[i].value <= 0.0)
-            return sn_fail(error, SN_ERROR_INPUT, "muscle \"%s\": %s is %g; it must be above 0", name_of(muscle->name), positive[i].name,
-                           positive[i].value);
+    if (!isfinite(muscle->density) || muscle->density <= 0.0)
+        return sn_fail(error, SN_ERROR_INPUT, "muscle \"%s\": density is %g; it must be above 0", name_of(muscle->name), muscle->density);
     return SN_OK;
 }
 
