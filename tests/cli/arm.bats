@@ -15,21 +15,21 @@ value() { python3 -c 'import json, sys; d = json.load(open(sys.argv[1])); [d := 
 
 bones_of() { python3 -c 'import json, sys; print(*sorted(a["bone"] for a in json.load(open(sys.argv[1]))["attachments"]))' "$1"; }
 
-@test "every surface is closed, manifold, outward, without self-intersections and of genus 0 at 1k, 4k and 26k" {
-    for triangles in 1000 4000 26000; do
+@test "every surface is closed, manifold, outward, of genus 0, without self-intersections or slivers from 1k to 60k triangles" {
+    for triangles in 1000 4000 60000; do
         "$ARM" --out . --triangles $triangles
         for mesh in *.ply; do
-            "$BIN/mesh-clean" --check "$mesh" -o /dev/null --report report.json
+            "$BIN/mesh-clean" --check --self-intersections "$mesh" --report report.json
             [ "$(value report.json before genus)" = 0 ]
             [ "$(value report.json before components)" = 1 ]
             [ "$(value report.json before selfIntersections)" = 0 ]
-            python3 -c 'import sys; sys.exit(not float(sys.argv[1]) > 0.3)' "$(value report.json before worstQuality)"
+            python3 -c 'import sys; sys.exit(not float(sys.argv[1]) > 0.5)' "$(value report.json before worstQuality)"
         done
     done
 }
 
 @test "the biceps has about the triangles asked for, and other muscles scale with it" {
-    for triangles in 1000 4000 26000 100000; do
+    for triangles in 1000 4000 26000; do
         "$ARM" --out . --triangles $triangles
         count=$(faces biceps.ply)
         [ "$count" -gt $((triangles * 90 / 100)) ] && [ "$count" -lt $((triangles * 110 / 100)) ]
@@ -39,7 +39,7 @@ bones_of() { python3 -c 'import json, sys; print(*sorted(a["bone"] for a in json
 
 @test "--resolution is the edge length" {
     "$ARM" --out . --resolution 3mm
-    "$BIN/mesh-clean" biceps.ply -o /dev/null --report report.json
+    "$BIN/mesh-clean" --check biceps.ply --report report.json
     python3 -c 'import sys; sys.exit(not 2.7e-3 < float(sys.argv[1]) < 3.3e-3)' "$(value report.json before edge mean)"
 }
 
@@ -100,8 +100,9 @@ bones_of() { python3 -c 'import json, sys; print(*sorted(a["bone"] for a in json
 
 @test "the dirty copy is repaired: closed, and its volume within 1 % of the clean one's" {
     "$BIN/mesh-clean" "$SAMPLE/biceps-dirty.obj" -o repaired.ply --report dirty.json
-    "$BIN/mesh-clean" --check repaired.ply -o /dev/null
-    "$BIN/mesh-clean" "$SAMPLE/biceps.ply" -o /dev/null --report clean.json
+    "$BIN/mesh-clean" --check repaired.ply
+    "$BIN/mesh-clean" --check "$SAMPLE/biceps.ply" --report clean.json
+    run -3 "$BIN/mesh-clean" --check "$SAMPLE/biceps-dirty.obj"
     [ "$(value dirty.json before closed)" = False ]
     [ "$(value dirty.json after closed)" = True ]
     [ "$(value dirty.json after genus)" = 0 ]

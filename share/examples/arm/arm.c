@@ -66,10 +66,12 @@ static double edge_for_triangles(const shape *s, const sn_mesh *mesh, double tri
     return high;
 }
 
+/* A surface finer than the lattice is made from a good one as coarse as the lattice: slivers would fold when they are refined. */
 static sn_status make_surface(const arm_body *body, double edge, sn_mesh *out, sn_error *error) {
     shape s;
     shape_build(body, &s);
     sn_status status = polygonise(&s, polygonise_step, out, error);
+    if (status == SN_OK && edge < polygonise_step) status = remesh(&s, polygonise_step, out, error);
     return status == SN_OK ? remesh(&s, edge, out, error) : status;
 }
 
