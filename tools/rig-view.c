@@ -5,6 +5,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 
 /* ---- options ---------------------------------------------------------------------------------------------------------------- */
 
@@ -161,6 +162,38 @@ static looks parse_looks(const cli *c) {
     return all;
 }
 
+enum { FRAMES_MAX = 256 };
+typedef struct frame_list {
+    sn_index count;
+    int64_t items[FRAMES_MAX];
+} frame_list;
+
+/* "0,12,24", "0:90:15", or both mixed. Nothing given = empty. */
+static frame_list parse_frames(const cli *c) {
+    frame_list all = {0};
+    const char *text = given.frame ? given.frame : "";
+    while (*text) {
+        char word[64];
+        size_t length = strcspn(text, ",");
+        int64_t first = 0, last = 0, step = 1;
+        snprintf(word, sizeof word, "%.*s", (int)(length < 63 ? length : 63), text);
+        char *colon = strchr(word, ':'), *second = colon ? strchr(colon + 1, ':') : NULL;
+        if (colon) *colon = 0;
+        if (second) *second = 0;
+        bool good = sn_parse_integer(word, INT32_MIN, INT32_MAX, &first, NULL) == SN_OK;
+        last = first;
+        if (colon) good = good && sn_parse_integer(colon + 1, INT32_MIN, INT32_MAX, &last, NULL) == SN_OK;
+        if (second) good = good && sn_parse_integer(second + 1, 1, INT32_MAX, &step, NULL) == SN_OK;
+        if (!good || last < first) cli_usage_error(c, "--frame: '%.*s' is no frame and no FIRST:LAST:STEP", (int)length, text);
+        for (int64_t f = first; f <= last; f += step) {
+            if (all.count == FRAMES_MAX) cli_usage_error(c, "--frame: more than %d frames", FRAMES_MAX);
+            all.items[all.count++] = f;
+        }
+        text += length + (text[length] == ',');
+    }
+    return all;
+}
+
 /* ---- contents: what there is to look at -------------------------------------------------------------------------------------------- */
 
 typedef struct content {
@@ -246,11 +279,127 @@ static sn_status add_muscle(album *a, const sn_blob *blob, const char *path, sn_
     return status;
 }
 
+/* ---- scenes and their frames ------------------------------------------------------------------------------------------------------ */
+
+typedef struct caches {
+    sn_index count;      /* muscles of the scene */
+    sn_pc2_data *data;   /* (count) positions NULL = none */
+    sn_vec3 **positions; /* (count) of the frame shown, in metres; NULL = at rest */
+} caches;
+
+static void caches_free(caches *k) {
+    for (sn_index i = 0; i < k->count; i++) {
+        if (k->data) sn_pc2_free(&k->data[i]);
+        if (k->positions) free(k->positions[i]);
+    }
+    free(k->data);
+    free(k->positions);
+}
+
+static bool is_folder(const char *path) {
+    struct stat info;
+    return stat(path, &info) == 0 && S_ISDIR(info.st_mode);
+}
+
+/* Where the frames of a muscle are; NULL = out of memory. A '/' in its name is a '_' in the file's. */
+static char *cache_path(const char *frames, const char *muscle) {
+    if (!is_folder(frames)) return sn_strdup(frames);
+    size_t room = strlen(frames) + strlen(muscle) + 8;
+    char *path = sn_alloc(room, 1);
+    if (!path) return NULL;
+    snprintf(path, room, "%s/%s.pc2", frames, muscle);
+    for (char *at = path + strlen(frames) + 1; *at; at++)
+        if (*at == '/') *at = '_';
+    return path;
+}
+
+static sn_status load_cache(const sn_scene_muscle *muscle, sn_pc2_data *data, sn_vec3 **positions, sn_error *error) {
+    char *path = cache_path(given.frames, muscle->name);
+    if (!path) return sn_fail_memory(error, "a path");
+    sn_status status = sn_pc2_read(path, data, error);
+    if (!status && data->point_count != muscle->rig.mesh.vertex_count)
+        status = sn_fail(error, SN_ERROR_INPUT, "the frames have %d points, but muscle '%s' has %d vertices; they belong to another rig",
+                         data->point_count, muscle->name, muscle->rig.mesh.vertex_count);
+    if (!status && data->sample_count < 1) status = sn_fail(error, SN_ERROR_INPUT, "there are no frames in it");
+    if (!status && !(*positions = SN_NEW(sn_vec3, data->point_count))) status = sn_fail_memory(error, "a frame");
+    if (status) sn_error_set_file(error, path);
+    free(path);
+    return status;
+}
+
+static sn_status load_caches(const cli *c, const sn_scene *scene, caches *k, sn_error *error) {
+    *k = (caches){.count = scene->muscle_count};
+    k->data = SN_NEW(sn_pc2_data, k->count);
+    k->positions = SN_NEW(sn_vec3 *, k->count);
+    if (!k->data || !k->positions) return sn_fail_memory(error, "the frames");
+    sn_index enabled = 0;
+    for (sn_index i = 0; i < scene->muscle_count; i++) enabled += scene->muscles[i].enabled;
+    if (given.frames && enabled > 1 && !is_folder(given.frames))
+        cli_usage_error(c, "--frames: the scene has %d muscles; name the folder that holds their caches", enabled);
+    sn_status status = SN_OK;
+    for (sn_index i = 0; i < k->count && given.frames && !status; i++)
+        if (scene->muscles[i].enabled) status = load_cache(&scene->muscles[i], &k->data[i], &k->positions[i], error);
+    return status;
+}
+
+/* Copy out the positions of a frame, in metres. */
+static sn_status set_frame(const sn_scene *scene, caches *k, int64_t frame, sn_error *error) {
+    for (sn_index m = 0; m < k->count; m++) {
+        const sn_pc2_data *data = &k->data[m];
+        if (!k->positions[m]) continue;
+        double step = data->sample_rate > 0.0 ? data->sample_rate : 1.0, sample = round(((double)frame - data->start_frame) / step);
+        if (!(sample >= 0.0 && sample < data->sample_count))
+            return sn_fail(error, SN_ERROR_INPUT, "frame %lld is not among those of muscle '%s': %.9g to %.9g", (long long)frame,
+                           scene->muscles[m].name, data->start_frame, data->start_frame + (data->sample_count - 1) * step);
+        const float *from = data->positions + (size_t)sample * 3 * (size_t)data->point_count;
+        double unit = scene->muscles[m].rig.meters_per_unit;
+        for (sn_index i = 0; i < data->point_count; i++) {
+            sn_vec3 p = sn_scale(sn_v3((double)from[3 * i], (double)from[3 * i + 1], (double)from[3 * i + 2]), unit);
+            if (!sn_finite3(p))
+                return sn_fail(error, SN_ERROR_INPUT, "muscle '%s' is not finite in frame %lld", scene->muscles[m].name, (long long)frame);
+            k->positions[m][i] = p;
+        }
+    }
+    return SN_OK;
+}
+
+static sn_status add_frame(album *a, const sn_scene *scene, caches *k, int64_t frame, bool one, const char *path, sn_error *error) {
+    content item = {.group = a->group_count};
+    double time = (double)frame / scene->rate;
+    char text[64];
+    snprintf(text, sizeof text, "frame %lld, %.4g s", (long long)frame, time);
+    item.caption = one ? caption_of(path) : sn_strdup(text);
+    sn_status status = item.caption ? set_frame(scene, k, frame, error) : sn_fail_memory(error, "a caption");
+    if (!status) status = sn_view_add_scene(&item.view, scene, time, (const sn_vec3 *const *)k->positions, a->show, error);
+    if (!status && one && !(item.view.subtitle = sn_strdup(text))) status = sn_fail_memory(error, "the subtitle");
+    if (!status) return album_add(a, &item, error);
+    sn_view_free(&item.view);
+    free(item.caption);
+    return status;
+}
+
+static sn_status add_scene(album *a, const sn_blob *blob, const char *path, sn_error *error) {
+    sn_scene scene = {0};
+    caches k = {0};
+    frame_list frames = parse_frames(a->c);
+    sn_status status = sn_scene_parse(blob, true, &scene, error);
+    if (status) return status;
+    if (given.bones.count > 0) cli_warn(a->c, "--bone is for muscle documents; %s brings its own bones", path);
+    if (frames.count == 0) frames = (frame_list){1, {scene.first_frame}};
+    status = load_caches(a->c, &scene, &k, error);
+    for (sn_index i = 0; i < frames.count && !status; i++)
+        status = add_frame(a, &scene, &k, frames.items[i], frames.count == 1, path, error);
+    a->group_count++;
+    caches_free(&k);
+    sn_scene_free(&scene);
+    return status;
+}
+
 static sn_status add_input(album *a, const char *path, sn_error *error) {
     sn_blob blob = {0};
     sn_status status = sn_blob_read(path, &blob, error);
     if (status) return status;
-    status = add_muscle(a, &blob, path, error);
+    status = sn_scene_detect(&blob) ? add_scene(a, &blob, path, error) : add_muscle(a, &blob, path, error);
     if (status) sn_error_set_file(error, blob.name);
     sn_blob_free(&blob);
     return status;
@@ -362,6 +511,7 @@ static sn_status view_rigs(const cli *c, sn_error *error) {
     sn_output *output = NULL;
     sn_image image = {0};
     picture_options(c, false); /* wrong words are told before any work */
+    parse_frames(c);
     sn_status status = sn_output_open(c->output, false, &output, error);
     if (!status && sn_output_is_terminal(output))
         cli_usage_error(c, "a picture is not for a terminal; give -o FILE.png or redirect the output");

@@ -46,9 +46,9 @@ tint shade(tint albedo, sn_vec3 n, float open, float gloss) {
     float key = clamp01((sn_dot(n, KEY) + 0.25) / 1.25), fill = clamp01(sn_dot(n, FILL));
     float sky = (float)(0.5 + 0.5 * n.y);
     float crevice = 0.35f + 0.65f * open;
-    tint light = {1.00f * key * crevice + 0.20f * fill * open + (0.30f + 0.14f * sky) * open,
-                  0.97f * key * crevice + 0.21f * fill * open + (0.28f + 0.18f * sky) * open,
-                  0.92f * key * crevice + 0.24f * fill * open + (0.27f + 0.21f * sky) * open};
+    tint light = {0.86f * key * crevice + 0.13f * fill * open + (0.20f + 0.12f * sky) * open,
+                  0.83f * key * crevice + 0.14f * fill * open + (0.19f + 0.15f * sky) * open,
+                  0.78f * key * crevice + 0.17f * fill * open + (0.19f + 0.18f * sky) * open};
     double h = fmax(sn_dot(n, HALF), 0.0), h2 = h * h, h4 = h2 * h2, h8 = h4 * h4, h16 = h8 * h8;
     float shine = gloss * open * (float)(0.20 * h16 * h16 + 0.05 * h8);
     return (tint){albedo.r * light.r + shine, albedo.g * light.g + shine, albedo.b * light.b + shine};

@@ -67,14 +67,14 @@ static void draw_mark(sn_image *image, typography t, double x, double y, sn_view
 static double legend_rows(sn_image *image, typography t, size_t count, const sn_view_entry *const *entries, double width, double top) {
     double left = 18.0 * t.unit, x = left, row = 19.0 * t.unit, y = top + row, text_size = 8.5 * t.unit;
     for (size_t i = 0; i < count; i++) {
-        double needed = 16.0 * t.unit + sn_text_width(text_size, entries[i]->text);
+        double needed = 18.0 * t.unit + sn_text_width(text_size, entries[i]->text);
         if (x > left && x + needed > width - left) {
             x = left;
             y += row;
         }
         if (image) {
             draw_mark(image, t, x, y, entries[i]->mark, entries[i]->color);
-            draw_fitted(image, x + 16.0 * t.unit, y, text_size, 1.0, t.ink, entries[i]->text, width - left - x - 16.0 * t.unit);
+            draw_fitted(image, x + 18.0 * t.unit, y, text_size, 1.0, t.ink, entries[i]->text, width - left - x - 18.0 * t.unit);
         }
         x += needed + 20.0 * t.unit;
     }

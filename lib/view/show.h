@@ -4,9 +4,9 @@
 
 #include "sinew/view.h"
 
-static const sn_color COLOR_MUSCLE = {0.66, 0.25, 0.21}, COLOR_RELAXED = {0.64, 0.36, 0.32}, COLOR_ACTIVE = {0.76, 0.13, 0.10};
-static const sn_color COLOR_BONE = {0.90, 0.86, 0.76}, COLOR_ROOTS = {0.52, 0.13, 0.72}, COLOR_BRANCH = {0.07, 0.56, 0.22};
-static const sn_color COLOR_CONNECTION = {0.19, 0.40, 0.84}, COLOR_FIBER = {0.98, 0.87, 0.76};
+static const sn_color COLOR_MUSCLE = {0.69, 0.25, 0.20}, COLOR_RELAXED = {0.64, 0.36, 0.32}, COLOR_ACTIVE = {0.76, 0.13, 0.10};
+static const sn_color COLOR_BONE = {0.95, 0.91, 0.82}, COLOR_ROOTS = {0.56, 0.12, 0.78}, COLOR_BRANCH = {0.10, 0.72, 0.25};
+static const sn_color COLOR_CONNECTION = {0.16, 0.42, 0.92}, COLOR_FIBER = {0.98, 0.87, 0.76};
 
 /* Colour number i of those that tell bones apart; they come round again after eight. */
 sn_color attachment_color(sn_index i);

@@ -4,9 +4,9 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-enum { CONNECTIONS = 2500 };
-static const double ROOT_RADIUS = 0.0060, BRANCH_RADIUS = 0.0036, SAMPLE_RADIUS = 0.0056, CONNECTION_RADIUS = 0.0008;
-static const double SEEN_THROUGH = 0.24; /* opacity of a surface with something inside */
+enum { CONNECTIONS = 1300 };
+static const double ROOT_RADIUS = 0.0060, BRANCH_RADIUS = 0.0045, SAMPLE_RADIUS = 0.0068, CONNECTION_RADIUS = 0.0008;
+static const double SEEN_THROUGH = 0.30; /* opacity of a surface with something inside */
 
 sn_color attachment_color(sn_index i) {
     static const sn_color colors[8] = {{0.93, 0.68, 0.16}, {0.10, 0.62, 0.60}, {0.88, 0.45, 0.62}, {0.60, 0.73, 0.22},
