@@ -367,7 +367,7 @@ static sn_status add_frame(album *a, const sn_scene *scene, caches *k, int64_t f
     content item = {.group = a->group_count};
     double time = (double)frame / scene->rate;
     char text[64];
-    snprintf(text, sizeof text, "frame %lld, %.4g s", (long long)frame, time);
+    snprintf(text, sizeof text, "frame %lld, %.2f s", (long long)frame, time);
     item.caption = one ? caption_of(path) : sn_strdup(text);
     sn_status status = item.caption ? set_frame(scene, k, frame, error) : sn_fail_memory(error, "a caption");
     if (!status) status = sn_view_add_scene(&item.view, scene, time, (const sn_vec3 *const *)k->positions, a->show, error);

@@ -54,12 +54,12 @@ static void draw_mark(sn_image *image, typography t, double x, double y, sn_view
         image_lines(image, 1, &(image_line){x, middle, x + size, middle}, 0.5 * size * 0.62, t.pale);
         image_lines(image, 1, &(image_line){x, middle, x + size, middle}, 0.5 * size * 0.5, color);
     } else {
-        image_line rows[3];
-        for (int i = 0; i < 3; i++) {
-            double row = middle + (i - 1) * 0.3 * size;
-            rows[i] = (image_line){x + 0.1 * size, row, x + 0.9 * size, row};
+        image_line rows[5];
+        for (int i = 0; i < 5; i++) {
+            double row = middle + (i - 2) * 0.16 * size;
+            rows[i] = (image_line){x + 0.12 * size, row, x + 0.88 * size, row};
         }
-        image_lines(image, 3, rows, 0.24 * size, color);
+        image_lines(image, 5, rows, 0.16 * size, color);
     }
 }
 
@@ -150,7 +150,7 @@ static sn_status draw_tile(const page *g, const sn_tile *tile, sn_image *out, sn
     sn_image image;
     sn_status status = sn_image_alloc(&image, options->width, options->height, options->background, error);
     if (status) return status;
-    typography t = typography_for(options, 1.2 * image.width, 1.2 * image.height);
+    typography t = typography_for(options, 1.35 * image.width, 1.35 * image.height);
     inset clear = {0, 0};
     if (options->legend) clear = (inset){tile->caption ? 30.0 * t.unit : 0.0, 26.0 * t.unit};
     frame f;
@@ -158,7 +158,7 @@ static sn_status draw_tile(const page *g, const sn_tile *tile, sn_image *out, sn
     if (!status) status = frame_set(&f, tile->camera, image.width, image.height, clear, error);
     if (!status && options->legend) {
         double left = 12.0 * t.unit;
-        if (tile->caption) draw_fitted(&image, left, 22.0 * t.unit, 9.0 * t.unit, 1.2, t.ink, tile->caption, image.width - 2.0 * left);
+        if (tile->caption) draw_fitted(&image, left, 22.0 * t.unit, 9.0 * t.unit, 1.15, t.ink, tile->caption, image.width - 2.0 * left);
         draw_scale_bar(&image, t, &f, image.width - left, image.height - 10.0 * t.unit);
     }
     if (!status) image_paste(out, &image, x, y);
@@ -206,7 +206,9 @@ static sn_index automatic_columns(sn_index count, const sn_view_options *options
 sn_status sn_sheet_render(sn_index tile_count, const sn_tile *tiles, const char *title, const char *subtitle,
                           const sn_view_options *options, sn_image *out, sn_error *error) {
     *out = (sn_image){0};
-    if (tile_count < 1) return sn_fail(error, SN_ERROR_USAGE, "there is nothing to draw");
+    bool empty = true;
+    for (sn_index i = 0; i < tile_count; i++) empty = empty && tiles[i].view->mesh_count == 0 && tiles[i].view->tube_count == 0;
+    if (empty) return sn_fail(error, SN_ERROR_INPUT, "there is nothing to draw: the input holds none of what is to be shown");
     if (options->width < 1 || options->height < 1 || options->width > SN_IMAGE_SIDE_MAX || options->height > SN_IMAGE_SIDE_MAX)
         return sn_image_alloc(out, options->width, options->height, options->background, error);
     page g = {.count = tile_count, .tiles = tiles, .title = title, .subtitle = subtitle, .options = options};
@@ -215,7 +217,7 @@ sn_status sn_sheet_render(sn_index tile_count, const sn_tile *tiles, const char 
     g.rows = (tile_count - 1) / g.columns + 1;
     g.entry_count = options->legend ? collect_entries(tile_count, tiles, ENTRIES_MAX, g.entries) : 0;
     g.type = tile_count == 1 ? typography_for(options, options->width, options->height)
-                             : typography_for(options, 0.7 * g.columns * options->width, 0.7 * g.rows * options->height + 240.0);
+                             : typography_for(options, 0.6 * g.columns * options->width + 120.0, 0.6 * g.rows * options->height + 240.0);
     g.pool = sn_pool_create(options->threads);
     if (!g.pool) return sn_fail_memory(error, "the renderer's threads");
     sn_status status = tile_count == 1 ? single_page(&g, out, error) : sheet_page(&g, out, error);
