@@ -156,6 +156,7 @@ typedef struct sn_attach_report {
     sn_index pair_count;
     sn_attach_pair *pairs; /* (pair_count) one per bone, in the order given; fewer only where the trace stopped; owned */
     sn_index attached;     /* vertices in all */
+    double distance;       /* the distance of proximity in use, document units; 0 without */
 } sn_attach_report;
 
 sn_attach_params sn_attach_defaults(void);

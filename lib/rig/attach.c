@@ -308,6 +308,7 @@ sn_status sn_attach_detect(const sn_muscle *muscle, sn_index bone_count, const s
     *report = (sn_attach_report){0};
     detection d = {.muscle = muscle, .bone_count = bone_count, .bones = bones, .params = params};
     sn_status status = set_up(&d, error);
+    report->distance = d.reach;
     for (sn_index p = 0; p < params->pin_count && status == SN_OK; p++) status = apply_pin(&d, &params->pins[p], error);
     if (status == SN_OK && (report->pairs = SN_NEW(sn_attach_pair, bone_count)) == NULL) status = sn_fail_memory(error, "attachments");
     if (status == SN_OK) status = try_bones(&d, trace, report, error);
