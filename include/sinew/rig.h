@@ -78,6 +78,10 @@ typedef struct sn_roots_report {
     double centroid_offset; /* distance of the ring's mean from the volume centroid */
     double length;          /* L: tip-to-tip length along edges */
     double level;           /* area quantile of the chosen contour; NaN for manual selection */
+    double genus;           /* of the surface; NaN where it is not closed */
+    sn_index components;    /* of the surface; the automatic ring is on the one with most triangles */
+    bool from_attachments;  /* the ends of the automatic selection were attachments of the document, not tips */
+    bool fallback;          /* no single contour had a simple ring that separates: the next best curve was taken */
 } sn_roots_report;
 
 sn_roots_params sn_roots_defaults(void);

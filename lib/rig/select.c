@@ -49,9 +49,9 @@ static sn_status flag_indices(const sn_mesh *mesh, const sn_selector *s, bool *f
     for (sn_index i = 0; i < s->count; i++) {
         sn_index v = s->indices[i];
         if (v < 0 || v >= mesh->vertex_count) {
+            sn_fail(error, SN_ERROR_INPUT, "vertex %d is selected, but the mesh has vertices 0 to %d", (int)v, (int)mesh->vertex_count - 1);
             if (error) error->element = v;
-            return sn_fail(error, SN_ERROR_INPUT, "vertex %d is selected, but the mesh has vertices 0 to %d", (int)v,
-                           (int)mesh->vertex_count - 1);
+            return SN_ERROR_INPUT;
         }
         flags[v] = true;
     }

@@ -1,0 +1,209 @@
+/* field.c -- scalar fields on a surface: harmonic (cotangent Laplacian) and shortest distance along edges. */
+#include <stdlib.h>
+
+#include "sinew/geom.h"
+#include "sinew/sparse.h"
+
+/* ---- cotangent weights ---------------------------------------------------------------------------------------------- */
+
+/* Weights are kept within these: obtuse triangles give negative ones, which break the maximum principle, and needles huge ones. */
+#define WEIGHT_LOW 1e-3
+#define WEIGHT_HIGH 1e3
+
+/* cot of the angle at apex between its directions to a and b; 0 where the triangle has no area. */
+static double cotangent(sn_vec3 apex, sn_vec3 a, sn_vec3 b) {
+    sn_vec3 u = sn_sub(a, apex), v = sn_sub(b, apex);
+    double sine = sn_norm(sn_cross(u, v));
+    return sine > 0.0 ? sn_dot(u, v) / sine : 0.0;
+}
+
+/* w = (cot alpha + cot beta) / 2 over the angles opposite to the edge. */
+static double edge_weight(const sn_mesh *mesh, const sn_edge *edge) {
+    const sn_vec3 *p = mesh->positions;
+    double sum = 0.0;
+    for (int side = 0; side < 2; side++)
+        if (edge->opposite[side] != SN_NONE) sum += cotangent(p[edge->opposite[side]], p[edge->v[0]], p[edge->v[1]]);
+    return fmin(fmax(0.5 * sum, WEIGHT_LOW), WEIGHT_HIGH);
+}
+
+/* ---- harmonic field --------------------------------------------------------------------------------------------------- */
+
+enum { UNREACHED = -2, FIXED = -1 }; /* what `unknown` says of a vertex that is not one */
+
+typedef struct harmonic {
+    const sn_mesh *mesh;
+    const sn_topology *topology;
+    sn_index *unknown; /* (vertex_count) index among the unknowns, or FIXED or UNREACHED */
+    sn_index *stack;   /* (vertex_count) */
+    sn_index unknown_count, entry_count;
+    sn_entry *entries; /* (unknowns + edges) */
+    double *right;     /* (vertex_count) */
+} harmonic;
+
+static bool harmonic_alloc(harmonic *h) {
+    size_t vertices = (size_t)h->mesh->vertex_count;
+    h->unknown = SN_NEW(sn_index, vertices);
+    h->stack = SN_NEW(sn_index, vertices);
+    h->entries = SN_NEW(sn_entry, vertices + (size_t)h->topology->edge_count);
+    h->right = SN_NEW(double, vertices);
+    return h->unknown && h->stack && h->entries && h->right;
+}
+
+static void harmonic_free(harmonic *h) {
+    free(h->unknown);
+    free(h->stack);
+    free(h->entries);
+    free(h->right);
+}
+
+static sn_status set_fixed(harmonic *h, sn_index count, const sn_index *fixed, const double *values, double *u, sn_error *error) {
+    for (sn_index v = 0; v < h->mesh->vertex_count; v++) {
+        h->unknown[v] = UNREACHED;
+        u[v] = NAN;
+    }
+    for (sn_index i = 0; i < count; i++) {
+        if (fixed[i] < 0 || fixed[i] >= h->mesh->vertex_count || !isfinite(values[i]))
+            return sn_fail(error, SN_ERROR_INPUT, "fixed value %d of a harmonic field is not finite or not at a vertex", (int)i);
+        h->unknown[fixed[i]] = FIXED;
+        u[fixed[i]] = values[i];
+    }
+    return SN_OK;
+}
+
+/* Every vertex that a fixed one can reach is an unknown; numbered in vertex order. */
+static void number_unknowns(harmonic *h) {
+    const sn_topology *t = h->topology;
+    sn_index top = 0;
+    for (sn_index v = 0; v < h->mesh->vertex_count; v++)
+        if (h->unknown[v] == FIXED) h->stack[top++] = v;
+    while (top > 0) {
+        sn_index v = h->stack[--top];
+        for (sn_index k = t->vertex_start[v]; k < t->vertex_start[v + 1]; k++)
+            if (h->unknown[t->neighbours[k]] == UNREACHED) {
+                h->unknown[t->neighbours[k]] = 0;
+                h->stack[top++] = t->neighbours[k];
+            }
+    }
+    for (sn_index v = 0; v < h->mesh->vertex_count; v++)
+        if (h->unknown[v] >= 0) h->unknown[v] = h->unknown_count++;
+}
+
+/* sum_j w_ij (u_i - u_j) = 0 at every unknown; known u_j go to the right-hand side. */
+static void assemble(harmonic *h, const double *u) {
+    sn_entry *diagonal = h->entries;
+    for (sn_index i = 0; i < h->unknown_count; i++) diagonal[i] = (sn_entry){i, i, 0.0};
+    h->entry_count = h->unknown_count;
+    for (sn_index e = 0; e < h->topology->edge_count; e++) {
+        const sn_edge *edge = &h->topology->edges[e];
+        sn_index i = h->unknown[edge->v[0]], j = h->unknown[edge->v[1]];
+        if (i < 0 && j < 0) continue;
+        double w = edge_weight(h->mesh, edge);
+        if (i >= 0) diagonal[i].value += w;
+        if (j >= 0) diagonal[j].value += w;
+        if (i >= 0 && j >= 0) h->entries[h->entry_count++] = (sn_entry){j, i, -w};
+        if (i >= 0 && j < 0) h->right[i] += w * u[edge->v[1]];
+        if (j >= 0 && i < 0) h->right[j] += w * u[edge->v[0]];
+    }
+}
+
+static sn_status solve_unknowns(harmonic *h, double *u, sn_error *error) {
+    if (h->unknown_count == 0) return SN_OK;
+    assemble(h, u);
+    sn_sparse *factor = NULL;
+    sn_status status = sn_sparse_factor(h->unknown_count, h->entry_count, h->entries, &factor, error);
+    if (!status) status = sn_sparse_solve(factor, 1, h->right, h->right, error);
+    for (sn_index v = 0; !status && v < h->mesh->vertex_count; v++)
+        if (h->unknown[v] >= 0) u[v] = h->right[h->unknown[v]];
+    sn_sparse_destroy(factor);
+    return status;
+}
+
+sn_status sn_harmonic_field(const sn_mesh *mesh, const sn_topology *topology, sn_index fixed_count, const sn_index *fixed,
+                            const double *values, double *u, sn_error *error) {
+    harmonic h = {.mesh = mesh, .topology = topology};
+    sn_status status = harmonic_alloc(&h) ? SN_OK : sn_fail_memory(error, "a harmonic field");
+    if (!status) status = set_fixed(&h, fixed_count, fixed, values, u, error);
+    if (!status) {
+        number_unknowns(&h);
+        status = solve_unknowns(&h, u, error);
+    }
+    harmonic_free(&h);
+    return status;
+}
+
+/* ---- shortest distance along edges (Dijkstra) --------------------------------------------------------------------------- */
+
+typedef struct reached {
+    double distance;
+    sn_index vertex;
+} reached;
+
+/* A binary heap, nearest first; equal distances by vertex, so that the order never depends on history. */
+typedef struct queue {
+    reached *items;
+    size_t count, capacity;
+} queue;
+
+static bool comes_before(reached a, reached b) { return a.distance < b.distance || (a.distance == b.distance && a.vertex < b.vertex); }
+
+static bool queue_push(queue *q, reached item) {
+    if (!sn_grow((void **)&q->items, &q->capacity, q->count + 1, sizeof *q->items)) return false;
+    size_t i = q->count++;
+    for (; i > 0 && comes_before(item, q->items[(i - 1) / 2]); i = (i - 1) / 2) q->items[i] = q->items[(i - 1) / 2];
+    q->items[i] = item;
+    return true;
+}
+
+static reached queue_pop(queue *q) {
+    reached first = q->items[0], last = q->items[--q->count];
+    size_t i = 0;
+    for (size_t child = 1; child < q->count; child = 2 * i + 1) {
+        if (child + 1 < q->count && comes_before(q->items[child + 1], q->items[child])) child++;
+        if (!comes_before(q->items[child], last)) break;
+        q->items[i] = q->items[child];
+        i = child;
+    }
+    q->items[i] = last;
+    return first;
+}
+
+static bool start_at(queue *q, sn_index count, const sn_index *sources, double *distance) {
+    for (sn_index i = 0; i < count; i++) {
+        if (distance[sources[i]] == 0.0) continue; /* given twice */
+        distance[sources[i]] = 0.0;
+        if (!queue_push(q, (reached){0.0, sources[i]})) return false;
+    }
+    return true;
+}
+
+static bool relax_neighbours(const sn_mesh *mesh, const sn_topology *t, queue *q, reached here, double *distance, sn_index *from) {
+    for (sn_index k = t->vertex_start[here.vertex]; k < t->vertex_start[here.vertex + 1]; k++) {
+        sn_index w = t->neighbours[k];
+        double through = here.distance + sn_distance(mesh->positions[here.vertex], mesh->positions[w]);
+        if (!(through < distance[w])) continue;
+        distance[w] = through;
+        if (from) from[w] = here.vertex;
+        if (!queue_push(q, (reached){through, w})) return false;
+    }
+    return true;
+}
+
+sn_status sn_edge_distance(const sn_mesh *mesh, const sn_topology *topology, sn_index source_count, const sn_index *sources,
+                           double *distance, sn_index *from, sn_error *error) {
+    for (sn_index v = 0; v < mesh->vertex_count; v++) {
+        distance[v] = INFINITY;
+        if (from) from[v] = SN_NONE;
+    }
+    for (sn_index i = 0; i < source_count; i++)
+        if (sources[i] < 0 || sources[i] >= mesh->vertex_count)
+            return sn_fail(error, SN_ERROR_INPUT, "distances are to start at vertex %d, which the mesh does not have", (int)sources[i]);
+    queue q = {0};
+    bool enough = start_at(&q, source_count, sources, distance);
+    while (enough && q.count > 0) {
+        reached here = queue_pop(&q);
+        if (here.distance > distance[here.vertex]) continue; /* reached on a shorter way since */
+        enough = relax_neighbours(mesh, topology, &q, here, distance, from);
+    }
+    free(q.items);
+    return enough ? SN_OK : sn_fail_memory(error, "the queue of a distance field");
+}

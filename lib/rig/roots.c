@@ -1,0 +1,397 @@
+/*
+ * roots.c -- where fibres start: the ring of vertices around the middle (methods.md 2), or the user's own selection.
+ *
+ * A harmonic field between the muscle's ends has exactly the contours that one would draw across it by hand: the ring beside the one that
+ * passes nearest to the volume centroid parts the surface in two.
+ */
+#include "sinew/rig.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "section.h"
+#include "tips.h"
+
+#define PATCH_SHARE 0.05 /* patches around the tips, as a share of L */
+
+typedef struct selection {
+    const sn_muscle *muscle;
+    const sn_mesh *mesh;
+    sn_topology topology;
+    section cut;
+    surface_survey survey;
+    tips tips;
+    sn_vec3 centroid;
+    sn_trace *trace;
+    sn_roots_report report;
+    sn_index count;
+    sn_index *vertices;
+} selection;
+
+/* ---- the ends ------------------------------------------------------------------------------------------------------- */
+
+/* Vertices held at 0 (the first low_count) and at 1. */
+typedef struct ends {
+    sn_index count;
+    sn_index *vertices; /* (vertex_count) */
+    double *values;     /* (vertex_count) */
+} ends;
+
+static void ends_add(ends *e, sn_index vertex, double value) {
+    e->vertices[e->count] = vertex;
+    e->values[e->count++] = value;
+}
+
+static sn_vec3 attachment_mean(const sn_muscle *muscle, const sn_attachment *a) {
+    sn_vec3 sum = {0, 0, 0};
+    for (sn_index i = 0; i < a->count; i++) sum = sn_add(sum, muscle->mesh.positions[a->vertices[i]]);
+    return sn_scale(sum, 1.0 / (double)a->count);
+}
+
+/* The two bones whose attachments lie farthest apart; those between them stay free. */
+static bool farthest_attachments(const sn_muscle *muscle, sn_index pair[2]) {
+    double best = 0.0;
+    for (sn_index i = 0; i < muscle->attachment_count; i++)
+        for (sn_index j = i + 1; j < muscle->attachment_count; j++) {
+            const sn_attachment *a = &muscle->attachments[i], *b = &muscle->attachments[j];
+            if (a->count == 0 || b->count == 0) continue;
+            double apart = sn_distance(attachment_mean(muscle, a), attachment_mean(muscle, b));
+            if (!(apart > best)) continue;
+            best = apart;
+            pair[0] = i;
+            pair[1] = j;
+        }
+    return best > 0.0;
+}
+
+static bool ends_from_attachments(const selection *s, ends *e) {
+    sn_index pair[2];
+    if (!farthest_attachments(s->muscle, pair)) return false;
+    for (int side = 0; side < 2; side++) {
+        const sn_attachment *a = &s->muscle->attachments[pair[side]];
+        for (sn_index i = 0; i < a->count; i++) ends_add(e, a->vertices[i], side);
+    }
+    return true;
+}
+
+/* All vertices within 5 % of L of a tip. */
+static sn_status ends_from_tips(const selection *s, ends *e, sn_error *error) {
+    double *distance = SN_NEW(double, s->mesh->vertex_count);
+    if (!distance) return sn_fail_memory(error, "the distances from the tips");
+    sn_status status = SN_OK;
+    for (int side = 0; side < 2 && !status; side++) {
+        status = sn_edge_distance(s->mesh, &s->topology, 1, &s->tips.end[side], distance, NULL, error);
+        for (sn_index v = 0; !status && v < s->mesh->vertex_count; v++)
+            if (distance[v] <= PATCH_SHARE * s->tips.length) ends_add(e, v, side);
+    }
+    free(distance);
+    return status;
+}
+
+static sn_status harmonic_between(selection *s, bool attachments, double *u, sn_error *error) {
+    ends e = {.vertices = SN_NEW(sn_index, s->mesh->vertex_count), .values = SN_NEW(double, s->mesh->vertex_count)};
+    sn_status status = e.vertices && e.values ? SN_OK : sn_fail_memory(error, "the ends of the muscle");
+    s->report.from_attachments = !status && attachments && ends_from_attachments(s, &e);
+    if (!status && !s->report.from_attachments) status = ends_from_tips(s, &e, error);
+    if (!status) status = sn_harmonic_field(s->mesh, &s->topology, e.count, e.vertices, e.values, u, error);
+    if (!status && SN_TRACE(s->trace, "field", sn_trace_text("ends", s->report.from_attachments ? "attachments" : "tips"),
+                            sn_trace_indices("fixed", e.vertices, e.count)))
+        status = SN_STOPPED;
+    free(e.vertices);
+    free(e.values);
+    return status;
+}
+
+/* ---- area quantiles of the field ------------------------------------------------------------------------------------- */
+
+typedef struct weighted {
+    double u, area;
+} weighted;
+
+typedef struct quantiles {
+    sn_index count;
+    weighted *items; /* by u; area becomes the cumulated share of the surface */
+} quantiles;
+
+static int compare_weighted(const void *left, const void *right) {
+    const weighted *a = left, *b = right;
+    if (a->u != b->u) return a->u < b->u ? -1 : 1;
+    return (a->area > b->area) - (a->area < b->area);
+}
+
+static sn_status quantiles_build(const sn_mesh *mesh, const double *u, quantiles *q, sn_error *error) {
+    double *area = SN_NEW(double, mesh->vertex_count);
+    *q = (quantiles){.items = SN_NEW(weighted, mesh->vertex_count)};
+    if (!area || !q->items) {
+        free(area);
+        return sn_fail_memory(error, "the area quantiles of a field");
+    }
+    for (sn_index t = 0; t < mesh->triangle_count; t++) {
+        const sn_index *v = mesh->triangles[t].v;
+        double twice = sn_norm(sn_area_vector(mesh->positions[v[0]], mesh->positions[v[1]], mesh->positions[v[2]]));
+        for (int c = 0; c < 3; c++) area[v[c]] += twice / 6.0;
+    }
+    for (sn_index v = 0; v < mesh->vertex_count; v++)
+        if (isfinite(u[v])) q->items[q->count++] = (weighted){u[v], area[v]};
+    free(area);
+    qsort(q->items, (size_t)q->count, sizeof *q->items, compare_weighted);
+    double sum = 0.0;
+    for (sn_index i = 0; i < q->count; i++) sum = q->items[i].area += sum;
+    for (sn_index i = 0; i < q->count && sum > 0.0; i++) q->items[i].area /= sum;
+    return SN_OK;
+}
+
+/* The level below which `share` of the area lies, between two values of the field; NaN where nothing lies above. */
+static double quantile_level(const quantiles *q, double share) {
+    sn_index low = 0, high = q->count;
+    while (low < high) {
+        sn_index middle = low + (high - low) / 2;
+        if (q->items[middle].area < share)
+            low = middle + 1;
+        else
+            high = middle;
+    }
+    for (sn_index i = low; i + 1 < q->count; i++)
+        if (q->items[i + 1].u > q->items[low].u) return 0.5 * (q->items[low].u + q->items[i + 1].u);
+    return NAN;
+}
+
+/* ---- candidates ------------------------------------------------------------------------------------------------------- */
+
+typedef struct candidate {
+    double offset; /* from the volume centroid to the ring's mean */
+    double share, level;
+    sn_index curve;
+    section_side side;
+} candidate;
+
+typedef struct candidates {
+    size_t count, capacity;
+    candidate *items;
+} candidates;
+
+/* Which curves count, from the strict rule to the lenient one. */
+typedef struct search {
+    double first, last, step; /* area shares */
+    bool single;              /* only levels whose contour is one closed curve, only rings that are simple as they are */
+} search;
+
+static int compare_candidates(const void *left, const void *right) {
+    const candidate *a = left, *b = right;
+    if (a->offset != b->offset) return a->offset < b->offset ? -1 : 1;
+    if (a->share != b->share) return a->share < b->share ? -1 : 1;
+    if (a->curve != b->curve) return a->curve < b->curve ? -1 : 1;
+    return (a->side > b->side) - (a->side < b->side);
+}
+
+static sn_vec3 vertex_mean(const sn_mesh *mesh, sn_index count, const sn_index *vertices) {
+    sn_vec3 origin = mesh->positions[vertices[0]], sum = {0, 0, 0};
+    for (sn_index i = 0; i < count; i++) sum = sn_add(sum, sn_sub(mesh->positions[vertices[i]], origin));
+    return sn_add_scaled(origin, sum, 1.0 / (double)count);
+}
+
+/* Both rings of every curve of the section that was just cut. */
+static bool add_candidates(selection *s, const search *how, double share, sn_index *ring, candidates *list) {
+    if (how->single && (s->cut.curve_count != 1 || !s->cut.curves[0].closed)) return true;
+    for (sn_index c = 0; c < s->cut.curve_count; c++)
+        for (int side = SECTION_LOW; side <= SECTION_HIGH; side++) {
+            if (!s->cut.curves[c].closed) continue;
+            bool simple;
+            sn_index count = section_ring(&s->cut, &s->cut.curves[c], (section_side)side, ring, &simple);
+            if (count < 3 || (how->single && !simple)) continue;
+            if (!sn_grow((void **)&list->items, &list->capacity, list->count + 1, sizeof *list->items)) return false;
+            double offset = sn_distance(vertex_mean(s->mesh, count, ring), s->centroid);
+            list->items[list->count++] = (candidate){offset, share, s->cut.level, c, (section_side)side};
+        }
+    return true;
+}
+
+static sn_status gather(selection *s, const search *how, const double *u, const quantiles *q, sn_index *ring, candidates *list,
+                        sn_error *error) {
+    double before = NAN;
+    int steps = (int)lround((how->last - how->first) / how->step);
+    for (int i = 0; i <= steps; i++) {
+        double share = how->first + how->step * i, level = quantile_level(q, share);
+        if (isnan(level) || level == before) continue;
+        before = level;
+        sn_status status = section_cut(&s->cut, u, level, error);
+        if (status) return status;
+        if (!add_candidates(s, how, share, ring, list)) return sn_fail_memory(error, "the candidate rings");
+        if (SN_TRACE(s->trace, "contour", sn_trace_number("share", share), sn_trace_number("level", level),
+                     sn_trace_number("curves", s->cut.curve_count), sn_trace_number("candidates", (double)list->count)))
+            return SN_STOPPED;
+    }
+    if (list->count > 0) qsort(list->items, list->count, sizeof *list->items, compare_candidates);
+    return SN_OK;
+}
+
+static sn_status rebuild_ring(selection *s, const candidate *c, const double *u, sn_index *ring, sn_index *count, sn_error *error) {
+    sn_status status = section_cut(&s->cut, u, c->level, error);
+    bool simple;
+    if (!status) *count = section_ring(&s->cut, &s->cut.curves[c->curve], c->side, ring, &simple);
+    return status;
+}
+
+static void take_ring(selection *s, const candidate *c, sn_index count) {
+    section_ring_canonical(count, s->vertices);
+    s->count = count;
+    s->report.level = c->share;
+}
+
+/* The nearest candidate whose ring separates the surface in exactly two. */
+static sn_status first_separating(selection *s, const candidates *list, const double *u, sn_error *error) {
+    for (size_t i = 0; i < list->count; i++) {
+        sn_index count = 0;
+        sn_status status = rebuild_ring(s, &list->items[i], u, s->vertices, &count, error);
+        if (status) return status;
+        sn_index parts = section_parts(&s->cut, count, s->vertices);
+        bool stop = SN_TRACE(s->trace, "ring", sn_trace_number("share", list->items[i].share), sn_trace_number("parts", parts),
+                             sn_trace_number("offset", list->items[i].offset), sn_trace_indices("vertices", s->vertices, count));
+        if (parts == 2) {
+            take_ring(s, &list->items[i], count);
+            return SN_OK; /* even if this was the last step allowed: it is complete */
+        }
+        if (stop) return SN_STOPPED;
+    }
+    return SN_OK;
+}
+
+static sn_status search_ring(selection *s, const double *u, sn_error *error) {
+    static const search searches[] = {{0.10, 0.90, 0.01, true}, {0.10, 0.90, 0.01, false}, {0.02, 0.98, 0.001, false}};
+    quantiles q = {0};
+    candidates list = {0};
+    sn_status status = quantiles_build(s->mesh, u, &q, error);
+    for (size_t i = 0; i < sizeof searches / sizeof *searches && !status && s->count == 0; i++) {
+        list.count = 0;
+        s->report.fallback = i > 0;
+        status = gather(s, &searches[i], u, &q, s->vertices, &list, error);
+        if (!status) status = first_separating(s, &list, u, error);
+    }
+    if (!status && s->count == 0 && list.count > 0) { /* nothing separates: the nearest closed ring */
+        sn_index count = 0;
+        status = rebuild_ring(s, &list.items[0], u, s->vertices, &count, error);
+        if (!status) take_ring(s, &list.items[0], count);
+    }
+    free(list.items);
+    free(q.items);
+    return status;
+}
+
+static sn_status select_automatic(selection *s, sn_error *error) {
+    double *u = SN_NEW(double, s->mesh->vertex_count);
+    s->vertices = SN_NEW(sn_index, s->mesh->vertex_count > s->topology.edge_count ? s->mesh->vertex_count : s->topology.edge_count);
+    sn_status status = u && s->vertices ? SN_OK : sn_fail_memory(error, "the field between the muscle's ends");
+    if (!status) status = harmonic_between(s, true, u, error);
+    if (!status) status = search_ring(s, u, error);
+    if (!status && s->report.from_attachments && (s->count == 0 || section_parts(&s->cut, s->count, s->vertices) != 2)) {
+        s->count = 0; /* attachments side by side, or all along the muscle */
+        status = harmonic_between(s, false, u, error);
+        if (!status) status = search_ring(s, u, error);
+    }
+    if (!status && s->count == 0)
+        status = sn_fail(error, SN_ERROR_INPUT,
+                         "no closed ring of vertices runs around the muscle's middle; close the mesh with mesh-clean, or choose the roots "
+                         "by hand with --plane or --indices");
+    free(u);
+    return status;
+}
+
+/* ---- by hand ------------------------------------------------------------------------------------------------------------ */
+
+/* Where every selected vertex has exactly two selected neighbours and they form one loop: put it in ring order. */
+static sn_status order_if_loop(selection *s, sn_error *error) {
+    const sn_topology *t = &s->topology;
+    bool *left = SN_NEW(bool, s->mesh->vertex_count);
+    sn_index *walk = SN_NEW(sn_index, s->count);
+    if (!left || !walk) {
+        free(left);
+        free(walk);
+        return sn_fail_memory(error, "the order of the roots");
+    }
+    for (sn_index i = 0; i < s->count; i++) left[s->vertices[i]] = true;
+    sn_index count = 0, here = s->vertices[0];
+    while (here != SN_NONE) {
+        left[here] = false;
+        walk[count++] = here;
+        sn_index next = SN_NONE;
+        for (sn_index k = t->vertex_start[here]; k < t->vertex_start[here + 1] && next == SN_NONE; k++)
+            if (left[t->neighbours[k]]) next = t->neighbours[k];
+        here = next;
+    }
+    if (count == s->count && section_ring_closed(&s->cut, count, walk)) {
+        memcpy(s->vertices, walk, (size_t)count * sizeof *walk);
+        section_ring_canonical(count, s->vertices);
+    }
+    free(left);
+    free(walk);
+    return SN_OK;
+}
+
+static sn_status select_manual(selection *s, const sn_selector *selector, sn_error *error) {
+    sn_status status = sn_select_vertices(s->mesh, &s->topology, selector, &s->count, &s->vertices, error);
+    if (!status && !section_ring_closed(&s->cut, s->count, s->vertices)) status = order_if_loop(s, error);
+    if (!status && SN_TRACE(s->trace, "select", sn_trace_indices("vertices", s->vertices, s->count))) return SN_OK; /* complete */
+    return status;
+}
+
+/* ---- all together --------------------------------------------------------------------------------------------------------- */
+
+static const char *rule_name(const sn_roots_params *params) {
+    static const char *const names[] = {"indices", "near", "sphere", "box", "plane", "half", "painted"};
+    return params->automatic ? "mid-section" : names[params->selector.kind];
+}
+
+static sn_status prepare(selection *s, sn_error *error) {
+    sn_status status = sn_mesh_validate(s->mesh, error);
+    if (!status) status = sn_topology_build(s->mesh, &s->topology, error);
+    if (!status) status = section_create(s->mesh, &s->topology, &s->cut, error);
+    if (!status) status = survey_surface(s->mesh, &s->topology, &s->survey, error);
+    if (!status) status = find_tips(s->mesh, &s->topology, s->survey.main_vertex, s->trace, &s->tips, error);
+    s->centroid = sn_mesh_volume_centroid(s->mesh);
+    s->report.level = NAN;
+    return status;
+}
+
+static void fill_report(selection *s) {
+    sn_roots_report *r = &s->report;
+    r->count = s->count;
+    r->genus = s->survey.genus;
+    r->components = s->survey.components;
+    r->length = s->tips.length;
+    if (s->count == 0) return;
+    r->ring = section_ring_closed(&s->cut, s->count, s->vertices);
+    r->parts = section_parts(&s->cut, s->count, s->vertices);
+    r->centroid_offset = sn_distance(vertex_mean(s->mesh, s->count, s->vertices), s->centroid);
+}
+
+static sn_status hand_over(selection *s, const sn_roots_params *params, sn_roots *out, sn_error *error) {
+    sn_index *exact = sn_realloc(s->vertices, (size_t)s->count, sizeof *exact);
+    if (exact) s->vertices = exact;
+    out->rule = sn_strdup(rule_name(params));
+    if (!out->rule) return sn_fail_memory(error, "the roots");
+    out->count = s->count;
+    out->vertices = s->vertices;
+    s->vertices = NULL;
+    return SN_OK;
+}
+
+sn_roots_params sn_roots_defaults(void) { return (sn_roots_params){.automatic = true}; }
+
+sn_status sn_roots_select(const sn_muscle *muscle, const sn_roots_params *params, sn_trace *trace, sn_roots *out, sn_roots_report *report,
+                          sn_error *error) {
+    *out = (sn_roots){0};
+    if (report) *report = (sn_roots_report){.level = NAN};
+    if (sn_trace_stopped(trace)) return SN_STOPPED;
+    selection s = {.muscle = muscle, .mesh = &muscle->mesh, .trace = trace};
+    sn_status status = prepare(&s, error);
+    if (!status) status = params->automatic ? select_automatic(&s, error) : select_manual(&s, &params->selector, error);
+    if (!status) {
+        fill_report(&s);
+        status = hand_over(&s, params, out, error);
+    }
+    if (report) *report = s.report;
+    section_free(&s.cut);
+    sn_topology_free(&s.topology);
+    free(s.vertices);
+    return status;
+}
