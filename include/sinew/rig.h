@@ -96,7 +96,8 @@ typedef struct sn_structure_params {
 } sn_structure_params;
 
 typedef struct sn_structure_report {
-    sn_index samples, branches, leaves, pruned, vertices, unconnected, outside;
+    sn_index samples, branches, leaves, pruned, vertices, unconnected;
+    sn_index outside; /* samples outside the volume; -1 = not known: the surface is open */
     double spacing, longest_link, length;
     double genus; /* > 0: branches of a mesh with handles are not to be trusted */
 } sn_structure_report;

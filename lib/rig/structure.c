@@ -1,0 +1,193 @@
+/* structure.c -- the internal structure of a muscle ([R18] 3.1): traverse, prune, re-sample, connect. */
+#include "sinew/rig.h"
+
+#include <stdlib.h>
+
+#include "tips.h"
+#include "tree.h"
+
+/* Samples this near to the surface, as a share of the box diagonal, are on it: the fronts at the tips are single vertices. */
+#define ON_SURFACE 1e-9
+
+typedef struct building {
+    const sn_muscle *muscle;
+    const sn_mesh *mesh;
+    const sn_structure_params *params;
+    sn_trace *trace;
+    sn_topology topology;
+    surface_survey survey;
+    tips tips;
+    double spacing;
+    tree tree;
+    sn_index pruned;
+    sn_structure structure;
+} building;
+
+/* ---- before ------------------------------------------------------------------------------------------------------------- */
+
+static sn_status check_request(const building *b, sn_error *error) {
+    const sn_roots *roots = &b->muscle->roots;
+    if (!(b->params->spacing >= 0.0) || !isfinite(b->params->spacing))
+        return sn_fail(error, SN_ERROR_USAGE, "the spacing must be a length greater than 0");
+    if (!(b->params->prune >= 0.0) || !isfinite(b->params->prune))
+        return sn_fail(error, SN_ERROR_USAGE, "the share of the length to prune must be 0 or more");
+    if (roots->count < 1) return sn_fail(error, SN_ERROR_INPUT, "the muscle has no roots; run root-select on it first");
+    for (sn_index i = 0; i < roots->count; i++)
+        if (roots->vertices[i] < 0 || roots->vertices[i] >= b->mesh->vertex_count)
+            return sn_fail(error, SN_ERROR_INPUT, "root %d is vertex %d, which the mesh does not have; run root-select again", (int)i,
+                           (int)roots->vertices[i]);
+    return SN_OK;
+}
+
+static sn_status prepare(building *b, sn_error *error) {
+    sn_status status = sn_mesh_validate(b->mesh, error);
+    if (!status) status = check_request(b, error);
+    if (!status) status = sn_topology_build(b->mesh, &b->topology, error);
+    if (!status) status = survey_surface(b->mesh, &b->topology, &b->survey, error);
+    if (!status) status = find_tips(b->mesh, &b->topology, b->muscle->roots.vertices[0], NULL, &b->tips, error);
+    if (!status) status = tree_create(b->mesh, &b->topology, &b->tree, error);
+    b->spacing = b->params->spacing > 0.0 ? b->params->spacing : 2.0 * sn_mesh_mean_edge(b->mesh, &b->topology);
+    if (!status && !(b->spacing > 0.0)) status = sn_fail(error, SN_ERROR_INPUT, "all edges of the mesh have length 0; clean it first");
+    return status;
+}
+
+/* ---- the steps ------------------------------------------------------------------------------------------------------------ */
+
+static sn_status check_all_visited(const building *b, sn_error *error) {
+    for (sn_index v = 0; v < b->mesh->vertex_count; v++) {
+        if (b->tree.front[v] != SN_NONE) continue;
+        bool unused = b->topology.corner_start[v] == b->topology.corner_start[v + 1];
+        sn_fail(error, SN_ERROR_INPUT,
+                unused
+                    ? "no triangle uses vertex %d, so nothing can hold it; run mesh-clean, which drops such vertices"
+                    : "vertex %d is on another component of the surface than the roots; run mesh-clean --keep largest, or choose roots on "
+                      "every component",
+                (int)v);
+        if (error) error->element = v;
+        return SN_ERROR_INPUT;
+    }
+    return SN_OK;
+}
+
+static sn_status grow_tree(building *b, sn_error *error) {
+    sn_status status = traverse_hops(&b->tree, &b->muscle->roots, b->trace, error);
+    if (!status) status = check_all_visited(b, error);
+    if (!status && b->params->prune > 0.0) {
+        status = prune_tree(&b->tree, &b->muscle->roots, b->params->prune * b->tips.length, b->trace, &b->pruned, error);
+        tree_compact(&b->tree);
+    }
+    return status;
+}
+
+/* Once the tree stands it is resampled; where the trace stopped before, its fronts are the samples. */
+static sn_status make_structure(building *b, sn_error *error) {
+    sn_status status = grow_tree(b, error);
+    if (status == SN_OK) return resample_tree(&b->tree, b->spacing, b->trace, &b->structure, error);
+    if (status != SN_STOPPED) return status;
+    status = tree_as_structure(&b->tree, &b->structure, error);
+    return status ? status : SN_STOPPED;
+}
+
+/* ---- axes --------------------------------------------------------------------------------------------------------------- */
+
+/* The mean of the axes of the root's children, each turned to agree with the first: they point at the root from opposite sides. */
+static sn_vec3 root_axis(const sn_structure *s) {
+    sn_vec3 sum = {0, 0, 0};
+    for (sn_index i = 1; i < s->sample_count; i++)
+        if (s->parents[i] == 0) sum = sn_add_scaled(sum, s->axes[i], sn_dot(sum, s->axes[i]) < 0.0 ? -1.0 : 1.0);
+    return sn_normalize(sum);
+}
+
+/* delta_i = (b_parent - b_i) / |b_parent - b_i| ([R18] 3.2); a sample on its parent takes the parent's axis. */
+static void set_axes(sn_structure *s) {
+    for (sn_index i = 1; i < s->sample_count; i++) s->axes[i] = sn_normalize(sn_sub(s->positions[s->parents[i]], s->positions[i]));
+    s->axes[0] = root_axis(s);
+    for (sn_index i = 1; i < s->sample_count && sn_norm2(s->axes[0]) == 0.0; i++) s->axes[0] = s->axes[i];
+    if (sn_norm2(s->axes[0]) == 0.0) s->axes[0] = sn_v3(0, 0, 1); /* a root alone */
+    for (sn_index i = 1; i < s->sample_count; i++)
+        if (sn_norm2(s->axes[i]) == 0.0) s->axes[i] = s->axes[s->parents[i]];
+}
+
+/* ---- report --------------------------------------------------------------------------------------------------------------- */
+
+static bool is_on_surface(const sn_mesh *mesh, sn_vec3 point, double reach) {
+    for (sn_index t = 0; t < mesh->triangle_count; t++) {
+        const sn_index *v = mesh->triangles[t].v;
+        double barycentric[3];
+        sn_vec3 p = sn_closest_on_triangle(point, mesh->positions[v[0]], mesh->positions[v[1]], mesh->positions[v[2]], barycentric);
+        if (sn_distance(p, point) <= reach) return true;
+    }
+    return false;
+}
+
+static sn_status count_outside(const building *b, sn_index *outside, sn_error *error) {
+    *outside = SN_NONE;
+    if (!isfinite(b->survey.genus)) return SN_OK;
+    const sn_structure *s = &b->structure;
+    int *winding = SN_NEW(int, s->sample_count);
+    if (!winding) return sn_fail_memory(error, "the test for samples outside the volume");
+    sn_status status = count_windings(b->mesh, s->sample_count, s->positions, winding, error);
+    double reach = ON_SURFACE * sn_box_diagonal(sn_mesh_box(b->mesh));
+    *outside = 0;
+    for (sn_index i = 0; !status && i < s->sample_count; i++)
+        if (winding[i] == 0 && !is_on_surface(b->mesh, s->positions[i], reach)) ++*outside;
+    free(winding);
+    return status;
+}
+
+static sn_status count_tree(const sn_structure *s, sn_structure_report *r, sn_error *error) {
+    bool *has_child = SN_NEW(bool, s->sample_count);
+    if (!has_child) return sn_fail_memory(error, "the report of a structure");
+    for (sn_index i = 1; i < s->sample_count; i++) {
+        has_child[s->parents[i]] = true;
+        r->longest_link = fmax(r->longest_link, sn_distance(s->positions[i], s->positions[s->parents[i]]));
+    }
+    r->samples = s->sample_count;
+    for (sn_index i = 0; i < s->sample_count; i++) {
+        r->leaves += !has_child[i];
+        if (s->branches[i] >= r->branches) r->branches = s->branches[i] + 1;
+    }
+    free(has_child);
+    return SN_OK;
+}
+
+static sn_status fill_report(const building *b, sn_structure_report *r, sn_error *error) {
+    *r = (sn_structure_report){.vertices = b->mesh->vertex_count, .pruned = b->pruned, .spacing = b->spacing, .outside = SN_NONE};
+    r->length = b->tips.length;
+    r->genus = b->survey.genus;
+    sn_status status = count_tree(&b->structure, r, error);
+    if (status) return status;
+    for (sn_index v = 0; b->structure.vertex_sample && v < b->mesh->vertex_count; v++)
+        r->unconnected += b->structure.vertex_sample[v] == SN_NONE;
+    return count_outside(b, &r->outside, error);
+}
+
+/* ---- all together ------------------------------------------------------------------------------------------------------------ */
+
+sn_structure_params sn_structure_defaults(void) { return (sn_structure_params){.spacing = 0.0, .prune = 0.03}; }
+
+sn_status sn_structure_build(const sn_muscle *muscle, const sn_structure_params *params, sn_trace *trace, sn_structure *out,
+                             sn_structure_report *report, sn_error *error) {
+    *out = (sn_structure){0};
+    if (report) *report = (sn_structure_report){.outside = SN_NONE};
+    if (sn_trace_stopped(trace)) return SN_STOPPED;
+    building b = {.muscle = muscle, .mesh = &muscle->mesh, .params = params, .trace = trace};
+    sn_status status = prepare(&b, error);
+    if (!status) status = make_structure(&b, error);
+    bool usable = (status == SN_OK || status == SN_STOPPED) && b.structure.sample_count > 0;
+    if (usable) {
+        b.structure.spacing = b.spacing;
+        set_axes(&b.structure);
+    }
+    if (usable && report) {
+        sn_status reported = fill_report(&b, report, error);
+        if (reported) status = reported;
+    }
+    if (status == SN_OK || status == SN_STOPPED)
+        *out = b.structure;
+    else
+        sn_structure_free(&b.structure);
+    tree_free(&b.tree);
+    sn_topology_free(&b.topology);
+    return status;
+}

@@ -1,0 +1,216 @@
+/* traverse.c -- the front that runs over the surface from the roots, splitting where it falls apart ([R18] 3.1, figure 1). */
+#include <stdlib.h>
+
+#include "tree.h"
+
+/* ---- the tree's storage ----------------------------------------------------------------------------------------------- */
+
+sn_status tree_create(const sn_mesh *mesh, const sn_topology *topology, tree *out, sn_error *error) {
+    size_t n = (size_t)mesh->vertex_count;
+    sn_box box = sn_mesh_box(mesh);
+    *out = (tree){.mesh = mesh, .topology = topology, .origin = sn_lerp(box.low, box.high, 0.5)};
+    out->parent = SN_NEW(sn_index, n);
+    out->depth = SN_NEW(sn_index, n);
+    out->size = SN_NEW(sn_index, n);
+    out->first = SN_NEW(sn_index, n);
+    out->last = SN_NEW(sn_index, n);
+    out->sum = SN_NEW(sn_vec3, n);
+    out->sum2 = SN_NEW(double, n);
+    out->front = SN_NEW(sn_index, n);
+    out->next = SN_NEW(sn_index, n);
+    if (!out->parent || !out->depth || !out->size || !out->first || !out->last || !out->sum || !out->sum2 || !out->front || !out->next) {
+        tree_free(out);
+        return sn_fail_memory(error, "the traversal of the surface");
+    }
+    for (size_t v = 0; v < n; v++) out->front[v] = out->next[v] = SN_NONE;
+    return SN_OK;
+}
+
+void tree_free(tree *t) {
+    free(t->parent);
+    free(t->depth);
+    free(t->size);
+    free(t->first);
+    free(t->last);
+    free(t->sum);
+    free(t->sum2);
+    free(t->front);
+    free(t->next);
+    *t = (tree){0};
+}
+
+static void append_vertex(tree *t, sn_index front, sn_index vertex) {
+    if (t->size[front]++ == 0)
+        t->first[front] = vertex;
+    else
+        t->next[t->last[front]] = vertex;
+    t->last[front] = vertex;
+    t->front[vertex] = front;
+    sn_vec3 p = sn_sub(t->mesh->positions[vertex], t->origin);
+    t->sum[front] = sn_add(t->sum[front], p);
+    t->sum2[front] += sn_norm2(p);
+}
+
+sn_index tree_add_front(tree *t, sn_index parent, sn_index count, const sn_index *vertices) {
+    sn_index front = t->count++;
+    t->parent[front] = parent;
+    t->depth[front] = parent == SN_NONE ? 0 : t->depth[parent] + 1;
+    t->first[front] = t->last[front] = SN_NONE;
+    for (sn_index i = 0; i < count; i++) append_vertex(t, front, vertices[i]);
+    return front;
+}
+
+sn_vec3 tree_position(const tree *t, sn_index front) { return sn_add_scaled(t->origin, t->sum[front], 1.0 / (double)t->size[front]); }
+
+double tree_radius(const tree *t, sn_index front) {
+    double n = (double)t->size[front];
+    return sqrt(fmax(0.0, t->sum2[front] / n - sn_norm2(sn_scale(t->sum[front], 1.0 / n))));
+}
+
+static void move_front(tree *t, sn_index from, sn_index to) {
+    t->parent[to] = t->parent[from];
+    t->size[to] = t->size[from];
+    t->first[to] = t->first[from];
+    t->last[to] = t->last[from];
+    t->sum[to] = t->sum[from];
+    t->sum2[to] = t->sum2[from];
+    for (sn_index v = t->first[to]; v != SN_NONE; v = t->next[v]) t->front[v] = to;
+}
+
+void tree_compact(tree *t) {
+    sn_index *number = t->depth; /* the new numbers, until the depths are counted afresh */
+    sn_index kept = 0;
+    for (sn_index f = 0; f < t->count; f++)
+        if (t->size[f] > 0) number[f] = kept++;
+    for (sn_index f = 0; f < t->count; f++)
+        if (t->size[f] > 0 && t->parent[f] != SN_NONE) t->parent[f] = number[t->parent[f]];
+    for (sn_index f = 0, to = 0; f < t->count; f++)
+        if (t->size[f] > 0) move_front(t, f, to++);
+    t->count = kept;
+    for (sn_index f = 0; f < kept; f++) t->depth[f] = t->parent[f] == SN_NONE ? 0 : t->depth[t->parent[f]] + 1;
+}
+
+/* ---- traversal ---------------------------------------------------------------------------------------------------------- */
+
+typedef struct traversal {
+    tree *tree;
+    sn_index layer;      /* hops from the roots of the vertices being visited */
+    sn_index *hops;      /* (vertex_count) SN_NONE = not seen */
+    sn_index *votes;     /* (vertex_count) shared edges by front; all 0 between uses */
+    sn_index *seen;      /* (vertex_count) vertices of the layer, ascending */
+    sn_index *component; /* (vertex_count) vertices of one component of it */
+    sn_index seen_count;
+} traversal;
+
+static bool traversal_alloc(traversal *r, tree *t) {
+    size_t n = (size_t)t->mesh->vertex_count;
+    *r = (traversal){.tree = t};
+    r->hops = SN_NEW(sn_index, n);
+    r->votes = SN_NEW(sn_index, n);
+    r->seen = SN_NEW(sn_index, n);
+    r->component = SN_NEW(sn_index, n);
+    if (!r->hops || !r->votes || !r->seen || !r->component) return false;
+    for (size_t v = 0; v < n; v++) r->hops[v] = SN_NONE;
+    return true;
+}
+
+static void traversal_free(traversal *r) {
+    free(r->hops);
+    free(r->votes);
+    free(r->seen);
+    free(r->component);
+}
+
+static int compare_indices(const void *left, const void *right) {
+    sn_index a = *(const sn_index *)left, b = *(const sn_index *)right;
+    return (a > b) - (a < b);
+}
+
+/* From the vertices of one layer to those of the next. */
+static void advance(traversal *r, sn_index *before, sn_index before_count) {
+    const sn_topology *t = r->tree->topology;
+    r->layer++;
+    r->seen_count = 0;
+    for (sn_index i = 0; i < before_count; i++)
+        for (sn_index k = t->vertex_start[before[i]]; k < t->vertex_start[before[i] + 1]; k++) {
+            sn_index w = t->neighbours[k];
+            if (r->hops[w] != SN_NONE) continue;
+            r->hops[w] = r->layer;
+            r->seen[r->seen_count++] = w;
+        }
+    qsort(r->seen, (size_t)r->seen_count, sizeof *r->seen, compare_indices);
+}
+
+/* The vertices of the layer that hang together with seed; marked by the front's number to come. */
+static sn_index collect_component(traversal *r, sn_index seed) {
+    const sn_topology *t = r->tree->topology;
+    sn_index count = 0;
+    r->component[count++] = seed;
+    r->tree->front[seed] = r->tree->count;
+    for (sn_index i = 0; i < count; i++)
+        for (sn_index k = t->vertex_start[r->component[i]]; k < t->vertex_start[r->component[i] + 1]; k++) {
+            sn_index w = t->neighbours[k];
+            if (r->hops[w] != r->layer || r->tree->front[w] != SN_NONE) continue;
+            r->tree->front[w] = r->tree->count;
+            r->component[count++] = w;
+        }
+    return count;
+}
+
+/* The front of the layer before that shares most edges with the component; ties to the lower index. */
+static sn_index find_parent(traversal *r, sn_index count) {
+    const sn_topology *t = r->tree->topology;
+    sn_index best = SN_NONE;
+    for (int pass = 0; pass < 2; pass++) /* count, then clear */
+        for (sn_index i = 0; i < count; i++)
+            for (sn_index k = t->vertex_start[r->component[i]]; k < t->vertex_start[r->component[i] + 1]; k++) {
+                sn_index w = t->neighbours[k], f = r->tree->front[w];
+                if (r->hops[w] != r->layer - 1) continue;
+                sn_index votes = pass == 0 ? ++r->votes[f] : (r->votes[f] = 0);
+                if (pass == 1) continue;
+                if (best == SN_NONE || votes > r->votes[best] || (votes == r->votes[best] && f < best)) best = f;
+            }
+    return best;
+}
+
+static bool add_front(traversal *r, sn_index parent, sn_index count, sn_trace *trace) {
+    tree *t = r->tree;
+    sn_index front = tree_add_front(t, parent, count, r->component);
+    sn_vec3 p = tree_position(t, front);
+    return SN_TRACE(trace, "front", sn_trace_number("sample", front), sn_trace_number("parent", parent), sn_trace_number("hops", r->layer),
+                    sn_trace_number("x", p.x), sn_trace_number("y", p.y), sn_trace_number("z", p.z),
+                    sn_trace_indices("vertices", r->component, count));
+}
+
+static bool start_at_roots(traversal *r, const sn_roots *roots, sn_trace *trace) {
+    for (sn_index i = 0; i < roots->count; i++) {
+        sn_index v = roots->vertices[i];
+        if (r->hops[v] == 0) continue; /* given twice */
+        r->hops[v] = 0;
+        r->component[r->seen_count] = r->seen[r->seen_count] = v;
+        r->seen_count++;
+    }
+    return add_front(r, SN_NONE, r->seen_count, trace);
+}
+
+static sn_status run(traversal *r, const sn_roots *roots, sn_trace *trace) {
+    if (start_at_roots(r, roots, trace)) return SN_STOPPED;
+    while (r->seen_count > 0) {
+        sn_index *before = r->component; /* free between layers */
+        for (sn_index i = 0; i < r->seen_count; i++) before[i] = r->seen[i];
+        advance(r, before, r->seen_count);
+        for (sn_index i = 0; i < r->seen_count; i++) {
+            if (r->tree->front[r->seen[i]] != SN_NONE) continue;
+            sn_index count = collect_component(r, r->seen[i]);
+            if (add_front(r, find_parent(r, count), count, trace)) return SN_STOPPED;
+        }
+    }
+    return SN_OK;
+}
+
+sn_status traverse_hops(tree *t, const sn_roots *roots, sn_trace *trace, sn_error *error) {
+    traversal r;
+    sn_status status = traversal_alloc(&r, t) ? run(&r, roots, trace) : sn_fail_memory(error, "the traversal of the surface");
+    traversal_free(&r);
+    return status;
+}
