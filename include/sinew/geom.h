@@ -74,7 +74,7 @@ double sn_winding_number(const sn_mesh *mesh, sn_vec3 point);
 /* Closest point on a triangle. */
 sn_vec3 sn_closest_on_triangle(sn_vec3 point, sn_vec3 a, sn_vec3 b, sn_vec3 c, double barycentric[3]);
 
-/* ---- fields on a surface (lib/geom/field.c) ------------------------------------------------------------------------- */
+/* ---- fields on a surface (lib/geom/field.c distance.c) -------------------------------------------------------------- */
 
 /* Harmonic field u (vertex_count) with u = value at the fixed vertices: cotangent Laplacian, weights clamped below at 1e-3.
  * Vertices of components without a fixed vertex get NaN. */
