@@ -110,12 +110,17 @@ static void set_axes(sn_structure *s) {
 
 /* ---- report --------------------------------------------------------------------------------------------------------------- */
 
+static bool is_in_box(sn_vec3 p, sn_vec3 low, sn_vec3 high, double margin) {
+    return p.x >= low.x - margin && p.x <= high.x + margin && p.y >= low.y - margin && p.y <= high.y + margin && p.z >= low.z - margin &&
+           p.z <= high.z + margin;
+}
+
 static bool is_on_surface(const sn_mesh *mesh, sn_vec3 point, double reach) {
     for (sn_index t = 0; t < mesh->triangle_count; t++) {
         const sn_index *v = mesh->triangles[t].v;
-        double barycentric[3];
-        sn_vec3 p = sn_closest_on_triangle(point, mesh->positions[v[0]], mesh->positions[v[1]], mesh->positions[v[2]], barycentric);
-        if (sn_distance(p, point) <= reach) return true;
+        sn_vec3 a = mesh->positions[v[0]], b = mesh->positions[v[1]], c = mesh->positions[v[2]];
+        if (!is_in_box(point, sn_min3(a, sn_min3(b, c)), sn_max3(a, sn_max3(b, c)), reach)) continue;
+        if (sn_distance(sn_closest_on_triangle(point, a, b, c, NULL), point) <= reach) return true;
     }
     return false;
 }
