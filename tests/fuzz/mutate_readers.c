@@ -1,0 +1,479 @@
+/*
+ * mutate_readers.c -- every reader against broken files: mutate_readers [COUNT [FIRST]]
+ *
+ * Small good files of every format and both documents are truncated, flipped, spliced and given other numbers, from seeds: case n is always
+ * the same file. Each must be read as a valid mesh, muscle or scene, or be refused with one line that names the file, within two seconds.
+ */
+#include "sinew/io.h"
+
+#include <dirent.h>
+#include <signal.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <time.h>
+#include <unistd.h>
+
+enum { SECONDS_A_FILE = 2, SECONDS_UNTIL_HANGING = 30, SEED_LIMIT = 32, GROWTH = 4096 };
+
+typedef enum kind { MESH, MUSCLE, SCENE } kind;
+
+typedef struct bytes {
+    char *data;
+    size_t size, capacity;
+} bytes;
+
+typedef struct seed {
+    kind kind;
+    char name[64];
+    bytes content;
+} seed;
+
+static seed seeds[SEED_LIMIT];
+static int seed_count;
+static char folder[256];
+static volatile long current_case;
+static long passed, failed, accepted;
+static sn_error last_error;
+
+/* ---- good files ----------------------------------------------------------------------------------------------------- */
+
+static const char cube_obj[] = "# cube\r\nmtllib cube.mtl\nv -1 -1 -1 1 0 0\nv 1 -1 -1 0 1 0\nv 1 1 -1 0 0 1\nv -1 1 -1 1 1 1\n"
+                               "v -1 -1 1 0.5 0.5 0.5\nv 1 -1 1 0 0 0\nv 1 1 1.25e0 1 0 1\nv -1 1 1 0 1 1\nvn 0 0 1\nvt 0.5 0.5\n"
+                               "g bottom\nf 4//1 3//1 2//1 1//1\ng top side\nf 5/1/1 6/1/1 7/1/1 8/1/1\nusemtl red\no sides\nf 1 2 -3 -4\n"
+                               "f 2 3 7\\\n 6\nf 3 4 8 7\nf 4 1 5\nf 4 5 8\ns off\n";
+static const char notch_off[] = "COFF # colours\n6 3 0\n0 0 0 255 0 0 255\n4 0 0 0 0 0 255\n4 4 0 0 0 0 255\n2 1 0 1 2 3 4\n0 4 0 9 9 9 9\n"
+                                "2 2 3 0 0 0 0\n5 0 1 2 3 4\n3 0 1 5 0.5 0.5 0.5\n3 1 2 5\n";
+static const char extra_ply[] =
+    "ply\nformat ascii 1.0\ncomment x\nobj_info y\nelement camera 1\nproperty float view\nproperty list uchar float more\nelement vertex "
+    "4\n"
+    "property float x\nproperty float y\nproperty list uchar int skip\nproperty double z\nproperty uchar red\nproperty float painted\n"
+    "element face 4\nproperty list uchar int vertex_indices\nproperty int flags\nelement edge 1\nproperty int a\nend_header\n0.5 2 1 2\n"
+    "0 0 0 0 255 0.5\n1 0 1 7 0 0 1e-3\n0 1 2 8 9 0 1 nan\n0 0 0 1 2 -1\n3 0 2 1 5\n3 0 1 3 5\n3 1 2 3 5\n3 0 3 2 5\n12\n";
+static const char muscle_json[] =
+    "{\"format\":\"sinew-muscle\",\"version\":1,\"name\":\"t\\u00e9st\",\"metersPerUnit\":0.001,\n"
+    "\"mesh\":{\"vertices\":[0,0,0, 1,0,0, 0,1,0, 0,0,1.5],\"triangles\":[0,2,1, 0,1,3, 1,2,3, 0,3,2],\n"
+    "\"attributes\":{\"painted\":{\"components\":1,\"integer\":false,\"values\":[0,0.5,1,2]}},\n"
+    "\"groups\":{\"names\":[\"a\",\"b\"],\"triangles\":[0,1,-1,0]}},\n"
+    "\"roots\":{\"vertices\":[1,2],\"rule\":\"indices\"},\n"
+    "\"structure\":{\"samples\":[{\"position\":[0.1,0.1,0.1],\"parent\":-1,\"branch\":0,\"axis\":[0,0,1],\"vertices\":[0,1]},\n"
+    "{\"position\":[0.1,0.1,0.9],\"parent\":0,\"branch\":0,\"axis\":[0,0,1],\"vertices\":[2,3]}],\"spacing\":0.8},\n"
+    "\"fibers\":{\"directions\":[0,0,1,0,0,1,0,0,1,1,0,0],\"field\":\"tree\",\"polylines\":[{\"points\":[0,0,0,0,0,1]}]},\n"
+    "\"attachments\":[{\"bone\":\"ulna\",\"method\":\"contact\",\"vertices\":[0,3],\"distances\":[0.1,-0.2]}],\n"
+    "\"unknown\":{\"kept\":[1,2,{\"x\":null}]},\n"
+    "\"history\":[{\"tool\":\"mesh-clean\",\"version\":\"0.1.0\",\"args\":[\"--weld\",\"1e-6\"],\"input\":\"sha256:00\"}]}\n";
+static const char reference_json[] =
+    "{\"format\":\"sinew-muscle\",\"version\":1,\"metersPerUnit\":1,\"mesh\":{\"uri\":\"cube-big.ply\"}}\n";
+static const char scene_json[] =
+    "{\"format\":\"sinew-scene\",\"version\":1,\"name\":\"s\",\"metersPerUnit\":1,\"rate\":24,\"frames\":[0,10],\"preroll\":0.5,\n"
+    "\"gravity\":[0,0,-9.81],\"solver\":{\"method\":\"xpbd\",\"substeps\":4,\"iterations\":2,\"threads\":1},\n"
+    "\"motion\":{\"joints\":[{\"name\":\"elbow\",\"type\":\"hinge\",\"axis\":[0,1,0],\"point\":[0,0,0.3],\"keys\":[[0,0],[1,90]],\n"
+    "\"interpolation\":\"smooth\"},{\"name\":\"wrist\",\"parent\":\"elbow\",\"type\":\"pose\",\"keys\":[{\"frame\":0,\"rotation\":[1,0,0,0]"
+    ",\n"
+    "\"translation\":[0,0,0]},{\"time\":1.5,\"matrix\":[1,0,0,0,0,1,0,0,0,0,1,0.5,0,0,0,1]}]}]},\n"
+    "\"bones\":[{\"name\":\"ulna\",\"mesh\":\"cube.obj\",\"units\":\"mm\",\"joint\":\"elbow\"}],\n"
+    "\"muscles\":[{\"name\":\"m\",\"rig\":\"rig.muscle.json\",\"activation\":{\"keys\":[[0,0],[1,1]]},\"contraction\":0.4,"
+    "\"restActivation\":0.1,\n"
+    "\"law\":\"paper\",\"stiffness\":{\"relaxed\":1e5,\"active\":1e7,\"internal\":1,\"dihedral\":1e-5,\"volume\":4000},\n"
+    "\"volumeRatio\":[[0,1],[1,0.95]],\"density\":1060,\"damping\":5,\"iterations\":1,\"enabled\":true}]}\n";
+
+static _Noreturn void give_up(const char *what) {
+    fprintf(stderr, "mutate_readers: %s\n", what);
+    exit(1);
+}
+
+static void path_of(const char *name, char *path, size_t size) { snprintf(path, size, "%s/%s", folder, name); }
+
+static void add_seed(kind k, const char *name, const char *data, size_t size) {
+    if (seed_count == SEED_LIMIT) give_up("too many seeds");
+    seed *s = &seeds[seed_count++];
+    s->kind = k;
+    snprintf(s->name, sizeof s->name, "%s", name);
+    s->content.data = malloc(size + 1);
+    if (s->content.data == NULL) give_up("out of memory");
+    memcpy(s->content.data, data, size);
+    s->content.size = size;
+}
+
+/* The file also lies in the folder, where documents refer to it. */
+static void add_text(kind k, const char *name, const char *text) {
+    char path[512];
+    path_of(name, path, sizeof path);
+    FILE *file = fopen(path, "wb");
+    if (file == NULL || fputs(text, file) < 0 || fclose(file) != 0) give_up("cannot write the good files");
+    add_seed(k, name, text, strlen(text));
+}
+
+/* The cube in another format. */
+static void add_cube(const sn_mesh *cube, const char *name, sn_mesh_encoding encoding) {
+    char path[512];
+    sn_error error = {0};
+    sn_output *output;
+    sn_blob blob;
+    path_of(name, path, sizeof path);
+    if (sn_output_open(path, false, &output, &error) != SN_OK ||
+        sn_mesh_write(cube, sn_mesh_format_from_name(name), encoding, output, &error) != SN_OK ||
+        sn_output_commit(output, &error) != SN_OK || sn_blob_read(path, &blob, &error) != SN_OK) {
+        give_up(error.text);
+    }
+    add_seed(MESH, name, blob.data, blob.size);
+    sn_blob_free(&blob);
+}
+
+static void make_seeds(void) {
+    add_text(MESH, "cube.obj", cube_obj);
+    add_text(MESH, "notch.off", notch_off);
+    add_text(MESH, "extra.ply", extra_ply);
+    char path[512];
+    sn_mesh cube;
+    sn_error error = {0};
+    path_of("cube.obj", path, sizeof path);
+    if (sn_mesh_read(path, &cube, &error) != SN_OK) give_up(error.text);
+    add_cube(&cube, "cube-text.ply", SN_ENCODING_ASCII);
+    add_cube(&cube, "cube-little.ply", SN_ENCODING_LITTLE);
+    add_cube(&cube, "cube-big.ply", SN_ENCODING_BIG);
+    add_cube(&cube, "cube.stl", SN_ENCODING_LITTLE);
+    add_cube(&cube, "cube-text.stl", SN_ENCODING_ASCII);
+    add_cube(&cube, "cube.off", SN_ENCODING_ASCII);
+    sn_mesh_free(&cube);
+    add_text(MUSCLE, "rig.muscle.json", muscle_json);
+    add_text(MUSCLE, "reference.muscle.json", reference_json);
+    add_text(SCENE, "arm.scene.json", scene_json);
+}
+
+/* ---- mutations ------------------------------------------------------------------------------------------------------ */
+
+static size_t below(uint64_t *state, size_t count) { return count == 0 ? 0 : (size_t)(sn_random(state) * (double)count); }
+
+/* Put `size` bytes in the place of `cut` bytes at `at`. */
+static void replace(bytes *b, size_t at, size_t cut, const char *data, size_t size) {
+    if (b->size - cut + size > b->capacity) return;
+    memmove(b->data + at + size, b->data + at + cut, b->size - at - cut);
+    memcpy(b->data + at, data, size);
+    b->size = b->size - cut + size;
+}
+
+static void truncate_file(bytes *b, uint64_t *state) { b->size = below(state, b->size); }
+
+static void flip_bytes(bytes *b, uint64_t *state) {
+    for (size_t i = 0, count = 1 + below(state, 8); b->size > 0 && i < count; i++) {
+        char *at = &b->data[below(state, b->size)];
+        *at = (char)(below(state, 2) == 0 ? (size_t)*at ^ ((size_t)1 << below(state, 8)) : below(state, 256));
+    }
+}
+
+/* A piece of the file, or of another one, somewhere else in it. */
+static void splice(bytes *b, uint64_t *state) {
+    const bytes *other = below(state, 2) == 0 ? b : &seeds[below(state, (size_t)seed_count)].content;
+    char piece[256];
+    size_t size = 1 + below(state, sizeof piece - 1), from = below(state, other->size);
+    if (size > other->size - from) size = other->size - from;
+    memcpy(piece, other->data + from, size);
+    size_t at = below(state, b->size + 1), cut = below(state, 2) == 0 ? 0 : below(state, 64);
+    if (cut > b->size - at) cut = b->size - at;
+    replace(b, at, cut, piece, size);
+}
+
+static void remove_piece(bytes *b, uint64_t *state) {
+    size_t at = below(state, b->size), cut = 1 + below(state, 64);
+    if (b->size == 0) return;
+    replace(b, at, cut > b->size - at ? b->size - at : cut, "", 0);
+}
+
+static bool is_number(char c) { return (c >= '0' && c <= '9') || c == '-' || c == '.' || c == '+' || c == 'e'; }
+
+/* Another number in the place of one; within the first `reach` bytes, where the counts of a header stand. */
+static void edit_number(bytes *b, uint64_t *state, size_t reach) {
+    static const char *const numbers[] = {"0",
+                                          "-1",
+                                          "1",
+                                          "2",
+                                          "3",
+                                          "7",
+                                          "8",
+                                          "9",
+                                          "255",
+                                          "256",
+                                          "-0",
+                                          "nan",
+                                          "-inf",
+                                          "1e9",
+                                          "5e",
+                                          "1e999",
+                                          "--",
+                                          "1e-400",
+                                          "65536",
+                                          "2147483647",
+                                          "2147483648",
+                                          "4294967295",
+                                          "4000000000",
+                                          "9223372036854775807",
+                                          "99999999999999999999",
+                                          "0.1",
+                                          "-2147483649",
+                                          "",
+                                          "\"\"",
+                                          "null",
+                                          "0x10",
+                                          "1,2",
+                                          "[]",
+                                          "1e308",
+                                          "00000000000000000000000000000000000000001"};
+    size_t limit = b->size < reach ? b->size : reach, at = below(state, limit), tried = 0;
+    while (tried < limit && !is_number(b->data[at])) {
+        at = (at + 1) % limit;
+        tried++;
+    }
+    if (tried == limit) return;
+    size_t end = at;
+    while (at > 0 && is_number(b->data[at - 1])) at--;
+    while (end < b->size && is_number(b->data[end])) end++;
+    const char *number = numbers[below(state, sizeof numbers / sizeof *numbers)];
+    replace(b, at, end - at, number, strlen(number));
+}
+
+/* Four bytes that are a large count, a wrong index, NaN or infinity in binary. */
+static void edit_word(bytes *b, uint64_t *state) {
+    static const char words[][5] = {"\xff\xff\xff\xff", "\xff\xff\xff\x7f", "\0\0\0\x80", "\0\0\xc0\x7f", "\0\0\x80\x7f",
+                                    "\x7f\xc0\0\0",     "\x10\0\0\0",       "\0\0\0\x10", "\0\0\0\0",     "\0\0\xf8\x7f"};
+    if (b->size < 4) return;
+    memcpy(b->data + below(state, b->size - 3), words[below(state, sizeof words / sizeof *words)], 4);
+}
+
+/* One line twice, or moved, or gone. */
+static void edit_line(bytes *b, uint64_t *state) {
+    if (b->size == 0) return;
+    size_t start = below(state, b->size), end = start;
+    while (start > 0 && b->data[start - 1] != '\n') start--;
+    while (end < b->size && b->data[end] != '\n') end++;
+    if (end < b->size) end++;
+    char line[256];
+    size_t size = end - start < sizeof line ? end - start : sizeof line;
+    memcpy(line, b->data + start, size);
+    if (below(state, 2) == 0) replace(b, start, size, "", 0);
+    if (below(state, 2) == 0) replace(b, below(state, b->size + 1), 0, line, size);
+}
+
+static void mutate(bytes *b, uint64_t *state) {
+    switch (below(state, 8)) {
+    case 0:
+        truncate_file(b, state);
+        break;
+    case 1:
+        flip_bytes(b, state);
+        break;
+    case 2:
+        splice(b, state);
+        break;
+    case 3:
+        remove_piece(b, state);
+        break;
+    case 4:
+        edit_number(b, state, SIZE_MAX);
+        break;
+    case 5:
+        edit_number(b, state, 400);
+        break;
+    case 6:
+        edit_word(b, state);
+        break;
+    default:
+        edit_line(b, state);
+        break;
+    }
+}
+
+/* ---- the readers ---------------------------------------------------------------------------------------------------- */
+
+static double seconds(void) {
+    struct timespec now;
+    clock_gettime(CLOCK_MONOTONIC, &now);
+    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
+}
+
+/* What is wrong with the reader's answer; NULL = nothing. */
+static const char *judge(sn_status status, const sn_error *error) {
+    if (status == SN_OK) return NULL;
+    if (error->text[0] == '\0') return "the error has no text";
+    if (strpbrk(error->text, "\n\r") != NULL) return "the error is more than one line";
+    if (error->file[0] == '\0') return "the error names no file";
+    if (error->code != status) return "the error's code is not the status";
+    return status == SN_ERROR_INPUT || status == SN_ERROR_IO || status == SN_ERROR_MEMORY ? NULL : "the status is none of a reader's";
+}
+
+static const char *try_mesh(const sn_blob *blob, bool nonfinite, sn_status *status, sn_error *error) {
+    sn_mesh mesh;
+    *status = sn_mesh_parse(blob, nonfinite, &mesh, error);
+    if (*status != SN_OK) return mesh.positions == NULL ? NULL : "a refused mesh is left behind";
+    const char *fault = !nonfinite && sn_mesh_validate(&mesh, error) != SN_OK ? "the mesh is not valid" : NULL;
+    sn_mesh_free(&mesh);
+    return fault;
+}
+
+/* What was read must be writable too. */
+static const char *write_muscle(const sn_muscle *muscle, const sn_document *document, sn_error *error) {
+    sn_output *output;
+    if (sn_output_open("/dev/null", false, &output, error) != SN_OK) return "/dev/null cannot be opened";
+    sn_status status = sn_muscle_write(muscle, document, 0, NULL, true, output, error);
+    sn_output_abort(output);
+    return status == SN_OK ? NULL : "the muscle cannot be written";
+}
+
+static const char *try_muscle(const sn_blob *blob, sn_status *status, sn_error *error) {
+    const sn_read_options options = {.meters_per_unit = 1.0};
+    sn_muscle muscle;
+    sn_document *document = NULL;
+    *status = sn_muscle_parse(blob, &options, &muscle, &document, error);
+    if (*status != SN_OK) return NULL;
+    const char *fault = sn_muscle_validate(&muscle, error) != SN_OK ? "the muscle is not valid" : write_muscle(&muscle, document, error);
+    sn_document_free(document);
+    sn_muscle_free(&muscle);
+    return fault;
+}
+
+static const char *try_scene(const sn_blob *blob, sn_status *status, sn_error *error) {
+    sn_scene scene;
+    *status = sn_scene_parse(blob, true, &scene, error);
+    if (*status != SN_OK) return NULL;
+    const char *fault = sn_scene_validate(&scene, error) != SN_OK ? "the scene is not valid" : NULL;
+    sn_scene_free(&scene);
+    return fault;
+}
+
+static void report(const char *name, const char *fault, const sn_error *error) {
+    failed++;
+    printf("case %ld (%s): %s; '%s' %s:%lld\n", current_case, name, fault, error->text, error->file, (long long)error->line);
+}
+
+/* Read one file, held in memory of exactly its size. */
+static void try_file(kind k, const char *name, const char *data, size_t size, bool nonfinite) {
+    char path[512];
+    sn_error error = {0};
+    sn_status status = SN_OK;
+    path_of(name, path, sizeof path);
+    sn_blob blob = {.name = path, .data = malloc(size + 1), .size = size};
+    if (blob.data == NULL) give_up("out of memory");
+    memcpy(blob.data, data, size);
+    blob.data[size] = '\0';
+    alarm(SECONDS_UNTIL_HANGING);
+    double start = seconds();
+    sn_scene_detect(&blob);
+    const char *fault = k == MESH     ? try_mesh(&blob, nonfinite, &status, &error)
+                        : k == MUSCLE ? try_muscle(&blob, &status, &error)
+                                      : try_scene(&blob, &status, &error);
+    double taken = seconds() - start;
+    alarm(0);
+    free(blob.data);
+    last_error = error;
+    if (fault == NULL) fault = judge(status, &error);
+    if (fault == NULL && taken > SECONDS_A_FILE) fault = "it took too long";
+    if (fault != NULL) {
+        report(name, fault, &error);
+        return;
+    }
+    passed++;
+    accepted += status == SN_OK;
+}
+
+static void try_case(long number) {
+    uint64_t state = (uint64_t)number * 0x9e3779b97f4a7c15ULL + 1;
+    const seed *s = &seeds[number % seed_count];
+    bytes b = {.size = s->content.size, .capacity = s->content.size + GROWTH};
+    b.data = malloc(b.capacity);
+    if (b.data == NULL) give_up("out of memory");
+    memcpy(b.data, s->content.data, b.size);
+    current_case = number;
+    for (size_t i = 0, count = 1 + below(&state, 3); i < count; i++) mutate(&b, &state);
+    try_file(s->kind, s->name, b.data, b.size, below(&state, 4) == 0);
+    free(b.data);
+}
+
+/* ---- files made to hurt --------------------------------------------------------------------------------------------- */
+
+/* A file of a start, one row again and again, and an end. @ in the row is its number. */
+static void try_rows(kind k, const char *name, const char *start, const char *row, size_t count, const char *end, bool nonfinite) {
+    size_t capacity = strlen(start) + strlen(end) + count * (strlen(row) + 24) + 1, size = strlen(start);
+    char *data = malloc(capacity);
+    if (data == NULL) give_up("out of memory");
+    memcpy(data, start, size);
+    for (size_t i = 0; i < count; i++) {
+        for (const char *at = row; *at != '\0'; at++) {
+            if (*at == '@') {
+                size += (size_t)snprintf(data + size, capacity - size, "%zu", i);
+            } else {
+                data[size++] = *at;
+            }
+        }
+    }
+    memcpy(data + size, end, strlen(end));
+    current_case = -1;
+    try_file(k, name, data, size + strlen(end), nonfinite);
+    free(data);
+}
+
+static void try_hostile_files(void) {
+    enum { MANY = 100000 };
+    static const char triangle[] = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0.2 0.2 0\n";
+    try_rows(MESH, "polygon.obj", "v 0 0 0\nv 9 0 0\nv 1 1 0\nv 0 9 0\nf 1 2 3 4", " 1 2 3", MANY, "\n", false);
+    try_rows(MESH, "polygons.obj", triangle, "f 1 2 4 3 1 2 4 3 1 2 4 3 1 2 4 3 1 2 4 3 1 2 4 3 1 2 4 3 1 2 4 3\n", MANY / 10, "", false);
+    try_rows(MESH, "groups.obj", triangle, "g group@\nf 1 2 3\n", MANY, "", false);
+    try_rows(MESH, "joined.obj", triangle, "\\\n", MANY, "f 1 2 3\n", false);
+    try_rows(MESH, "digits.obj", "v ", "9", MANY, " 0 0\nf 1 1 1\n", false);
+    try_rows(MESH, "nan.stl", "solid x\n",
+             "facet normal 0 0 0\nouter loop\nvertex nan 0 @\nvertex nan nan nan\nvertex 0 -inf 0\nendloop\nendfacet\n", MANY / 4,
+             "endsolid\n", true);
+    try_rows(MESH, "properties.ply", "ply\nformat ascii 1.0\nelement vertex 1\n", "property float p@\n", MANY, "end_header\n", false);
+    try_rows(MESH, "elements.ply", "ply\nformat ascii 1.0\n", "element e@ 4000000000\n", MANY, "end_header\n", false);
+    try_rows(MUSCLE, "deep.muscle.json", "{\"format\":\"sinew-muscle\",\"version\":1,\"x\":", "[", MANY, "", false);
+    try_rows(MUSCLE, "samples.muscle.json", "{\"format\":\"sinew-muscle\",\"version\":1,\"structure\":{\"samples\":[", "{\"parent\":@},",
+             MANY / 2, "{}]}}", false);
+    try_rows(SCENE, "joints.scene.json", "{\"format\":\"sinew-scene\",\"version\":1,\"motion\":{\"joints\":[",
+             "{\"name\":\"j@\",\"type\":\"pose\",\"keys\":[{\"time\":0}]},", MANY / 20, "{}]}}", false);
+    try_rows(SCENE, "muscles.scene.json", "{\"format\":\"sinew-scene\",\"version\":1,\"muscles\":[",
+             "{\"name\":\"m@\",\"rig\":\"none\",\"enabled\":false},", MANY / 20, "{\"name\":\"m0\",\"rig\":\"x\",\"enabled\":false}]}",
+             false);
+}
+
+/* ---- main ----------------------------------------------------------------------------------------------------------- */
+
+static void on_alarm(int signal_number) {
+    (void)signal_number;
+    char text[64];
+    int length = snprintf(text, sizeof text, "case %ld hangs\n0 passed, 1 failed\n", current_case);
+    if (length > 0 && write(STDOUT_FILENO, text, (size_t)length) > 0) _exit(1);
+    _exit(1);
+}
+
+static void remove_folder(void) {
+    DIR *dir = opendir(folder);
+    for (struct dirent *entry; dir != NULL && (entry = readdir(dir)) != NULL;) {
+        char path[1024];
+        snprintf(path, sizeof path, "%s/%s", folder, entry->d_name);
+        if (entry->d_name[0] != '.') unlink(path);
+    }
+    if (dir != NULL) closedir(dir);
+    rmdir(folder);
+}
+
+int main(int argc, char **argv) {
+    long count = argc > 1 ? strtol(argv[1], NULL, 10) : 2000, first = argc > 2 ? strtol(argv[2], NULL, 10) : 0;
+    const char *base = getenv("TMPDIR");
+    snprintf(folder, sizeof folder, "%s/sinew-mutate-XXXXXX", base != NULL ? base : "/tmp");
+    if (mkdtemp(folder) == NULL) give_up("cannot make a folder");
+    atexit(remove_folder);
+    signal(SIGALRM, on_alarm);
+    setvbuf(stdout, NULL, _IOLBF, 0);
+    make_seeds();
+    for (int i = 0; i < seed_count; i++) {
+        try_file(seeds[i].kind, seeds[i].name, seeds[i].content.data, seeds[i].content.size, false);
+        if (accepted != i + 1) report(seeds[i].name, "a good file was refused", &last_error);
+    }
+    try_hostile_files();
+    accepted = 0;
+    for (long i = 0; i < count; i++) try_case(first + i);
+    printf("%ld mutated files, of which %ld were still good\n", count, accepted);
+    for (int i = 0; i < seed_count; i++) free(seeds[i].content.data);
+    printf("%ld passed, %ld failed\n", passed, failed);
+    return failed > 0;
+}
