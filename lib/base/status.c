@@ -8,6 +8,8 @@
 static void fill(sn_error *error, sn_status code, const char *format, va_list arguments) {
     char text[sizeof error->text];
     vsnprintf(text, sizeof text, format, arguments); /* first into a copy: an argument may point into *error */
+    for (char *c = text; *c != '\0'; c++)
+        if ((unsigned char)*c < ' ' || *c == 0x7f) *c = ' '; /* what a file says must not break the line */
     memcpy(error->text, text, sizeof text);
     error->code = code;
 }
