@@ -136,6 +136,7 @@ static void write_counts(sn_json *json, const sn_clean_report *r) {
     sn_json_integer(json, "degenerate", r->degenerate);
     sn_json_integer(json, "duplicate", r->duplicate);
     sn_json_integer(json, "unused", r->unused);
+    sn_json_integer(json, "wallTriangles", r->wall_triangles);
     sn_json_integer(json, "flippedTriangles", r->flipped_triangles);
     sn_json_integer(json, "splitVertices", r->split_vertices);
     sn_json_integer(json, "stitchedEdges", r->stitched_edges);

@@ -23,8 +23,13 @@ SN_MUST_CHECK sn_status sn_drop_bad_triangles(sn_mesh *mesh, sn_index *degenerat
 SN_MUST_CHECK sn_status sn_drop_unused_vertices(sn_mesh *mesh, sn_index *dropped, sn_error *error);
 /* Drop vertices with a coordinate that is not finite, and the triangles on them. Indices must be in range. */
 SN_MUST_CHECK sn_status sn_drop_nonfinite_vertices(sn_mesh *mesh, sn_index *dropped, sn_error *error);
-/* Orient the soup, duplicate non-manifold vertices, stitch borders (CGAL PMP). A closed oriented manifold comes back unchanged. */
-typedef struct sn_manifold_report { sn_index flipped, split_vertices, stitched_edges; bool orientable; } sn_manifold_report;
+/* Drop fins and walls inside, orient the soup, duplicate non-manifold vertices, stitch borders (CGAL PMP). A closed oriented manifold
+ * comes back unchanged. A fin or wall is a patch whose edges all carry three triangles or one: without it they carry two or none; the
+ * smallest goes first. */
+typedef struct sn_manifold_report {
+    sn_index wall_triangles, flipped, split_vertices, stitched_edges;
+    bool orientable; /* false: one-sided, like a Moebius strip; it was cut */
+} sn_manifold_report;
 SN_MUST_CHECK sn_status sn_make_manifold(sn_mesh *mesh, sn_manifold_report *report, sn_error *error);
 /* Fill boundary loops of at most max_edges edges (0 = any); boundary edges are recounted after it. */
 SN_MUST_CHECK sn_status sn_fill_holes(sn_mesh *mesh, sn_index max_edges, sn_trace *trace, sn_index *filled, sn_index *boundary_left,

@@ -29,6 +29,7 @@ typedef struct sn_dropped_component { sn_index triangles; double area, volume; s
 typedef struct sn_clean_report {
     sn_mesh_report before, after;
     sn_index nonfinite_vertices, welded, degenerate, duplicate, unused;
+    sn_index wall_triangles; /* of fins and walls inside, dropped where more than two triangles met on an edge */
     sn_index flipped_triangles, split_vertices, stitched_edges, holes_filled, flipped_components, decimated_triangles;
     bool orientable, unchanged; /* unchanged: same vertices and triangles in the same order */
     sn_index dropped_count;

@@ -48,7 +48,7 @@ Soup to_soup(const sn_bridge_mesh *in) {
     return soup;
 }
 
-void from_stitched(const Surface &surface, const std::vector<sn_index> &origin, const Soup &soup, sn_bridge_mesh *out) {
+void from_stitched(const Surface &surface, const std::vector<sn_index> &origin, const sn_bridge_mesh *in, sn_bridge_mesh *out) {
     sinew::allocate_mesh(surface.number_of_vertices(), surface.number_of_faces(), out);
     std::vector<sn_index> place(surface.num_vertices(), SN_NONE);
     sn_index count = 0;
@@ -60,8 +60,8 @@ void from_stitched(const Surface &surface, const std::vector<sn_index> &origin, 
     sn_index t = 0;
     for (Face face : surface.faces()) {
         Halfedge h = surface.halfedge(face);
-        for (int turn = 0; turn < 3; turn++) { /* start at the corner where the triangle started */
-            if (origin[surface.source(h).idx()] == soup.origin[soup.triangles[face.idx()][0]]) break;
+        for (int turn = 0; turn < 3; turn++) { /* start where the triangle started, turned over or not */
+            if (origin[surface.source(h).idx()] == in->triangles[3 * face.idx()]) break;
             h = surface.next(h);
         }
         for (int k = 0; k < 3; k++, h = surface.next(h)) out->triangles[3 * t + k] = place[surface.source(h).idx()];
@@ -90,7 +90,7 @@ sn_status sn_bridge_make_manifold(const sn_bridge_mesh *in, sn_bridge_mesh *out,
         for (const std::vector<Vertex> &same : copies) {
             for (Vertex copy : same) origin[copy.idx()] = origin[same.front().idx()];
         }
-        from_stitched(surface, origin, soup, out);
+        from_stitched(surface, origin, in, out);
         report->split_vertices = out->vertex_count > in->vertex_count ? out->vertex_count - in->vertex_count : 0;
         return SN_OK;
     });

@@ -30,4 +30,7 @@ bool sn_same_triple(sn_triangle a, sn_triangle b);
 SN_MUST_CHECK sn_status sn_find_inverted(const sn_mesh *mesh, sn_index component_count, const sn_index *component, bool *inverted,
                                          sn_error *error);
 
+/* Drop fins and walls inside (sn_make_manifold); counts their triangles. */
+SN_MUST_CHECK sn_status sn_drop_walls(sn_mesh *mesh, sn_index *dropped, sn_error *error);
+
 #endif

@@ -266,8 +266,9 @@ sn_status sn_make_manifold(sn_mesh *mesh, sn_manifold_report *report, sn_error *
     sn_status status = sn_mesh_inspect(mesh, &found, error);
     if (status != SN_OK || mesh->triangle_count == 0) return status;
     if (found.nonmanifold_edges == 0 && found.nonmanifold_vertices == 0 && found.inconsistent_edges == 0) return SN_OK;
-    status = find_orientable(mesh, &report->orientable, error);
-    if (status == SN_OK) status = orient_and_stitch(mesh, report, error);
+    if (found.nonmanifold_edges > 0) status = sn_drop_walls(mesh, &report->wall_triangles, error);
+    if (status == SN_OK && mesh->triangle_count > 0) status = find_orientable(mesh, &report->orientable, error);
+    if (status == SN_OK && mesh->triangle_count > 0) status = orient_and_stitch(mesh, report, error);
     return status;
 }
 

@@ -39,7 +39,12 @@ static sn_status need_triangles(const cleaning *c, const char *after) {
 
 /* ---- stages ----------------------------------------------------------------------------------------------------------- */
 
-/* Welding must not undo a closed manifold: coincident vertices where it touches itself are there on purpose. */
+/* Welding must not undo a closed manifold: coincident vertices where it touches itself are there on purpose. Where whole triangles
+ * coincide, two bodies share a wall or are the same twice, and welding shows it. */
+static bool welding_helps(const sn_mesh_report *before, const sn_mesh_report *after) {
+    return is_sound(after) || !is_sound(before) || after->duplicate_triangles > before->duplicate_triangles;
+}
+
 static sn_status weld(cleaning *c) {
     sn_mesh copy;
     sn_index welded = 0;
@@ -48,7 +53,7 @@ static sn_status weld(cleaning *c) {
     status = sn_weld(&copy, c->params->weld * c->found.diagonal, &welded, NULL, c->error);
     sn_mesh_report after = c->found;
     if (status == SN_OK && welded > 0) status = sn_mesh_inspect(&copy, &after, c->error);
-    if (status == SN_OK && welded > 0 && (is_sound(&after) || !is_sound(&c->found))) {
+    if (status == SN_OK && welded > 0 && welding_helps(&c->found, &after)) {
         sn_mesh_free(c->mesh);
         *c->mesh = copy;
         copy = (sn_mesh){0};
@@ -85,13 +90,14 @@ static sn_status make_manifold(cleaning *c) {
         if (status == SN_OK) status = need_triangles(c, "of the manifold part");
         if (status == SN_OK) status = look(c);
     }
+    c->report->wall_triangles = done.wall_triangles;
     c->report->flipped_triangles = done.flipped;
     c->report->split_vertices = done.split_vertices;
     c->report->stitched_edges = done.stitched_edges;
     c->report->orientable = done.orientable;
     if (status != SN_OK) return status;
-    return stop_if(SN_TRACE(c->trace, "manifold", sn_trace_number("flipped", done.flipped),
-                            sn_trace_number("split_vertices", done.split_vertices),
+    return stop_if(SN_TRACE(c->trace, "manifold", sn_trace_number("wall_triangles", done.wall_triangles),
+                            sn_trace_number("flipped", done.flipped), sn_trace_number("split_vertices", done.split_vertices),
                             sn_trace_number("stitched_edges", done.stitched_edges)));
 }
 
@@ -270,6 +276,11 @@ static sn_status prepare(cleaning *c, const sn_mesh *mesh) {
     return status;
 }
 
+static bool report_input(const cleaning *c) {
+    return SN_TRACE(c->trace, "input", sn_trace_number("vertices", c->found.vertices), sn_trace_number("triangles", c->found.triangles),
+                    sn_trace_number("nonfinite", c->report->nonfinite_vertices));
+}
+
 static bool is_same(const sn_mesh *a, const sn_mesh *b) {
     return a->vertex_count == b->vertex_count && a->triangle_count == b->triangle_count &&
            memcmp(a->positions, b->positions, (size_t)a->vertex_count * sizeof *a->positions) == 0 &&
@@ -308,6 +319,7 @@ sn_status sn_clean(const sn_mesh *mesh, const sn_clean_params *params, sn_trace 
     if (status == SN_OK) status = prepare(&c, mesh);
     bool ready = status == SN_OK;
     if (ready && sn_trace_stopped(trace)) status = SN_STOPPED;
+    if (status == SN_OK) status = stop_if(report_input(&c));
     for (size_t i = 0; status == SN_OK && i < sizeof stages / sizeof *stages; i++) status = stages[i](&c);
     if (status == SN_OK || status == SN_STOPPED) {
         sn_status concluded = conclude(&c, mesh);
