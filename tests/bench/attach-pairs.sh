@@ -24,7 +24,7 @@ awk -F'\t' 'NR > 1 && $7 != "" {
     sub(/\.stl$/, "", bone)
     if (bone != "") print $7 "\t" bone
 }' "$dog/attachments.tsv" | sort -u > "$work/true"
-cut -f 1 "$work/true" | sort -u > "$work/muscles" # those with any site: 29 have none
+cut -f 1 "$work/true" | sort -u > "$work/muscles" # muscles with a site: 213 of 253
 
 for muscle in "$dog"/meshes/MUSC*.stl; do
     "${BIN:?the folder of the tools}/attach-detect" -v --bones "$work/bones" "$@" -o "$work/muscle.json" "$muscle" 2>&1 |
