@@ -138,8 +138,8 @@ static sn_status parse_stiffness(const sn_json_value *value, sn_scene_muscle *ou
                   internal = sn_json_member(value, "internal"), dihedral = sn_json_member(value, "dihedral"),
                   volume = sn_json_member(value, "volume");
     sn_status status = sn_json_expect_object(value, error);
-    if (status == SN_OK) status = sn_json_get_number(&relaxed, SN_JSON_POSITIVE, INFINITY, &out->stiffness_relaxed, error);
-    if (status == SN_OK) status = sn_json_get_number(&active, SN_JSON_POSITIVE, INFINITY, &out->stiffness_active, error);
+    if (status == SN_OK) status = sn_json_get_number(&relaxed, 0.0, INFINITY, &out->stiffness_relaxed, error);
+    if (status == SN_OK) status = sn_json_get_number(&active, 0.0, INFINITY, &out->stiffness_active, error);
     if (status == SN_OK) status = sn_json_get_number(&internal, 0.0, INFINITY, &out->stiffness_internal, error);
     if (status == SN_OK) status = sn_json_get_number(&dihedral, 0.0, INFINITY, &out->stiffness_dihedral, error);
     if (status == SN_OK) status = sn_json_get_number(&volume, 0.0, INFINITY, &out->stiffness_volume, error);

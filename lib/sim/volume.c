@@ -40,18 +40,30 @@ void sn_volume_build(const sn_build *build) {
     group->kinematic = group->reason == SN_RUNS ? 1 - group->rows : 0;
 }
 
-void sn_volume_sweep(const sn_model_muscle *m, sn_muscle_state *s, double compliance, bool first) {
-    double lambda = first ? 0.0 : s->volume_lambda;
+/* The volume is far from linear in the positions where the edges pull the muscle far from its goal within one iteration (overpressure): one
+ * projection then leaves a per cent or more. It is repeated until what is left is below this share of V0. */
+static const double VOLUME_TOLERANCE = 1e-3;
+static const int MOST_PROJECTIONS = 5;
+
+/* One Newton step; false: nothing more to do, or nothing that can be done. */
+static bool project(const sn_model_muscle *m, sn_muscle_state *s, double compliance) {
     double volume = sn_volume_constraint(m->vertex_count, s->points, m->triangle_count, m->triangles, s->volume_gradient);
     double sum = 0.0;
     for (sn_index i = 0; i < m->vertex_count; i++) sum += s->points[i].w * sn_norm2(s->volume_gradient[i]);
-    double change = (s->volume_goal * m->rest_volume - volume - compliance * lambda) / (sum + compliance);
-    s->volume_lambda = lambda;
-    if (!isfinite(change)) return; /* a point is not finite: leave the others alone */
-    s->volume_lambda = lambda + change;
+    double residual = s->volume_goal * m->rest_volume - volume - compliance * s->volume_lambda;
+    double change = residual / (sum + compliance);
+    if (!isfinite(change)) return false; /* a point is not finite: leave the others alone */
+    s->volume_lambda += change;
     for (sn_index i = 0; i < m->vertex_count; i++) {
         sn_point *p = &s->points[i];
         double scale = p->w * change;
         p->x += scale * s->volume_gradient[i].x, p->y += scale * s->volume_gradient[i].y, p->z += scale * s->volume_gradient[i].z;
     }
+    /* what is left is of second order: about the square of what there was */
+    return residual * residual > VOLUME_TOLERANCE * m->rest_volume * m->rest_volume;
+}
+
+void sn_volume_sweep(const sn_model_muscle *m, sn_muscle_state *s, double compliance, bool first) {
+    if (first) s->volume_lambda = 0.0;
+    for (int i = 0; i < MOST_PROJECTIONS && project(m, s, compliance); i++) continue;
 }

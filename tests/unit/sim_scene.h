@@ -8,6 +8,7 @@
 
 #include <setjmp.h>
 #include <stdarg.h>
+#include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -24,8 +25,8 @@ typedef struct fusiform {
     sn_vec3 offset;
 } fusiform;
 
-static const fusiform FUSIFORM = {.rings = 24, .sectors = 16, .length = 0.2, .radius = 0.03, .meters_per_unit = 1.0, .structure = true, .fibers = true,
-                                  .pinned = 0.08};
+static const fusiform FUSIFORM = {
+    .rings = 24, .sectors = 16, .length = 0.2, .radius = 0.03, .meters_per_unit = 1.0, .structure = true, .fibers = true, .pinned = 0.08};
 
 static void make_surface(const fusiform *f, sn_mesh *mesh) {
     sn_index n = f->rings * f->sectors + 2, bottom = n - 2, top = n - 1;
@@ -79,7 +80,8 @@ static void make_structure(const fusiform *f, sn_muscle *muscle) {
     for (sn_index v = 0; v < muscle->mesh.vertex_count; v++) {
         s->vertex_sample[v] = 0;
         for (sn_index i = 1; i < n; i++)
-            if (sn_distance(muscle->mesh.positions[v], s->positions[i]) < sn_distance(muscle->mesh.positions[v], s->positions[s->vertex_sample[v]]))
+            if (sn_distance(muscle->mesh.positions[v], s->positions[i]) <
+                sn_distance(muscle->mesh.positions[v], s->positions[s->vertex_sample[v]]))
                 s->vertex_sample[v] = i;
     }
 }
@@ -148,7 +150,11 @@ static void make_scene(sn_scene *scene, const fusiform *f) {
 }
 
 /* A model and its state. */
-typedef struct simulation { sn_scene *scene; sn_model *model; sn_state *state; } simulation;
+typedef struct simulation {
+    sn_scene *scene;
+    sn_model *model;
+    sn_state *state;
+} simulation;
 
 static simulation start(sn_scene *scene) {
     simulation s = {.scene = scene};
