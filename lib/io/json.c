@@ -232,15 +232,18 @@ sn_json_value sn_json_member(const sn_json_value *object, const char *key) {
     return (sn_json_value){.tree = object->tree, .node = json_object_get(object->node, key), .parent = object, .key = key};
 }
 
-sn_json_value sn_json_element(const sn_json_value *array, sn_index i) {
-    return (sn_json_value){.tree = array->tree, .node = json_array_get(array->node, (size_t)i), .parent = array, .element = i};
-}
-
 /* The span that an array stands for; NULL = it is no array of numbers. */
 static const span *span_of(const sn_json_value *value) {
     if (json_array_size(value->node) != 1) return NULL;
     const json_t *first = json_array_get(value->node, 0);
-    return json_is_integer(first) ? &value->tree->spans[json_integer_value(first)] : NULL;
+    size_t k = json_is_integer(first) ? (size_t)json_integer_value(first) : SIZE_MAX;
+    return k < value->tree->span_count ? &value->tree->spans[k] : NULL;
+}
+
+/* A number of an array of numbers has no node: only its stand-in has. */
+sn_json_value sn_json_element(const sn_json_value *array, sn_index i) {
+    const json_t *node = span_of(array) == NULL ? json_array_get(array->node, (size_t)i) : NULL;
+    return (sn_json_value){.tree = array->tree, .node = node, .parent = array, .element = i};
 }
 
 sn_index sn_json_length(const sn_json_value *array) {
