@@ -62,7 +62,7 @@ sn_mesh_format sn_mesh_detect(const sn_blob *blob) {
         sn_span word = sn_reader_word(&reader);
         if (sn_span_is(word, "ply")) return SN_MESH_PLY;
         if (sn_off_keyword(word)) return SN_MESH_OFF;
-        if (sn_span_is(word, "solid")) return SN_MESH_STL;
+        if (sn_span_is_like(word, "solid")) return SN_MESH_STL;
         if (is_obj_keyword(word)) return SN_MESH_OBJ;
         if (word.text[0] == '{') return SN_MESH_UNKNOWN;
     }
@@ -206,6 +206,7 @@ void sn_write_vec3(sn_output *output, char separator, sn_vec3 value) {
 }
 
 void sn_write_name(sn_output *output, const char *name, bool spaces) {
+    if (*name == '\0') sn_output_write(output, "_", 1, NULL);
     for (; *name != '\0'; name++) {
         unsigned char c = (unsigned char)*name;
         char safe = c < ' ' || c == 0x7f || c == '\\' || (c == ' ' && !spaces) ? '_' : (char)c;

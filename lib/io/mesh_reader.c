@@ -6,6 +6,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 
 /* ---- places and errors ---------------------------------------------------------------------------------------------- */
 
@@ -107,6 +108,10 @@ sn_span sn_reader_rest(sn_reader *reader) {
 }
 
 bool sn_span_is(sn_span span, const char *text) { return strlen(text) == span.length && memcmp(span.text, text, span.length) == 0; }
+
+bool sn_span_is_like(sn_span span, const char *text) {
+    return strlen(text) == span.length && strncasecmp(text, span.text, span.length) == 0;
+}
 
 const char *sn_reader_found(sn_reader *reader, char *buffer) {
     if (sn_reader_at_line_end(reader)) return "the end of the line";

@@ -15,6 +15,7 @@ typedef struct sn_span {
     size_t length;
 } sn_span;
 bool sn_span_is(sn_span span, const char *text);
+bool sn_span_is_like(sn_span span, const char *text); /* upper or lower case */
 
 /* Finds equal things among numbered ones: open addressing over their indices. All zeros is an empty table. */
 typedef struct sn_index_table {
@@ -132,7 +133,7 @@ void sn_off_write(const sn_mesh *mesh, sn_output *output);
 /* " x y z" shortest and exact; separator is what stands before the first, 0 = nothing. */
 void sn_write_vec3(sn_output *output, char separator, sn_vec3 value);
 void sn_write_number(sn_output *output, char separator, double value);
-/* A name as one line of text: control characters and backslashes become '_', blanks too where spaces is false. */
+/* A name as one line of text: control characters and backslashes become '_', blanks too where spaces is false; "" becomes "_". */
 void sn_write_name(sn_output *output, const char *name, bool spaces);
 /* red, green, blue of the mesh, if it has all three as single numbers. */
 bool sn_mesh_colours(const sn_mesh *mesh, const sn_attribute *channels[3]);

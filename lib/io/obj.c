@@ -110,7 +110,7 @@ static void write_vertices(const sn_mesh *mesh, sn_output *output) {
 
 static void write_group(const sn_mesh *mesh, sn_index group, sn_output *output) {
     sn_output_write(output, "g", 1, NULL);
-    if (group != SN_NONE) {
+    if (group != SN_NONE && mesh->group_names[group] != NULL) {
         sn_output_write(output, " ", 1, NULL);
         sn_write_name(output, mesh->group_names[group], true);
     }

@@ -288,7 +288,7 @@ static sn_status read_value(sn_reader *reader, const header *h, scalar_type type
 }
 
 static sn_status read_list(sn_reader *reader, const header *h, const property *p) {
-    double count, value;
+    double count = 0.0, value = 0.0;
     sn_status status = read_value(reader, h, p->count_type, p, &count);
     if (status != SN_OK) return status;
     if (!(count >= 0.0 && count <= (double)SN_INDEX_MAX) || count != floor(count)) {

@@ -102,7 +102,7 @@ static sn_span next_word(sn_reader *reader) { return sn_reader_find_line(reader)
 
 static sn_status expect(sn_reader *reader, const char *wanted) {
     sn_span word = next_word(reader);
-    if (sn_span_is(word, wanted)) return SN_OK;
+    if (sn_span_is_like(word, wanted)) return SN_OK;
     if (word.length == 0) return sn_reader_fail(reader, SN_NONE, "the file ends where '%s' should stand; it is cut short", wanted);
     char found[48];
     reader->at = word.text;
@@ -132,9 +132,9 @@ static sn_status read_text(sn_reader *reader, sn_index_table *welded) {
         sn_span word = next_word(reader);
         sn_status status = SN_OK;
         if (word.length == 0 && !inside) return SN_OK;
-        if (inside && sn_span_is(word, "facet")) {
+        if (inside && sn_span_is_like(word, "facet")) {
             status = read_facet(reader, welded);
-        } else if (sn_span_is(word, inside ? "endsolid" : "solid")) {
+        } else if (sn_span_is_like(word, inside ? "endsolid" : "solid")) {
             sn_reader_next_line(reader); /* the rest is its name */
             inside = !inside;
         } else {

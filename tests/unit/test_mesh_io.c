@@ -463,6 +463,9 @@ static void stl_text_is_read_word_by_word(void **state) {
     assert_int_equal(mesh.vertex_count, 4);
     expect_triangle(&mesh, 1, 1, 0, 3);
     sn_mesh_free(&mesh);
+    mesh = read_text("?", "SOLID\nFACET NORMAL 0 0 1\nOUTER LOOP\nVERTEX 0 0 0 VERTEX 1 0 0 VERTEX 0 1 0\nENDLOOP\nENDFACET\nENDSOLID\n");
+    assert_int_equal(mesh.triangle_count, 1);
+    sn_mesh_free(&mesh);
     refuse("a.stl", "solid x\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 0 0\n", 5, "the end of the line");
     refuse("a.stl", "solid x\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 0 0 inf\n", 5, "vertex 1");
     refuse("a.stl", "solid x\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nendloop\n", 5, "expected 'vertex', found 'endloop'");
