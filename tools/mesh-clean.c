@@ -145,6 +145,7 @@ static void write_counts(sn_json *json, const sn_clean_report *r) {
     sn_json_integer(json, "decimatedTriangles", r->decimated_triangles);
     sn_json_bool(json, "orientable", r->orientable);
     sn_json_bool(json, "unchanged", r->unchanged);
+    sn_json_number(json, "moved", r->moved);
     sn_json_number(json, "hausdorff", r->hausdorff);
 }
 

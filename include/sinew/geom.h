@@ -40,6 +40,8 @@ SN_MUST_CHECK sn_status sn_decimate(sn_mesh *mesh, sn_index target_triangles, sn
 SN_MUST_CHECK sn_status sn_orient_outward(sn_mesh *mesh, sn_index *flipped, sn_error *error);
 /* Number of pairs of triangles that cross (CGAL; shared vertices and edges do not count). */
 SN_MUST_CHECK sn_status sn_count_self_intersections(const sn_mesh *mesh, sn_index *pairs, sn_error *error);
+/* Greatest distance of a sample of `from` (vertices and triangle centres) to the surface of `to`, exact closest points. */
+SN_MUST_CHECK sn_status sn_one_sided_distance(const sn_mesh *from, const sn_mesh *to, double *out, sn_error *error);
 /* Greatest distance from a surface sample of one mesh to the other surface, both ways: vertices and triangle centres, exact closest
  * points: a lower bound that is within half the longest edge of the Hausdorff distance. */
 SN_MUST_CHECK sn_status sn_hausdorff(const sn_mesh *a, const sn_mesh *b, double *out, sn_error *error);

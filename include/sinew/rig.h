@@ -34,7 +34,8 @@ typedef struct sn_clean_report {
     bool orientable, unchanged; /* unchanged: same vertices and triangles in the same order */
     sn_index dropped_count;
     sn_dropped_component *dropped; /* (dropped_count) largest area first; owned */
-    double hausdorff;              /* document units; input against output */
+    double moved;                  /* greatest distance of the output from the input's surface; document units */
+    double hausdorff;              /* the same both ways: what was dropped counts too */
 } sn_clean_report;
 
 sn_clean_params sn_clean_defaults(void);

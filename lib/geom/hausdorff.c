@@ -24,7 +24,8 @@ static double greatest_distance(const sn_mesh *mesh, const sn_surface *other, bo
     return greatest;
 }
 
-static sn_status one_way(const sn_mesh *from, const sn_mesh *to, double *out, sn_error *error) {
+sn_status sn_one_sided_distance(const sn_mesh *from, const sn_mesh *to, double *out, sn_error *error) {
+    *out = 0.0;
     bool *seen = SN_NEW(bool, from->vertex_count);
     if (seen == NULL) return sn_fail_memory(error, "comparing surfaces");
     sn_surface *surface = NULL;
@@ -37,8 +38,8 @@ static sn_status one_way(const sn_mesh *from, const sn_mesh *to, double *out, sn
 
 sn_status sn_hausdorff(const sn_mesh *a, const sn_mesh *b, double *out, sn_error *error) {
     double forth = 0.0, back = 0.0;
-    sn_status status = one_way(a, b, &forth, error);
-    if (status == SN_OK) status = one_way(b, a, &back, error);
+    sn_status status = sn_one_sided_distance(a, b, &forth, error);
+    if (status == SN_OK) status = sn_one_sided_distance(b, a, &back, error);
     *out = fmax(forth, back);
     return status;
 }

@@ -293,7 +293,10 @@ static sn_status compare(cleaning *c, const sn_mesh *mesh) {
     sn_index dropped = 0;
     sn_status status = sn_mesh_copy(mesh, &finite, c->error);
     if (status == SN_OK && c->params->repair_nonfinite) status = sn_drop_nonfinite_vertices(&finite, &dropped, c->error);
-    if (status == SN_OK) status = sn_hausdorff(&finite, c->mesh, &c->report->hausdorff, c->error);
+    double lost = 0.0;
+    if (status == SN_OK) status = sn_one_sided_distance(c->mesh, &finite, &c->report->moved, c->error);
+    if (status == SN_OK) status = sn_one_sided_distance(&finite, c->mesh, &lost, c->error);
+    c->report->hausdorff = fmax(c->report->moved, lost);
     sn_mesh_free(&finite);
     return status;
 }
