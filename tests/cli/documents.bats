@@ -1,0 +1,176 @@
+# The documents at the command line: what the tools write is what the schemas say, what they do not own goes through, what is stale goes.
+
+bats_require_minimum_version 1.5.0
+
+refute() { if "$@"; then echo "held: $*"; return 1; fi; }
+
+schemas="$BATS_TEST_DIRNAME/../../share/schema"
+
+# Does each document keep to the schema? By a real validator, which also checks the schema itself.
+valid() {
+    /usr/bin/python3 - "$schemas/$1.schema.json" "${@:2}" << 'END'
+import json, sys
+import jsonschema
+schema = json.load(open(sys.argv[1]))
+jsonschema.Draft202012Validator.check_schema(schema)
+validator = jsonschema.Draft202012Validator(schema)
+bad = 0
+for name in sys.argv[2:]:
+    for error in validator.iter_errors(json.load(open(name))):
+        print(f"{name}: {list(error.absolute_path)}: {error.message[:200]}")
+        bad = 1
+sys.exit(bad)
+END
+}
+
+# member FILE EXPRESSION: a value of the document d
+member() { /usr/bin/python3 -c "import json, sys; d = json.load(open(sys.argv[1])); print(json.dumps($2))" "$1"; }
+
+# A spindle of 20 cm along z, as OFF.
+spindle() {
+    awk 'BEGIN {
+        rings = 20; around = 16; pi = atan2(0, -1)
+        print "OFF"; print rings * around + 2, 2 * rings * around, 0
+        for (i = 1; i <= rings; i++) for (j = 0; j < around; j++) {
+            u = pi * i / (rings + 1); w = 2 * pi * j / around
+            printf "%.9f %.9f %.9f\n", .02 * sin(u) * cos(w), .02 * sin(u) * sin(w), -.1 * cos(u)
+        }
+        bottom = rings * around; print "0 0 -.1"; print "0 0 .1"
+        for (j = 0; j < around; j++) {
+            k = (j + 1) % around
+            print 3, bottom, k, j
+            print 3, bottom + 1, (rings - 1) * around + j, (rings - 1) * around + k
+            for (i = 0; i + 1 < rings; i++) {
+                print 3, i * around + j, i * around + k, (i + 1) * around + j
+                print 3, i * around + k, (i + 1) * around + k, (i + 1) * around + j
+            }
+        }
+    }'
+}
+
+setup() {
+    cd "$BATS_TEST_TMPDIR" || exit 1
+    spindle > spindle.off
+    printf 'OFF\n8 12 0\n' > bone.off
+    for z in -.14 -.095; do for y in -.02 .02; do for x in -.02 .02; do echo $x $y $z; done; done; done >> bone.off
+    printf '3 %s\n' '0 2 3' '0 3 1' '4 5 7' '4 7 6' '0 1 5' '0 5 4' '2 6 7' '2 7 3' '0 4 6' '0 6 2' '1 3 7' '1 7 5' >> bone.off
+}
+
+chain() {
+    "$BIN/mesh-clean" spindle.off -o 1.json
+    "$BIN/root-select" 1.json -o 2.json
+    "$BIN/build-structure" 2.json -o 3.json
+    "$BIN/fiber-flow" 3.json -o 4.json
+    "$BIN/attach-detect" --bone lower=bone.off 4.json -o 5.json
+}
+
+@test "every document of the chain keeps to the schema, and its history tells who made it" {
+    /usr/bin/python3 -c 'import jsonschema' 2> /dev/null || skip "python3-jsonschema is not installed"
+    chain
+    valid muscle 1.json 2.json 3.json 4.json 5.json
+    [ "$(member 5.json '[h["tool"] for h in d["history"]]')" = \
+        '["mesh-clean", "root-select", "build-structure", "fiber-flow", "attach-detect"]' ]
+    [ "$(member 5.json '[list(d), d["attachments"][0]["bone"], len(d["attachments"][0]["vertices"]) > 0]')" = \
+        '[["format", "version", "name", "metersPerUnit", "mesh", "roots", "structure", "fibers", "attachments", "history"], "lower", true]' ]
+}
+
+@test "the validator finds what is wrong" {
+    /usr/bin/python3 -c 'import jsonschema' 2> /dev/null || skip "python3-jsonschema is not installed"
+    "$BIN/mesh-clean" spindle.off -o 1.json
+    sed 's/"metersPerUnit": 1/"metersPerUnit": 0/' 1.json > bad.json
+    refute valid muscle bad.json
+    sed 's/"triangles": \[/"triangles": [-1,/' 1.json > bad.json
+    refute valid muscle bad.json
+}
+
+@test "members that sinew does not know go through every tool, equal and in order" {
+    chain
+    sed '$d' 1.json > start.json
+    printf '  ,"zeta": {"a": [1, 2.50, {"b": null}], "t": "\\u00fa\\n"},\n  "externals": [], "alpha": 1e-7}\n' >> start.json
+    cp start.json in.json
+    for tool in mesh-clean root-select build-structure fiber-flow "attach-detect --bone lower=bone.off"; do
+        "$BIN"/$tool in.json -o out.json
+        [ "$(member out.json '[d["zeta"], d["externals"], d["alpha"]]')" = "$(member start.json '[d["zeta"], d["externals"], d["alpha"]]')" ]
+        [ "$(member out.json '[k for k in d if k in ("zeta", "externals", "alpha", "history")]')" = '["zeta", "externals", "alpha", "history"]' ]
+        mv out.json in.json
+    done
+}
+
+@test "a member inside a section that a tool does not own goes through too" {
+    chain
+    sed 's/"rule": /"note": "mine", "rule": /' 2.json > noted.json
+    "$BIN/build-structure" noted.json -o out.json
+    [ "$(member out.json 'd["roots"]["note"]')" = '"mine"' ]
+}
+
+@test "what a change makes stale is dropped with a warning, and -q keeps quiet" {
+    chain
+    "$BIN/root-select" --plane 0,0,.02,0,0,1 5.json -o out.json 2> err
+    grep -q 'warning: .*"structure" is dropped' err
+    grep -q 'warning: .*"fibers" is dropped' err
+    [ "$(member out.json '[k in d for k in ("roots", "structure", "fibers", "attachments")]')" = '[true, false, false, true]' ]
+    "$BIN/root-select" -q 5.json -o out.json 2> err
+    [ ! -s err ]
+}
+
+@test "--no-history leaves it out" {
+    chain
+    "$BIN/root-select" --no-history 1.json -o out.json
+    [ "$(member out.json '"history" in d')" = false ]
+}
+
+@test "a newer document, another document and a torn one are refused in one line that tells the place" {
+    "$BIN/mesh-clean" spindle.off -o 1.json
+    refused() {
+        code=0
+        "$BIN/root-select" bad.json -o out.json > out 2> err || code=$?
+        [ "$code" -eq 1 ] || return 1
+        [ "$(wc -l < err)" -eq 1 ] || return 1
+        [ ! -e out.json ] || return 1
+        grep -Eq "^root-select: bad.json:$1" err || { cat err; return 1; }
+    }
+    sed 's/"version": 1/"version": 2/' 1.json > bad.json
+    refused '3:.*version 2.*newer sinew'
+    sed 's/sinew-muscle/sinew-scene/' 1.json > bad.json
+    refused '2:.*expected "sinew-muscle", found "sinew-scene"'
+    sed '7,$d' 1.json > bad.json
+    refused '6:.*not valid JSON'
+    sed 's/"triangles": \[[0-9]*,/"triangles": [322,/' 1.json > bad.json
+    refused '8:.*mesh.triangles\[0\]: expected a whole number in \[0,321\], found 322'
+}
+
+@test "a mesh by reference is read beside its document, checked and kept" {
+    mkdir -p folder
+    cp spindle.off folder/spindle.off
+    hash=$(sha256sum spindle.off | cut -d ' ' -f 1)
+    printf '{"format": "sinew-muscle", "version": 1, "metersPerUnit": 1, "mesh": {"uri": "spindle.off", "sha256": "%s"}}' "$hash" > folder/a.json
+    "$BIN/root-select" folder/a.json -o folder/b.json
+    [ "$(member folder/b.json 'd["mesh"]')" = "{\"uri\": \"spindle.off\", \"sha256\": \"$hash\"}" ]
+    "$BIN/root-select" spindle.off -o c.json
+    [ "$(member folder/b.json 'd["roots"]')" = "$(member c.json 'd["roots"]')" ]
+    echo >> folder/spindle.off
+    run -1 "$BIN/root-select" folder/a.json
+    [[ "$output" == *"mesh.sha256"* ]]
+    rm folder/spindle.off
+    run -1 "$BIN/root-select" folder/a.json
+    [[ "$output" == *"folder/spindle.off"* ]]
+}
+
+@test "the plan of a scene keeps to the schema, and is the same scene" {
+    [ -x "$BIN/simulate" ] || skip "there is no simulate"
+    /usr/bin/python3 -c 'import jsonschema' 2> /dev/null || skip "python3-jsonschema is not installed"
+    chain
+    cat > a.scene.json << 'END'
+{"format": "sinew-scene", "version": 1, "metersPerUnit": 0.001, "frames": [0, 10],
+ "motion": {"joints": [{"name": "elbow", "type": "hinge", "axis": [1, 2, 3], "point": [0.1, 20.3, -100.7], "degreesPerFrame": 1.5},
+  {"name": "free", "parent": "elbow", "type": "pose", "keys": [{"frame": 3, "rotation": [0.1, 0.7, 0.1, 0.7]}]}]},
+ "bones": [{"name": "lower", "mesh": "bone.off", "units": "m", "joint": "elbow"}],
+ "muscles": [{"rig": "5.json", "activation": {"keys": [[0, 0], [0.3, 1]]}, "volumeRatio": 1.1}]}
+END
+    valid scene a.scene.json
+    "$BIN/simulate" --plan a.scene.json > plan.json
+    member plan.json 'd["scene"]' > b.scene.json
+    valid scene b.scene.json
+    "$BIN/simulate" --plan b.scene.json > again.json
+    cmp plan.json again.json
+}
