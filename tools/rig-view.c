@@ -14,14 +14,16 @@ static struct {
     double zoom;
     int64_t samples, columns;
     bool legend;
-    cli_list bones;
+    cli_list bones, bone_lists;
 } given = {.camera = "auto", .zoom = 1.0, .samples = 9, .legend = true};
 
 static const cli_option options[] = {
     {.kind = CLI_HEADING, .help = "What is drawn:"},
     {0, "show", "LIST", CLI_TEXT, &given.show, 0, 0, 0, NULL,
      "any of surface, roots, structure, fibers, attachments, bones, wire, with commas (default: what is there)"},
-    {0, "bone", "NAME=FILE", CLI_LIST, &given.bones, 0, 0, 0, NULL, "draw the bone in FILE, in the muscle's unit, with every muscle"},
+    {'b', "bone", "[NAME=]FILE", CLI_LIST, &given.bones, 0, 0, 0, NULL, "draw the bone in FILE, in the muscle's unit, with every muscle"},
+    {0, "bones", "LIST", CLI_LIST, &given.bone_lists, 0, 0, 0, NULL,
+     "a text file with a bone a line: FILE, or NAME, a tab and FILE; relative to LIST"},
     {0, "frames", "PATH", CLI_TEXT, &given.frames, 0, 0, 0, NULL,
      "PC2 point cache of the scene's one muscle, or folder with MUSCLE.pc2 for each"},
     {0, "frame", "LIST", CLI_TEXT, &given.frame, 0, 0, 0, NULL,
@@ -34,7 +36,7 @@ static const cli_option options[] = {
     {0, "zoom", "FACTOR", CLI_NUMBER, &given.zoom, 0, 0.01, 1000, NULL, "enlarge about the middle (default 1: all is in the picture)"},
     {.kind = CLI_HEADING, .help = "The picture:"},
     {0, "size", "WxH", CLI_TEXT, &given.size, 0, 0, 0, NULL,
-     "pixels of the picture (default 800x600), or of a tile where there are several (480x360)"},
+     "pixels of the picture (default 800x600), or of a tile where there are several (480 wide)"},
     {0, "columns", "N", CLI_INTEGER, &given.columns, 0, 1, 1000, NULL, "tiles in a row (default: as square as it gets)"},
     {0, "title", "TEXT", CLI_TEXT, &given.title, 0, 0, 0, NULL, "title (default: the muscle's or scene's name)"},
     {0, "no-legend", NULL, CLI_CLEAR, &given.legend, 0, 0, 0, NULL, "leave out title, captions, legend and scale bar"},
@@ -202,13 +204,19 @@ typedef struct content {
     sn_index group; /* contents of one group share their cameras */
 } content;
 
+typedef struct bone {
+    char *name;
+    sn_mesh mesh;
+} bone;
+
 typedef struct album {
     const cli *c;
     unsigned show;
     size_t count, capacity;
     content *items;
     sn_index group_count;
-    sn_mesh *bones; /* (given.bones.count) */
+    size_t bone_count, bone_capacity;
+    bone *bones;
 } album;
 
 static sn_status album_add(album *a, content *item, sn_error *error) {
@@ -226,28 +234,14 @@ static void album_free(album *a) {
         sn_view_free(&a->items[i].view);
         free(a->items[i].caption);
     }
-    for (int i = 0; i < given.bones.count && a->bones; i++) sn_mesh_free(&a->bones[i]);
+    for (size_t i = 0; i < a->bone_count; i++) {
+        free(a->bones[i].name);
+        sn_mesh_free(&a->bones[i].mesh);
+    }
     free(a->bones);
     free(a->items);
     free(given.bones.items);
-}
-
-static sn_status load_bones(album *a, sn_error *error) {
-    a->bones = SN_NEW(sn_mesh, given.bones.count);
-    if (!a->bones) return sn_fail_memory(error, "the bones");
-    for (int i = 0; i < given.bones.count; i++) {
-        char *name;
-        const char *file;
-        if (!cli_split(given.bones.items[i], &name, &file)) cli_usage_error(a->c, "--bone: '%s' is not NAME=FILE", given.bones.items[i]);
-        free(name);
-        sn_status status = sn_mesh_read(file, &a->bones[i], error);
-        if (!status) status = sn_mesh_validate(&a->bones[i], error);
-        if (status) {
-            sn_error_set_file(error, file);
-            return status;
-        }
-    }
-    return SN_OK;
+    free(given.bone_lists.items);
 }
 
 /* File name without folder and extensions. */
@@ -261,6 +255,65 @@ static char *caption_of(const char *path) {
     return sn_strdup(strcmp(name, "-") == 0 ? "standard input" : name);
 }
 
+/* Takes ownership of name; NULL = out of memory. */
+static sn_status load_bone(album *a, char *name, const char *file, sn_error *error) {
+    bone loaded = {.name = name};
+    sn_status status = name ? sn_mesh_read(file, &loaded.mesh, error) : sn_fail_memory(error, "a bone");
+    if (!status) status = sn_mesh_validate(&loaded.mesh, error);
+    if (status) sn_error_set_file(error, file);
+    if (!status && !sn_grow((void **)&a->bones, &a->bone_capacity, a->bone_count + 1, sizeof(bone)))
+        status = sn_fail_memory(error, "a bone");
+    if (!status) {
+        a->bones[a->bone_count++] = loaded;
+        return SN_OK;
+    }
+    free(loaded.name);
+    sn_mesh_free(&loaded.mesh);
+    return status;
+}
+
+/* A line of a list: FILE, or NAME, a tab and FILE; relative to the list. Blank lines and # comments say nothing. */
+static sn_status load_bone_line(album *a, const char *list, char *line, sn_error *error) {
+    line[strcspn(line, "\r")] = 0;
+    if (line[strspn(line, " \t")] == 0 || *line == '#') return SN_OK;
+    char *tab = strchr(line, '\t'), *file = tab ? tab + 1 : line;
+    if (tab) *tab = 0;
+    const char *slash = strrchr(list, '/');
+    size_t folder = *file != '/' && slash ? (size_t)(slash + 1 - list) : 0;
+    char *path = sn_alloc(folder + strlen(file) + 1, 1);
+    if (!path) return sn_fail_memory(error, "a path");
+    memcpy(path, list, folder);
+    memcpy(path + folder, file, strlen(file));
+    sn_status status = load_bone(a, tab ? sn_strdup(line) : caption_of(file), path, error);
+    free(path);
+    return status;
+}
+
+static sn_status load_bone_list(album *a, const char *list, sn_error *error) {
+    sn_blob blob = {0};
+    sn_status status = sn_blob_read(list, &blob, error);
+    for (char *line = blob.data; line && *line && !status;) {
+        char *end = line + strcspn(line, "\n"), *next = *end ? end + 1 : end;
+        *end = 0;
+        status = load_bone_line(a, list, line, error);
+        line = next;
+    }
+    sn_blob_free(&blob);
+    return status;
+}
+
+static sn_status load_bones(album *a, sn_error *error) {
+    sn_status status = SN_OK;
+    for (int i = 0; i < given.bones.count && !status; i++) {
+        const char *text = given.bones.items[i], *file = text;
+        char *name = NULL;
+        if (!cli_split(text, &name, &file)) name = caption_of(file = text);
+        status = load_bone(a, name, file, error);
+    }
+    for (int i = 0; i < given.bone_lists.count && !status; i++) status = load_bone_list(a, given.bone_lists.items[i], error);
+    return status;
+}
+
 static sn_status add_muscle(album *a, const sn_blob *blob, const char *path, sn_error *error) {
     sn_muscle muscle;
     sn_document *document = NULL;
@@ -270,8 +323,8 @@ static sn_status add_muscle(album *a, const sn_blob *blob, const char *path, sn_
     if (!status && !item.caption) status = sn_fail_memory(error, "a caption");
     if (!status) status = sn_mesh_validate(&muscle.mesh, error);
     if (!status) status = sn_view_add_muscle(&item.view, &muscle, a->show, error);
-    for (int i = 0; i < given.bones.count && !status; i++)
-        status = sn_view_add_bone(&item.view, &a->bones[i], muscle.meters_per_unit, NULL, error);
+    for (size_t i = 0; i < a->bone_count && !status; i++)
+        status = sn_view_add_bone(&item.view, a->bones[i].name, &a->bones[i].mesh, muscle.meters_per_unit, NULL, error);
     sn_muscle_free(&muscle);
     if (!status) return album_add(a, &item, error);
     sn_view_free(&item.view);
@@ -384,7 +437,7 @@ static sn_status add_scene(album *a, const sn_blob *blob, const char *path, sn_e
     frame_list frames = parse_frames(a->c);
     sn_status status = sn_scene_parse(blob, true, &scene, error);
     if (status) return status;
-    if (given.bones.count > 0) cli_warn(a->c, "--bone is for muscle documents; %s brings its own bones", path);
+    if (a->bone_count > 0) cli_warn(a->c, "--bone is for muscle documents; %s brings its own bones", path);
     if (frames.count == 0) frames = (frame_list){1, {scene.first_frame}};
     status = load_caches(a->c, &scene, &k, error);
     for (sn_index i = 0; i < frames.count && !status; i++)
@@ -459,6 +512,16 @@ static caption tile_caption(const album *a, size_t item, const look *l) {
     return out;
 }
 
+/* As high as the tallest subject needs, with room for a caption. */
+static sn_index tile_height(size_t count, const sn_camera *cameras, sn_index width) {
+    double tallest = 0.0;
+    for (size_t i = 0; i < count; i++) {
+        sn_vec3 size = sn_sub(cameras[i].extent.high, cameras[i].extent.low);
+        if (size.x > 0.0) tallest = fmax(tallest, size.y / size.x);
+    }
+    return (sn_index)fmin(fmax(width * tallest + 64.0, 0.35 * width), width);
+}
+
 static sn_status draw(const album *a, const looks *views, sn_view_options *o, sn_image *image, sn_error *error) {
     size_t count = a->count * (size_t)views->count;
     sn_tile *tiles = SN_NEW(sn_tile, count);
@@ -472,6 +535,7 @@ static sn_status draw(const album *a, const looks *views, sn_view_options *o, sn
         captions[i] = tile_caption(a, item, l);
         tiles[i] = (sn_tile){&a->items[item].view, &cameras[i], captions[i].text[0] ? captions[i].text : NULL};
     }
+    if (!status && count > 1 && !given.size) o->height = tile_height(count, cameras, o->width);
     if (!o->columns && a->count > 1 && views->count > 1) o->columns = views->count;
     const char *title = given.title ? given.title : common_text(a, true);
     if (!status) status = sn_sheet_render((sn_index)count, tiles, title, common_text(a, false), o, image, error);

@@ -57,7 +57,7 @@ typedef struct sn_view_mesh {
 /* A capsule from a to b; a sphere where a equals b. */
 typedef struct sn_view_tube {
     sn_vec3 a, b;
-    double radius; /* as a share of the picture's shorter side: thickness on paper, the same under any zoom */
+    double radius; /* as a share of the picture's longer side: thickness on paper, the same under any zoom */
     sn_color color;
 } sn_view_tube;
 
@@ -94,7 +94,9 @@ SN_MUST_CHECK sn_status sn_view_add_entry(sn_view *view, sn_view_mark mark, sn_c
  * as short lines along the surface, attachments in one colour per bone. `show` is bits of sn_view_show. Sets the title and the
  * subtitle (counts) where there is none yet. */
 SN_MUST_CHECK sn_status sn_view_add_muscle(sn_view *view, const sn_muscle *muscle, unsigned show, sn_error *error);
-SN_MUST_CHECK sn_status sn_view_add_bone(sn_view *view, const sn_mesh *mesh, double meters_per_unit, const sn_rigid *pose, sn_error *error);
+/* A bone, as sn_view_add_mesh; name (nullable) goes into the legend. */
+SN_MUST_CHECK sn_status sn_view_add_bone(sn_view *view, const char *name, const sn_mesh *mesh, double meters_per_unit, const sn_rigid *pose,
+                                         sn_error *error);
 
 /* A scene at a time in seconds: bones in their pose, muscles coloured by activation. positions (nullable; muscle_count; entries
  * nullable): the muscle's vertices at that time, in metres; without, the muscle is at rest. */

@@ -3,8 +3,8 @@
 
 #include <stdlib.h>
 
-enum { MARKS = 1500, STEPS = 5, POLYLINES = 400 };
-static const double RADIUS = 0.0009;
+enum { MARKS = 1200, STEPS = 5, POLYLINES = 400 };
+static const double RADIUS = 0.0007;
 
 /* The direction field at a point of the surface: corners' directions, signs aligned with `along`, weighted, made tangent. */
 static sn_vec3 direction_at(const sn_muscle *muscle, const sn_closest *at, sn_vec3 along) {

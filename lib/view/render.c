@@ -138,7 +138,7 @@ static void render_band(void *user, sn_index begin, sn_index end, sn_index chunk
 static sn_status place_tubes(picture *p, const sn_view *view, sn_error *error) {
     p->tubes = SN_NEW(tube, view->tube_count);
     if (!p->tubes) return sn_fail_memory(error, "the lines of the picture");
-    double side = fmin(p->frame.width, p->frame.height);
+    double side = fmax(p->frame.width, p->frame.height);
     for (size_t i = 0; i < view->tube_count; i++) {
         const sn_view_tube *t = &view->tubes[i];
         p->tubes[i] = (tube){frame_apply(&p->frame, t->a), frame_apply(&p->frame, t->b), fmax(t->radius * side, 0.35), tint_from(t->color)};

@@ -8,7 +8,7 @@
 /* Measures of the text on the page, in pixels. */
 typedef struct typography {
     double unit; /* 1 at 600 pixels of height */
-    sn_color ink, pale;
+    sn_color ink, pale, paper;
 } typography;
 
 static typography typography_for(const sn_view_options *options, double width, double height) {
@@ -17,26 +17,33 @@ static typography typography_for(const sn_view_options *options, double width, d
     double unit = fmin(fmax(fmin(width, height) / 600.0, 0.62), 4.0);
     sn_color ink = dark ? (sn_color){0.93, 0.93, 0.92} : (sn_color){0.13, 0.13, 0.15};
     sn_color pale = dark ? (sn_color){0.70, 0.70, 0.69} : (sn_color){0.40, 0.40, 0.42};
-    return (typography){unit, ink, pale};
+    return (typography){unit, ink, pale, b};
 }
 
 /* ---- words ------------------------------------------------------------------------------------------------------------------ */
 
+/* Text with a halo of paper: it may stand before the subject. */
+static void draw_text(sn_image *image, typography t, double x, double y, double size, double weight, sn_color color, const char *text) {
+    sn_text_draw(image, x, y, size, weight + 2.4, t.paper, text);
+    sn_text_draw(image, x, y, size, weight, color, text);
+}
+
 /* Text in at most `width` pixels: cut with dots where it is longer. */
-static void draw_fitted(sn_image *image, double x, double y, double size, double weight, sn_color color, const char *text, double width) {
+static void draw_fitted(sn_image *image, typography t, double x, double y, double size, double weight, sn_color color, const char *text,
+                        double width) {
     char cut[512];
     snprintf(cut, sizeof cut, "%s", text);
     for (size_t length = strlen(cut); length > 4 && sn_text_width(size, cut) > width; length--) {
         cut[length - 1] = 0;
         memset(cut + length - 4, '.', 3);
     }
-    sn_text_draw(image, x, y, size, weight, color, cut);
+    draw_text(image, t, x, y, size, weight, color, cut);
 }
 
 static double draw_title(sn_image *image, typography t, const char *title, const char *subtitle) {
     double y = 14.0 * t.unit, left = 18.0 * t.unit, width = image->width - 2.0 * left;
-    if (title) draw_fitted(image, left, y += 13.0 * t.unit, 12.5 * t.unit, 1.5, t.ink, title, width);
-    if (subtitle) draw_fitted(image, left, y += (title ? 20.0 : 11.0) * t.unit, 8.5 * t.unit, 1.0, t.pale, subtitle, width);
+    if (title) draw_fitted(image, t, left, y += 13.0 * t.unit, 12.5 * t.unit, 1.5, t.ink, title, width);
+    if (subtitle) draw_fitted(image, t, left, y += (title ? 20.0 : 11.0) * t.unit, 8.5 * t.unit, 1.0, t.pale, subtitle, width);
     return y;
 }
 
@@ -51,14 +58,15 @@ static void draw_mark(sn_image *image, typography t, double x, double y, sn_view
     if (mark == SN_MARK_DOT) {
         image_lines(image, 1, &(image_line){x + 0.5 * size, middle, x + 0.5 * size, middle}, 0.45 * size, color);
     } else if (mark == SN_MARK_LINE) {
-        image_lines(image, 1, &(image_line){x, middle, x + size, middle}, 0.5 * size * 0.62, t.pale);
-        image_lines(image, 1, &(image_line){x, middle, x + size, middle}, 0.5 * size * 0.5, color);
+        image_lines(image, 1, &(image_line){x, middle, x + size, middle}, 0.25 * size + 0.7 * t.unit, t.pale);
+        image_lines(image, 1, &(image_line){x, middle, x + size, middle}, 0.25 * size, color);
     } else {
         image_line rows[5];
         for (int i = 0; i < 5; i++) {
             double row = middle + (i - 2) * 0.16 * size;
             rows[i] = (image_line){x + 0.12 * size, row, x + 0.88 * size, row};
         }
+        image_lines(image, 5, rows, 0.16 * size + 0.7 * t.unit, t.pale);
         image_lines(image, 5, rows, 0.16 * size, color);
     }
 }
@@ -74,7 +82,7 @@ static double legend_rows(sn_image *image, typography t, size_t count, const sn_
         }
         if (image) {
             draw_mark(image, t, x, y, entries[i]->mark, entries[i]->color);
-            draw_fitted(image, x + 18.0 * t.unit, y, text_size, 1.0, t.ink, entries[i]->text, width - left - x - 18.0 * t.unit);
+            draw_fitted(image, t, x + 18.0 * t.unit, y, text_size, 1.0, t.ink, entries[i]->text, width - left - x - 18.0 * t.unit);
         }
         x += needed + 20.0 * t.unit;
     }
@@ -108,8 +116,9 @@ static void draw_scale_bar(sn_image *image, typography t, const frame *f, double
     double size = 8.0 * t.unit, tick = 3.0 * t.unit;
     const image_line lines[3] = {
         {right - pixels, y, right, y}, {right - pixels, y - tick, right - pixels, y + tick}, {right, y - tick, right, y + tick}};
+    image_lines(image, 3, lines, 2.0 * t.unit, t.paper);
     image_lines(image, 3, lines, 0.6 * t.unit, t.pale);
-    sn_text_draw(image, right - 0.5 * (pixels + sn_text_width(size, text)), y - 6.0 * t.unit, size, 1.0, t.pale, text);
+    draw_text(image, t, right - 0.5 * (pixels + sn_text_width(size, text)), y - 6.0 * t.unit, size, 1.0, t.pale, text);
 }
 
 /* ---- pages ------------------------------------------------------------------------------------------------------------------------ */
@@ -158,7 +167,7 @@ static sn_status draw_tile(const page *g, const sn_tile *tile, sn_image *out, sn
     if (!status) status = frame_set(&f, tile->camera, image.width, image.height, clear, error);
     if (!status && options->legend) {
         double left = 12.0 * t.unit;
-        if (tile->caption) draw_fitted(&image, left, 22.0 * t.unit, 9.0 * t.unit, 1.15, t.ink, tile->caption, image.width - 2.0 * left);
+        if (tile->caption) draw_fitted(&image, t, left, 22.0 * t.unit, 9.0 * t.unit, 1.15, t.ink, tile->caption, image.width - 2.0 * left);
         draw_scale_bar(&image, t, &f, image.width - left, image.height - 10.0 * t.unit);
     }
     if (!status) image_paste(out, &image, x, y);
@@ -194,7 +203,7 @@ static sn_index automatic_columns(sn_index count, const sn_view_options *options
     for (sn_index columns = 1; columns <= count; columns++) {
         sn_index rows = (count - 1) / columns + 1;
         double shape = fabs(log((double)columns * options->width / ((double)rows * options->height * 4.0 / 3.0)));
-        shape += 0.5 * (rows * columns - count);
+        shape += 0.15 * (rows * columns - count);
         if (shape < least) {
             least = shape;
             best = columns;

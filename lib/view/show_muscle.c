@@ -5,7 +5,7 @@
 #include <stdlib.h>
 
 enum { CONNECTIONS = 1300 };
-static const double ROOT_RADIUS = 0.0060, BRANCH_RADIUS = 0.0045, SAMPLE_RADIUS = 0.0068, CONNECTION_RADIUS = 0.0008;
+static const double ROOT_RADIUS = 0.0045, BRANCH_RADIUS = 0.0034, SAMPLE_RADIUS = 0.0051, CONNECTION_RADIUS = 0.0006;
 static const double SEEN_THROUGH = 0.30; /* opacity of a surface with something inside */
 
 sn_color attachment_color(sn_index i) {
@@ -155,9 +155,11 @@ sn_status sn_view_add_muscle(sn_view *view, const sn_muscle *muscle, unsigned sh
     return status;
 }
 
-sn_status sn_view_add_bone(sn_view *view, const sn_mesh *mesh, double meters_per_unit, const sn_rigid *pose, sn_error *error) {
+sn_status sn_view_add_bone(sn_view *view, const char *name, const sn_mesh *mesh, double meters_per_unit, const sn_rigid *pose,
+                           sn_error *error) {
     sn_view_mesh *added;
     sn_status status = sn_view_add_mesh(view, mesh, meters_per_unit, pose, COLOR_BONE, &added, error);
-    if (!status) added->gloss = 0.25;
-    return status;
+    if (status) return status;
+    added->gloss = 0.25;
+    return name ? sn_view_add_entry(view, SN_MARK_AREA, COLOR_BONE, name, error) : SN_OK;
 }

@@ -1,0 +1,142 @@
+# rig-view: what it takes, what it writes, what it refuses.
+
+bats_require_minimum_version 1.5.0
+
+setup() {
+    cd "$BATS_TEST_TMPDIR" || exit 1
+    printf 'OFF\n4 4 6\n0 0 0\n.1 0 0\n0 .1 0\n0 0 .1\n3 0 2 1\n3 0 1 3\n3 1 2 3\n3 2 0 3\n' > tetra.off
+    "$BIN/mesh-clean" tetra.off --no-history -o tetra.muscle.json
+    cat > one.scene.json << 'END'
+{ "format": "sinew-scene", "version": 1, "name": "one", "frames": [0, 3], "bones": [ { "name": "bone", "mesh": "tetra.off" } ],
+  "muscles": [ { "name": "tetra", "rig": "tetra.muscle.json", "activation": 0.5 } ] }
+END
+}
+
+# width and height of a PNG, from its header
+png_size() {
+    [ "$(head -c 8 "$1" | od -An -tx1 | tr -d ' \n')" = 89504e470d0a1a0a ]
+    od -An -j16 -N8 -tu1 "$1" | awk '{ print (($1*256+$2)*256+$3)*256+$4 "x" (($5*256+$6)*256+$7)*256+$8 }'
+}
+
+# "POINTCACHE2", version 1, POINTS, first frame 0, rate 1, one sample per argument: every coordinate that float32, in hex
+cache() {
+    local points=$1 samples=$(($# - 1)) sample i
+    shift
+    printf 'POINTCACHE2\0\1\0\0\0'
+    printf "\\x$(printf %02x "$points")\\0\\0\\0\\0\\0\\0\\0\\0\\0\\x80\\x3f\\x$(printf %02x "$samples")\\0\\0\\0"
+    for sample; do
+        for i in $(seq $((points * 3))); do
+            # the high bit of byte 2 with exponent byte 7f is infinity or NaN
+            printf "\\0\\0\\x$(printf %02x $((128 + i * 8)))\\x$sample"
+        done
+    done
+}
+
+@test "a mesh, a document and a pipe give a PNG of the size asked for" {
+    "$BIN/rig-view" tetra.off -o mesh.png
+    [ "$(png_size mesh.png)" = 800x600 ]
+    "$BIN/rig-view" tetra.muscle.json --size 123x77 -o document.png
+    [ "$(png_size document.png)" = 123x77 ]
+    "$BIN/rig-view" --size 123x77 < tetra.muscle.json > pipe.png
+    cmp document.png pipe.png
+}
+
+@test "the same bytes on 1, 2 and 5 threads" {
+    for threads in 1 2 5; do
+        "$BIN/rig-view" tetra.muscle.json --size 200x150 --show surface,wire --threads $threads -o $threads.png
+    done
+    cmp 1.png 2.png
+    cmp 1.png 5.png
+}
+
+@test "views and inputs make a contact sheet" {
+    "$BIN/rig-view" tetra.off --views 4 --size 100x80 --columns 2 --no-legend -o turns.png
+    size=$(png_size turns.png)
+    [ "${size%x*}" -ge 200 ]
+    [ "${size%x*}" -le 220 ]
+    [ "${size#*x}" -ge 160 ]
+    [ "${size#*x}" -le 180 ]
+    "$BIN/rig-view" tetra.off --views front,left,30:20 --size 100x80 --columns 3 --no-legend -o list.png
+    size=$(png_size list.png)
+    [ "${size%x*}" -ge 300 ]
+    "$BIN/rig-view" tetra.off tetra.muscle.json --size 100x80 --columns 1 -o stages.png
+    size=$(png_size stages.png)
+    [ "${size#*x}" -ge 160 ]
+}
+
+@test "the camera, the zoom, the legend, the background and --show change the picture" {
+    "$BIN/rig-view" tetra.muscle.json --size 100x80 -o plain.png
+    for words in "--camera top" "--camera 20:-35" "--zoom 2" "--no-legend" "--background black" "--show wire" "--title other" "--bone tetra.off"; do
+        "$BIN/rig-view" tetra.muscle.json --size 100x80 $words -o other.png
+        run -1 cmp -s plain.png other.png
+    done
+}
+
+@test "bones by option and by list are the same" {
+    printf '# bones\n\nshaft\ttetra.off\n' > list
+    "$BIN/rig-view" tetra.muscle.json --size 100x80 --bone shaft=tetra.off -o a.png
+    "$BIN/rig-view" tetra.muscle.json --size 100x80 --bones list -o b.png
+    cmp a.png b.png
+}
+
+@test "a scene at rest and with frames" {
+    "$BIN/rig-view" one.scene.json --size 100x80 -o rest.png
+    [ "$(png_size rest.png)" = 100x80 ]
+    mkdir frames
+    cache 4 3d 3e > frames/tetra.pc2
+    "$BIN/rig-view" one.scene.json --size 100x80 --frames frames --frame 0 -o 0.png
+    "$BIN/rig-view" one.scene.json --size 100x80 --frames frames/tetra.pc2 --frame 1 -o 1.png
+    run -1 cmp -s 0.png 1.png
+    "$BIN/rig-view" one.scene.json --size 100x80 --frames frames --frame 0:1 --columns 2 -o both.png
+    size=$(png_size both.png)
+    [ "${size%x*}" -ge 200 ]
+}
+
+@test "frames that do not fit are refused by name" {
+    cache 5 3d > five.pc2
+    run -1 "$BIN/rig-view" one.scene.json --frames five.pc2 -o x.png
+    [[ "$output" == *five.pc2*"5 points"*"4 vertices"* ]]
+    cache 4 3d > four.pc2
+    run -1 "$BIN/rig-view" one.scene.json --frames four.pc2 --frame 7 -o x.png
+    [[ "$output" == *"frame 7"* ]]
+    run -1 "$BIN/rig-view" one.scene.json --frames none -o x.png
+    [[ "$output" == *none* ]]
+    cache 4 7f > infinite.pc2
+    run -1 "$BIN/rig-view" one.scene.json --frames infinite.pc2 -o x.png
+    [ ! -e x.png ]
+}
+
+@test "nothing to draw is an error, not an empty picture" {
+    run -1 "$BIN/rig-view" tetra.muscle.json --show roots -o x.png
+    [[ "$output" == *"nothing to draw"* ]]
+    echo '{ "format": "sinew-scene", "version": 1 }' > empty.scene.json
+    run -1 "$BIN/rig-view" empty.scene.json -o x.png
+    [ ! -e x.png ]
+}
+
+@test "wrong words are wrong usage" {
+    for words in "--size 800" "--size 0x10" "--size 10x99999" "--camera sideways" "--camera 10:200" "--views 0" "--views front,,left" \
+        "--show surface,nerves" "--background mauve" "--background #12345" "--zoom 0" "--samples 65" "--frame 3:1" "--frame x" "--columns 0"; do
+        code=0
+        "$BIN/rig-view" tetra.off $words -o x.png 2> err || code=$?
+        [ "$code" -eq 2 ] || { echo "$words: $code"; false; }
+        [ "$(wc -l < err)" -eq 1 ]
+        [ ! -e x.png ]
+    done
+}
+
+@test "a full disk and a missing bone are errors" {
+    run -1 sh -c "'$BIN/rig-view' tetra.off --size 50x50 > /dev/full"
+    run -1 "$BIN/rig-view" tetra.off --bone a=none.ply -o x.png
+    [[ "$output" == *none.ply* ]]
+    [ ! -e x.png ]
+}
+
+@test "real anatomy: a calf muscle with its bones, and a dog's biceps" {
+    [ -d "$DATA/leg-vhf" ] || skip "no leg-vhf in $DATA"
+    meshes=$DATA/leg-vhf/meshes
+    "$BIN/rig-view" "$meshes/VHF_Left_Muscle_Soleus_smooth.ply" --units mm --bone tibia="$meshes/VHF_Left_Bone_Tibia_smooth.ply" -o soleus.png
+    [ "$(png_size soleus.png)" = 800x600 ]
+    "$BIN/rig-view" "$DATA/dog-dmcontrol/meshes/MUSCm.biceps_brachii_L.stl" -o biceps.png
+    [ "$(png_size biceps.png)" = 800x600 ]
+}
