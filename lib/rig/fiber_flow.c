@@ -119,14 +119,16 @@ static sn_vec3 tree_direction(const flow *f, sn_index vertex) {
     return sum;
 }
 
-/* The sum of the neighbours' axes, turned to agree with reference (zero: with the first of them). */
+/* The sum of the neighbours' axes, each laid into the tangent plane of the vertex and turned to agree with reference (zero: with the
+ * first). */
 static sn_vec3 neighbour_sum(const flow *f, sn_index vertex, sn_vec3 reference) {
-    sn_vec3 sum = {0, 0, 0};
+    sn_vec3 sum = {0, 0, 0}, normal = f->normals[vertex];
     for (sn_index k = f->topology.vertex_start[vertex]; k < f->topology.vertex_start[vertex + 1]; k++) {
         sn_index w = f->topology.neighbours[k];
         if (f->rules[w] == RULE_NONE) continue;
-        if (sn_norm2(reference) == 0.0) reference = f->directions[w];
-        sum = sn_add_scaled(sum, f->directions[w], agreement(f, reference, f->directions[w]));
+        sn_vec3 tangent = sn_add_scaled(f->directions[w], normal, -sn_dot(f->directions[w], normal));
+        if (sn_norm2(reference) == 0.0) reference = tangent;
+        sum = sn_add_scaled(sum, tangent, agreement(f, reference, tangent));
     }
     return sum;
 }
@@ -175,11 +177,11 @@ static sn_status fill_missing(flow *f, sn_index count, sn_error *error) {
     return SN_OK;
 }
 
-/* One step of axis diffusion: halfway to the mean axis of the neighbours, back on the tangent plane. */
+/* One step of axis diffusion: the mean axis of the vertex and its neighbours, back on the tangent plane. */
 static void smooth_once(flow *f) {
     for (sn_index v = 0; v < f->mesh->vertex_count; v++) {
-        sn_vec3 mean = sn_normalize(neighbour_sum(f, v, f->directions[v]));
-        sn_vec3 moved = project(sn_add(f->directions[v], mean), f->normals[v]);
+        sn_vec3 sum = sn_add(f->directions[v], neighbour_sum(f, v, f->directions[v]));
+        sn_vec3 moved = project(sum, f->normals[v]);
         f->scratch[v] = sn_norm2(moved) > 0.0 ? moved : f->directions[v];
     }
     sn_vec3 *swap = f->directions;

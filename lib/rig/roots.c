@@ -235,6 +235,7 @@ static sn_status rebuild_ring(selection *s, const candidate *c, const double *u,
 static void take_ring(selection *s, const candidate *c, sn_index count) {
     section_ring_canonical(count, s->vertices);
     s->count = count;
+    s->report.ring = section_ring_closed(&s->cut, count, s->vertices);
     s->report.level = c->share;
 }
 
@@ -298,39 +299,51 @@ static sn_status select_automatic(selection *s, sn_error *error) {
 
 /* ---- by hand ------------------------------------------------------------------------------------------------------------ */
 
-/* Where every selected vertex has exactly two selected neighbours and they form one loop: put it in ring order. */
-static sn_status order_if_loop(selection *s, sn_error *error) {
-    const sn_topology *t = &s->topology;
-    bool *left = SN_NEW(bool, s->mesh->vertex_count);
-    sn_index *walk = SN_NEW(sn_index, s->count);
-    if (!left || !walk) {
-        free(left);
-        free(walk);
-        return sn_fail_memory(error, "the order of the roots");
-    }
-    for (sn_index i = 0; i < s->count; i++) left[s->vertices[i]] = true;
-    sn_index count = 0, here = s->vertices[0];
-    while (here != SN_NONE) {
-        left[here] = false;
+/* The first of the vertex's neighbours that is flagged, and how many are. */
+static sn_index flagged_neighbours(const sn_topology *t, const bool *flags, sn_index vertex, sn_index *first) {
+    sn_index count = 0;
+    *first = SN_NONE;
+    for (sn_index k = t->vertex_start[vertex]; k < t->vertex_start[vertex + 1]; k++)
+        if (flags[t->neighbours[k]] && count++ == 0) *first = t->neighbours[k];
+    return count;
+}
+
+/* Walk round the selected vertices, if each has exactly two of the others beside it; returns how many were met. */
+static sn_index walk_loop(const selection *s, bool *selected, sn_index *walk) {
+    sn_index next, count = 0;
+    for (sn_index i = 0; i < s->count; i++)
+        if (flagged_neighbours(&s->topology, selected, s->vertices[i], &next) != 2) return 0;
+    for (sn_index here = s->vertices[0]; here != SN_NONE; here = next) {
+        selected[here] = false;
         walk[count++] = here;
-        sn_index next = SN_NONE;
-        for (sn_index k = t->vertex_start[here]; k < t->vertex_start[here + 1] && next == SN_NONE; k++)
-            if (left[t->neighbours[k]]) next = t->neighbours[k];
-        here = next;
+        flagged_neighbours(&s->topology, selected, here, &next);
     }
-    if (count == s->count && section_ring_closed(&s->cut, count, walk)) {
-        memcpy(s->vertices, walk, (size_t)count * sizeof *walk);
-        section_ring_canonical(count, s->vertices);
+    return count;
+}
+
+/* A selection that is one loop of edges is a ring, and is put in ring order. */
+static sn_status order_if_loop(selection *s, sn_error *error) {
+    bool *selected = SN_NEW(bool, s->mesh->vertex_count);
+    sn_index *walk = SN_NEW(sn_index, s->count);
+    sn_status status = selected && walk ? SN_OK : sn_fail_memory(error, "the order of the roots");
+    for (sn_index i = 0; !status && i < s->count; i++) selected[s->vertices[i]] = true;
+    s->report.ring = !status && walk_loop(s, selected, walk) == s->count && section_ring_closed(&s->cut, s->count, walk);
+    if (s->report.ring) {
+        memcpy(s->vertices, walk, (size_t)s->count * sizeof *walk);
+        section_ring_canonical(s->count, s->vertices);
     }
-    free(left);
+    free(selected);
     free(walk);
-    return SN_OK;
+    return status;
 }
 
 static sn_status select_manual(selection *s, const sn_selector *selector, sn_error *error) {
     sn_status status = sn_select_vertices(s->mesh, &s->topology, selector, &s->count, &s->vertices, error);
-    if (!status && !section_ring_closed(&s->cut, s->count, s->vertices)) status = order_if_loop(s, error);
-    if (!status && SN_TRACE(s->trace, "select", sn_trace_indices("vertices", s->vertices, s->count))) return SN_OK; /* complete */
+    if (!status && selector->kind == SN_SELECT_PLANE)
+        s->report.ring = section_ring_closed(&s->cut, s->count, s->vertices);
+    else if (!status)
+        status = order_if_loop(s, error);
+    if (!status) SN_TRACE(s->trace, "select", sn_trace_indices("vertices", s->vertices, s->count)); /* a stop here comes when all is done */
     return status;
 }
 
@@ -359,7 +372,6 @@ static void fill_report(selection *s) {
     r->components = s->survey.components;
     r->length = s->tips.length;
     if (s->count == 0) return;
-    r->ring = section_ring_closed(&s->cut, s->count, s->vertices);
     r->parts = section_parts(&s->cut, s->count, s->vertices);
     r->centroid_offset = sn_distance(vertex_mean(s->mesh, s->count, s->vertices), s->centroid);
 }

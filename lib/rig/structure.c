@@ -6,7 +6,7 @@
 #include "tips.h"
 #include "tree.h"
 
-/* Samples this near to the surface, as a share of the box diagonal, are on it: the fronts at the tips are single vertices. */
+/* A leaf this near to the surface, as a share of the box diagonal, is on it: the fronts at the tips are single vertices. */
 #define ON_SURFACE 1e-9
 
 typedef struct building {
@@ -44,7 +44,7 @@ static sn_status prepare(building *b, sn_error *error) {
     if (!status) status = check_request(b, error);
     if (!status) status = sn_topology_build(b->mesh, &b->topology, error);
     if (!status) status = survey_surface(b->mesh, &b->topology, &b->survey, error);
-    if (!status) status = find_tips(b->mesh, &b->topology, b->muscle->roots.vertices[0], NULL, &b->tips, error);
+    if (!status) status = find_tips(b->mesh, &b->topology, b->survey.main_vertex, NULL, &b->tips, error);
     if (!status) status = tree_create(b->mesh, &b->topology, &b->tree, error);
     b->spacing = b->params->spacing > 0.0 ? b->params->spacing : 2.0 * sn_mesh_mean_edge(b->mesh, &b->topology);
     if (!status && !(b->spacing > 0.0)) status = sn_fail(error, SN_ERROR_INPUT, "all edges of the mesh have length 0; clean it first");
@@ -110,24 +110,25 @@ static void set_axes(sn_structure *s) {
 
 /* ---- report --------------------------------------------------------------------------------------------------------------- */
 
-static bool is_in_box(sn_vec3 p, sn_vec3 low, sn_vec3 high, double margin) {
-    return p.x >= low.x - margin && p.x <= high.x + margin && p.y >= low.y - margin && p.y <= high.y + margin && p.z >= low.z - margin &&
-           p.z <= high.z + margin;
-}
-
 static bool is_on_surface(const sn_mesh *mesh, sn_vec3 point, double reach) {
     for (sn_index t = 0; t < mesh->triangle_count; t++) {
         const sn_index *v = mesh->triangles[t].v;
         sn_vec3 a = mesh->positions[v[0]], b = mesh->positions[v[1]], c = mesh->positions[v[2]];
-        if (!is_in_box(point, sn_min3(a, sn_min3(b, c)), sn_max3(a, sn_max3(b, c)), reach)) continue;
         if (sn_distance(sn_closest_on_triangle(point, a, b, c, NULL), point) <= reach) return true;
     }
     return false;
 }
 
-static sn_status count_outside(const building *b, sn_index *outside, sn_error *error) {
-    *outside = SN_NONE;
-    if (!isfinite(b->survey.genus)) return SN_OK;
+/* Which samples have no child. */
+static bool *mark_leaves(const sn_structure *s) {
+    bool *leaf = SN_NEW(bool, s->sample_count);
+    for (sn_index i = 0; leaf && i < s->sample_count; i++) leaf[i] = true;
+    for (sn_index i = 1; leaf && i < s->sample_count; i++) leaf[s->parents[i]] = false;
+    return leaf;
+}
+
+static sn_status count_outside(const building *b, const bool *leaf, sn_index *outside, sn_error *error) {
+    if (!isfinite(b->survey.genus)) return SN_OK; /* an open surface has no inside */
     const sn_structure *s = &b->structure;
     int *winding = SN_NEW(int, s->sample_count);
     if (!winding) return sn_fail_memory(error, "the test for samples outside the volume");
@@ -135,36 +136,31 @@ static sn_status count_outside(const building *b, sn_index *outside, sn_error *e
     double reach = ON_SURFACE * sn_box_diagonal(sn_mesh_box(b->mesh));
     *outside = 0;
     for (sn_index i = 0; !status && i < s->sample_count; i++)
-        if (winding[i] == 0 && !is_on_surface(b->mesh, s->positions[i], reach)) ++*outside;
+        if (winding[i] == 0 && !(leaf[i] && is_on_surface(b->mesh, s->positions[i], reach))) ++*outside;
     free(winding);
     return status;
 }
 
-static sn_status count_tree(const sn_structure *s, sn_structure_report *r, sn_error *error) {
-    bool *has_child = SN_NEW(bool, s->sample_count);
-    if (!has_child) return sn_fail_memory(error, "the report of a structure");
-    for (sn_index i = 1; i < s->sample_count; i++) {
-        has_child[s->parents[i]] = true;
-        r->longest_link = fmax(r->longest_link, sn_distance(s->positions[i], s->positions[s->parents[i]]));
-    }
+static void count_tree(const sn_structure *s, const bool *leaf, sn_structure_report *r) {
     r->samples = s->sample_count;
     for (sn_index i = 0; i < s->sample_count; i++) {
-        r->leaves += !has_child[i];
+        r->leaves += leaf[i];
         if (s->branches[i] >= r->branches) r->branches = s->branches[i] + 1;
+        if (i > 0) r->longest_link = fmax(r->longest_link, sn_distance(s->positions[i], s->positions[s->parents[i]]));
     }
-    free(has_child);
-    return SN_OK;
 }
 
 static sn_status fill_report(const building *b, sn_structure_report *r, sn_error *error) {
     *r = (sn_structure_report){.vertices = b->mesh->vertex_count, .pruned = b->pruned, .spacing = b->spacing, .outside = SN_NONE};
     r->length = b->tips.length;
     r->genus = b->survey.genus;
-    sn_status status = count_tree(&b->structure, r, error);
-    if (status) return status;
-    for (sn_index v = 0; b->structure.vertex_sample && v < b->mesh->vertex_count; v++)
-        r->unconnected += b->structure.vertex_sample[v] == SN_NONE;
-    return count_outside(b, &r->outside, error);
+    for (sn_index v = 0; v < b->mesh->vertex_count; v++) r->unconnected += b->structure.vertex_sample[v] == SN_NONE;
+    bool *leaf = mark_leaves(&b->structure);
+    if (!leaf) return sn_fail_memory(error, "the report of a structure");
+    count_tree(&b->structure, leaf, r);
+    sn_status status = count_outside(b, leaf, &r->outside, error);
+    free(leaf);
+    return status;
 }
 
 /* ---- all together ------------------------------------------------------------------------------------------------------------ */

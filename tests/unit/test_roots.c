@@ -1,0 +1,255 @@
+/* Roots: the ring around the middle on shapes where it is known, and every manual selector. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include "rig_shapes.h"
+#include "sinew/rig.h"
+
+static sn_roots select_roots(sn_muscle *m, const sn_roots_params *params, sn_roots_report *report) {
+    sn_roots roots;
+    sn_error error = {0};
+    if (sn_roots_select(m, params, NULL, &roots, report, &error)) fail_msg("%s", error.text);
+    return roots;
+}
+
+static sn_roots automatic(sn_muscle *m, sn_roots_report *report) {
+    sn_roots_params params = sn_roots_defaults();
+    return select_roots(m, &params, report);
+}
+
+static sn_roots by_hand(sn_muscle *m, sn_selector selector, sn_roots_report *report) {
+    return select_roots(m, &(sn_roots_params){.selector = selector}, report);
+}
+
+static sn_status try_by_hand(const sn_muscle *m, sn_selector selector, sn_error *error) {
+    sn_roots roots;
+    return sn_roots_select(m, &(sn_roots_params){.selector = selector}, NULL, &roots, NULL, error);
+}
+
+/* ---- automatic -------------------------------------------------------------------------------------------------------------- */
+
+static void a_spindle_is_cut_at_its_middle_ring(void **state) {
+    (void)state;
+    enum { RINGS = 31, SECTORS = 12 };
+    sn_muscle m = {.meters_per_unit = 1, .mesh = spindle(RINGS, SECTORS, 0.2, 0.03)};
+    sn_roots_report report;
+    sn_roots roots = automatic(&m, &report);
+    assert_int_equal(roots.count, SECTORS);
+    assert_string_equal(roots.rule, "mid-section");
+    sn_index first = 1 + (RINGS / 2) * SECTORS; /* lowest vertex of the middle ring, then its lower neighbour, round to the higher one */
+    for (sn_index i = 0; i < SECTORS; i++) assert_int_equal(roots.vertices[i], first + i);
+    assert_true(report.ring && report.parts == 2 && !report.fallback && !report.from_attachments);
+    assert_true(report.centroid_offset < 1e-9 && report.genus == 0.0 && report.components == 1);
+    assert_true(report.length > 0.2 && report.length < 0.25);
+    sn_roots_free(&roots);
+    sn_muscle_free(&m);
+}
+
+static void a_fork_is_separated_too(void **state) {
+    (void)state;
+    sn_muscle m = {.meters_per_unit = 1, .mesh = blocks(two_prongs)};
+    sn_roots_report report;
+    sn_roots roots = automatic(&m, &report);
+    assert_true(report.ring && report.parts == 2);
+    assert_true(report.centroid_offset < 0.1 * report.length);
+    sn_roots_free(&roots);
+    sn_muscle_free(&m);
+}
+
+static void scale_does_not_matter(void **state) {
+    (void)state;
+    sn_muscle m = {.meters_per_unit = 1, .mesh = blocks(two_prongs)};
+    sn_roots small = automatic(&m, NULL);
+    for (sn_index v = 0; v < m.mesh.vertex_count; v++) m.mesh.positions[v] = sn_scale(m.mesh.positions[v], 1024.0);
+    sn_roots large = automatic(&m, NULL);
+    assert_int_equal(small.count, large.count);
+    assert_memory_equal(small.vertices, large.vertices, (size_t)small.count * sizeof(sn_index));
+    sn_roots_free(&small);
+    sn_roots_free(&large);
+    sn_muscle_free(&m);
+}
+
+static sn_attachment attach_at(const char *bone, sn_index vertex) {
+    sn_attachment a = {.bone = sn_strdup(bone), .method = sn_strdup("pin"), .count = 1, .vertices = SN_NEW(sn_index, 1)};
+    a.vertices[0] = vertex;
+    return a;
+}
+
+/* Two bones near the same end: the field runs between them, and the ring parts one from the other. */
+static void attachments_are_the_ends_where_there_are_two(void **state) {
+    (void)state;
+    enum { RINGS = 31, SECTORS = 12 };
+    sn_muscle m = {.meters_per_unit = 1, .mesh = spindle(RINGS, SECTORS, 0.2, 0.03), .has_attachments = true, .attachment_count = 2};
+    m.attachments = SN_NEW(sn_attachment, 2);
+    m.attachments[0] = attach_at("radius", 1 + (RINGS - 2) * SECTORS);
+    m.attachments[1] = attach_at("humerus", 1 + (RINGS - 2) * SECTORS + SECTORS / 2);
+    sn_roots_report report;
+    sn_roots roots = automatic(&m, &report);
+    assert_true(report.from_attachments && report.ring && report.parts == 2);
+    bool along = false; /* such a ring runs along the muscle, not around it */
+    for (sn_index i = 0; i < roots.count; i++) along |= fabs(m.mesh.positions[roots.vertices[i]].z) > 0.05;
+    assert_true(along);
+    sn_roots_free(&roots);
+
+    sn_attachments_free(m.attachments, 2); /* one bone is no pair of ends */
+    m.attachments = SN_NEW(sn_attachment, 1);
+    m.attachments[0] = attach_at("radius", 5);
+    m.attachment_count = 1;
+    roots = automatic(&m, &report);
+    assert_true(!report.from_attachments && roots.count == SECTORS);
+    sn_roots_free(&roots);
+    sn_muscle_free(&m);
+}
+
+/* A section across a hoop has two curves and parts nothing; what is found is a ring around one end. */
+static void a_hoop_is_reported_as_one(void **state) {
+    (void)state;
+    sn_muscle m = {.meters_per_unit = 1, .mesh = blocks(hoop)};
+    sn_roots_report report;
+    sn_roots roots = automatic(&m, &report);
+    assert_true(report.genus == 1.0 && report.ring && roots.count >= 3);
+    sn_roots_free(&roots);
+    sn_muscle_free(&m);
+}
+
+static void the_largest_component_gets_the_ring(void **state) {
+    (void)state;
+    sn_muscle m = {.meters_per_unit = 1, .mesh = joined(spindle(5, 6, 1, 0.2), spindle(31, 12, 1, 0.2))};
+    sn_roots_report report;
+    sn_roots roots = automatic(&m, &report);
+    assert_int_equal(report.components, 2);
+    for (sn_index i = 0; i < roots.count; i++) assert_true(roots.vertices[i] >= 32);
+    sn_roots_free(&roots);
+    sn_muscle_free(&m);
+}
+
+static void an_open_sheet_is_an_error_that_helps(void **state) {
+    (void)state;
+    sn_muscle m = {.meters_per_unit = 1};
+    sn_roots roots;
+    sn_error error = {0};
+    sn_roots_params params = sn_roots_defaults();
+    assert_int_equal(sn_mesh_alloc(&m.mesh, 3, 1, NULL), SN_OK);
+    m.mesh.positions[1] = sn_v3(1, 0, 0);
+    m.mesh.positions[2] = sn_v3(0, 1, 0);
+    m.mesh.triangles[0] = (sn_triangle){{0, 1, 2}};
+    assert_int_equal(sn_roots_select(&m, &params, NULL, &roots, NULL, &error), SN_ERROR_INPUT);
+    assert_non_null(strstr(error.text, "mesh-clean"));
+    assert_int_equal(roots.count, 0);
+    sn_muscle_free(&m);
+}
+
+static void stopping_anywhere_leaves_all_or_nothing(void **state) {
+    (void)state;
+    sn_muscle m = {.meters_per_unit = 1, .mesh = spindle(15, 8, 0.2, 0.03)};
+    sn_roots_params params = sn_roots_defaults();
+    sn_roots whole = automatic(&m, NULL);
+    sn_status status = SN_STOPPED;
+    for (int64_t n = 0; status == SN_STOPPED; n++) {
+        sn_trace trace = {.stop_after = n};
+        sn_roots roots;
+        status = sn_roots_select(&m, &params, &trace, &roots, NULL, NULL);
+        assert_true(trace.steps <= n && n < 1000);
+        assert_int_equal(roots.count, status == SN_STOPPED ? 0 : whole.count);
+        sn_roots_free(&roots);
+    }
+    assert_int_equal(status, SN_OK);
+    sn_roots_free(&whole);
+    sn_muscle_free(&m);
+}
+
+/* ---- by hand ------------------------------------------------------------------------------------------------------------------ */
+
+static void a_plane_gives_the_ring_of_the_nearest_section(void **state) {
+    (void)state;
+    sn_muscle m = {.meters_per_unit = 1, .mesh = blocks(two_prongs)};
+    sn_roots_report report;
+    sn_selector plane = {.kind = SN_SELECT_PLANE, .point = {10, 6, 30.5}, .other = {0, 0, 3}}; /* through both prongs, near the first */
+    sn_roots roots = by_hand(&m, plane, &report);
+    assert_true(report.ring && report.parts == 2);
+    assert_string_equal(roots.rule, "plane");
+    assert_int_equal(roots.count, 16); /* around 4 x 4 blocks */
+    for (sn_index i = 0; i < roots.count; i++) {
+        sn_vec3 p = m.mesh.positions[roots.vertices[i]];
+        assert_true(p.z == 30.0 && p.x <= 12.0); /* on the side against the normal */
+        assert_true(roots.vertices[i] >= roots.vertices[0]);
+    }
+    assert_true(roots.vertices[1] < roots.vertices[roots.count - 1]);
+    sn_roots_free(&roots);
+    sn_muscle_free(&m);
+}
+
+static void selectors_take_what_they_say(void **state) {
+    (void)state;
+    enum { SECTORS = 12 };
+    sn_muscle m = {.meters_per_unit = 1, .mesh = spindle(31, SECTORS, 0.2, 0.03)};
+    sn_attribute *paint = sn_mesh_add_attribute(&m.mesh, "belly", 1);
+    assert_non_null(paint);
+    for (sn_index v = 0; v < m.mesh.vertex_count; v++) paint->values[v] = fabs(m.mesh.positions[v].z) < 0.001;
+    sn_roots_report report;
+    const sn_index middle = 1 + 15 * SECTORS, last = m.mesh.vertex_count - 1;
+    const struct {
+        sn_selector selector;
+        sn_index count, first;
+        bool ring;
+    } cases[] = {
+        {{.kind = SN_SELECT_INDICES, .count = 4, .indices = (sn_index[]){9, 3, 9, 5}}, 3, 3, false},
+        {{.kind = SN_SELECT_NEAR, .count = 1, .point = {0, 0, -1}}, 1, 0, false},
+        {{.kind = SN_SELECT_NEAR, .count = 1 + SECTORS, .point = {0, 0, 1}}, 1 + SECTORS, last - SECTORS, false},
+        {{.kind = SN_SELECT_SPHERE, .point = {0, 0, -0.1}, .radius = 1e-3}, 1, 0, false},
+        {{.kind = SN_SELECT_BOX, .point = {-1, -1, -0.001}, .other = {1, 1, 0.001}}, SECTORS, middle, true},
+        {{.kind = SN_SELECT_HALF, .point = {0, 0, 0.0999}, .other = {0, 0, 2}}, 1, last, false},
+        {{.kind = SN_SELECT_PAINTED, .attribute = "belly", .threshold = 0.5}, SECTORS, middle, true},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        sn_roots roots = by_hand(&m, cases[i].selector, &report);
+        assert_int_equal(roots.count, cases[i].count);
+        assert_int_equal(roots.vertices[0], cases[i].first);
+        assert_int_equal(report.ring, cases[i].ring); /* a set that is one loop is put in ring order */
+        assert_int_equal(report.parts, cases[i].ring ? 2 : 1);
+        assert_true(isnan(report.level));
+        sn_roots_free(&roots);
+    }
+    sn_muscle_free(&m);
+}
+
+static void bad_selections_are_named(void **state) {
+    (void)state;
+    sn_muscle m = {.meters_per_unit = 1, .mesh = spindle(5, 6, 0.2, 0.03)};
+    sn_error error = {0};
+    assert_int_equal(try_by_hand(&m, (sn_selector){.kind = SN_SELECT_INDICES, .count = 1, .indices = (sn_index[]){32}}, &error),
+                     SN_ERROR_INPUT);
+    assert_int_equal(error.element, 32);
+    assert_int_equal(try_by_hand(&m, (sn_selector){.kind = SN_SELECT_SPHERE, .point = {9, 9, 9}, .radius = 1}, &error), SN_ERROR_INPUT);
+    assert_non_null(strstr(error.text, "sphere"));
+    assert_int_equal(try_by_hand(&m, (sn_selector){.kind = SN_SELECT_PLANE, .point = {9, 9, 9}, .other = {0, 0, 1}}, &error),
+                     SN_ERROR_INPUT);
+    assert_int_equal(try_by_hand(&m, (sn_selector){.kind = SN_SELECT_PLANE}, &error), SN_ERROR_USAGE);
+    assert_int_equal(try_by_hand(&m, (sn_selector){.kind = SN_SELECT_PAINTED, .attribute = "red"}, &error), SN_ERROR_INPUT);
+    assert_non_null(strstr(error.text, "\"red\""));
+    assert_int_equal(try_by_hand(&m, (sn_selector){.kind = SN_SELECT_NEAR, .count = 33}, &error), SN_ERROR_INPUT);
+    assert_int_equal(try_by_hand(&m, (sn_selector){.kind = SN_SELECT_NEAR, .count = 1, .point = {NAN, 0, 0}}, &error), SN_ERROR_USAGE);
+    sn_muscle_free(&m);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_spindle_is_cut_at_its_middle_ring),
+        cmocka_unit_test(a_fork_is_separated_too),
+        cmocka_unit_test(scale_does_not_matter),
+        cmocka_unit_test(attachments_are_the_ends_where_there_are_two),
+        cmocka_unit_test(a_hoop_is_reported_as_one),
+        cmocka_unit_test(the_largest_component_gets_the_ring),
+        cmocka_unit_test(an_open_sheet_is_an_error_that_helps),
+        cmocka_unit_test(stopping_anywhere_leaves_all_or_nothing),
+        cmocka_unit_test(a_plane_gives_the_ring_of_the_nearest_section),
+        cmocka_unit_test(selectors_take_what_they_say),
+        cmocka_unit_test(bad_selections_are_named),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
