@@ -176,20 +176,10 @@ static bool can_be_oriented(const sn_mesh *mesh, const sn_topology *topology, si
     return true;
 }
 
-static sn_status find_orientable(const sn_mesh *mesh, bool *orientable, sn_error *error) {
-    sn_topology topology;
-    sn_status status = sn_topology_build(mesh, &topology, error);
-    if (status != SN_OK) return status;
-    signed char *side = SN_NEW(signed char, mesh->triangle_count);
-    sn_index *queue = SN_NEW(sn_index, mesh->triangle_count);
-    if (side != NULL && queue != NULL)
-        *orientable = can_be_oriented(mesh, &topology, side, queue);
-    else
-        status = sn_fail_memory(error, "orienting a mesh");
-    free(side);
-    free(queue);
-    sn_topology_free(&topology);
-    return status;
+static void flip(sn_triangle *triangle) {
+    sn_index kept = triangle->v[1];
+    triangle->v[1] = triangle->v[2];
+    triangle->v[2] = kept;
 }
 
 static double twice_area(const sn_mesh *mesh, sn_index t) {
@@ -211,9 +201,7 @@ static sn_status keep_majority(sn_mesh *mesh, bool *was_flipped, sn_error *error
         }
         for (sn_index t = 0; t < mesh->triangle_count; t++) {
             if (balance[component[t]] <= 0.0) continue;
-            sn_index *v = mesh->triangles[t].v, kept = v[1];
-            v[1] = v[2];
-            v[2] = kept;
+            flip(&mesh->triangles[t]);
             was_flipped[t] = !was_flipped[t];
         }
     } else {
@@ -221,6 +209,39 @@ static sn_status keep_majority(sn_mesh *mesh, bool *was_flipped, sn_error *error
     }
     free(balance);
     free(component);
+    sn_topology_free(&topology);
+    return status;
+}
+
+/* Turn the triangles of the other side; the rest of the mesh is not touched. */
+static sn_status turn_sides(sn_mesh *mesh, const signed char *side, sn_index *flipped, sn_error *error) {
+    bool *was_flipped = SN_NEW(bool, mesh->triangle_count);
+    if (was_flipped == NULL) return sn_fail_memory(error, "orienting a mesh");
+    for (sn_index t = 0; t < mesh->triangle_count; t++) {
+        was_flipped[t] = side[t] < 0;
+        if (was_flipped[t]) flip(&mesh->triangles[t]);
+    }
+    sn_status status = keep_majority(mesh, was_flipped, error);
+    for (sn_index t = 0; t < mesh->triangle_count; t++) *flipped += was_flipped[t];
+    free(was_flipped);
+    return status;
+}
+
+/* A two-sided surface whose edges carry one or two triangles can be oriented in place; turn = false only looks. */
+static sn_status orient_in_place(sn_mesh *mesh, bool turn, sn_manifold_report *report, sn_error *error) {
+    sn_topology topology;
+    sn_status status = sn_topology_build(mesh, &topology, error);
+    if (status != SN_OK) return status;
+    signed char *side = SN_NEW(signed char, mesh->triangle_count);
+    sn_index *queue = SN_NEW(sn_index, mesh->triangle_count);
+    if (side != NULL && queue != NULL) {
+        report->orientable = can_be_oriented(mesh, &topology, side, queue);
+        if (report->orientable && turn) status = turn_sides(mesh, side, &report->flipped, error);
+    } else {
+        status = sn_fail_memory(error, "orienting a mesh");
+    }
+    free(side);
+    free(queue);
     sn_topology_free(&topology);
     return status;
 }
@@ -264,11 +285,14 @@ sn_status sn_make_manifold(sn_mesh *mesh, sn_manifold_report *report, sn_error *
     *report = (sn_manifold_report){.orientable = true};
     sn_mesh_report found;
     sn_status status = sn_mesh_inspect(mesh, &found, error);
-    if (status != SN_OK || mesh->triangle_count == 0) return status;
-    if (found.nonmanifold_edges == 0 && found.nonmanifold_vertices == 0 && found.inconsistent_edges == 0) return SN_OK;
-    if (found.nonmanifold_edges > 0) status = sn_drop_walls(mesh, &report->wall_triangles, error);
-    if (status == SN_OK && mesh->triangle_count > 0) status = find_orientable(mesh, &report->orientable, error);
-    if (status == SN_OK && mesh->triangle_count > 0) status = orient_and_stitch(mesh, report, error);
+    if (status == SN_OK && found.nonmanifold_edges > 0) {
+        status = sn_drop_walls(mesh, &report->wall_triangles, error);
+        if (status == SN_OK && report->wall_triangles > 0) status = sn_mesh_inspect(mesh, &found, error);
+    }
+    bool manifold = found.nonmanifold_edges == 0 && found.nonmanifold_vertices == 0;
+    if (status != SN_OK || mesh->triangle_count == 0 || (manifold && found.inconsistent_edges == 0)) return status;
+    status = orient_in_place(mesh, manifold, report, error);
+    if (status == SN_OK && !(manifold && report->orientable)) status = orient_and_stitch(mesh, report, error);
     return status;
 }
 
