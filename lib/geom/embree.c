@@ -15,7 +15,8 @@
 #include <xmmintrin.h>
 #endif
 
-/* A closed, consistently oriented piece of the surface: every edge has two triangles that run through it in opposite directions. */
+/* A piece of the surface whose nearest point tells inside from outside: every edge has two triangles that run through it in opposite
+ * directions, and it does not cross itself. */
 typedef struct part {
     int winding; /* of a point inside: 1, -1 where the piece is inside out, 0 where it encloses nothing */
     sn_box box;
@@ -30,8 +31,9 @@ struct sn_surface {
     sn_index part_count;
     part *parts;       /* (part_count) */
     sn_index *part_of; /* (triangle_count) SN_NONE: of no closed piece */
-    sn_mesh open;      /* the triangles of no closed piece; shares the positions of mesh, owns its triangles */
+    sn_mesh open;      /* the triangles of no such piece; shares the positions of mesh, owns its triangles */
     sn_box open_box;
+    bool closed; /* no edge is a border, non-manifold or badly wound */
     RTCDevice device;
     RTCScene scene;
 };
@@ -65,6 +67,60 @@ static void box_add_triangle(sn_box *box, const sn_mesh *mesh, sn_index t) {
         box->low = sn_min3(box->low, p);
         box->high = sn_max3(box->high, p);
     }
+}
+
+/* ---- Embree's copy ------------------------------------------------------------------------------------------------------------ */
+
+static sn_status embree_status(RTCDevice device, sn_error *error) {
+    enum RTCError code = rtcGetDeviceError(device);
+    if (code == RTC_ERROR_NONE) return SN_OK;
+    if (code == RTC_ERROR_OUT_OF_MEMORY) return sn_fail_memory(error, "a search structure");
+    return sn_fail(error, SN_ERROR_INTERNAL, "Embree failed to build a search structure (error %d)", (int)code);
+}
+
+static void store_scaled(const sn_surface *s, sn_vec3 p, float out[3]) {
+    sn_vec3 q = sn_scale(sn_sub(p, s->centre), s->scale);
+    out[0] = (float)q.x;
+    out[1] = (float)q.y;
+    out[2] = (float)q.z;
+}
+
+static bool fill_buffers(const sn_surface *s, RTCGeometry geometry) {
+    const sn_mesh *mesh = s->mesh;
+    float *points =
+        rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 3 * sizeof(float), (size_t)mesh->vertex_count);
+    uint32_t *corners =
+        rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 3 * sizeof(uint32_t), (size_t)mesh->triangle_count);
+    if (points == NULL || corners == NULL) return false;
+    for (sn_index v = 0; v < mesh->vertex_count; v++) store_scaled(s, mesh->positions[v], points + 3 * (size_t)v);
+    for (sn_index t = 0; t < mesh->triangle_count; t++) {
+        for (int k = 0; k < 3; k++) corners[3 * (size_t)t + (size_t)k] = (uint32_t)mesh->triangles[t].v[k];
+    }
+    return true;
+}
+
+static void fill_scene(sn_surface *s) {
+    s->scene = rtcNewScene(s->device);
+    if (s->scene == NULL) return;
+    /* robust: no ray slips through between two triangles; the filter is for crosses_itself */
+    rtcSetSceneFlags(s->scene, RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION);
+    rtcSetSceneBuildQuality(s->scene, RTC_BUILD_QUALITY_MEDIUM);
+    RTCGeometry geometry = rtcNewGeometry(s->device, RTC_GEOMETRY_TYPE_TRIANGLE);
+    if (geometry == NULL) return;
+    if (fill_buffers(s, geometry)) {
+        rtcCommitGeometry(geometry);
+        rtcAttachGeometry(s->scene, geometry);
+        rtcCommitScene(s->scene);
+    }
+    rtcReleaseGeometry(geometry);
+}
+
+static sn_status build_scene(sn_surface *s, sn_error *error) {
+    unsigned mode = flush_denormals();
+    s->device = rtcNewDevice("threads=1,set_affinity=0");
+    if (s->device != NULL) fill_scene(s);
+    restore_mode(mode);
+    return embree_status(s->device, error); /* NULL asks for the error of rtcNewDevice */
 }
 
 /* ---- the closed pieces of the surface ---------------------------------------------------------------------------------------- */
@@ -105,6 +161,53 @@ static bool flood(const sn_surface *s, sn_index seed, sn_index *label, sn_index 
     return closed;
 }
 
+/* An edge sent as a ray through the piece that is labelled like it. */
+typedef struct edge_ray {
+    struct RTCIntersectContext context; /* first: Embree hands out its address */
+    const sn_surface *surface;
+    const sn_edge *edge;
+    const sn_index *label;
+} edge_ray;
+
+/* Turn down hits on other pieces and on triangles that the edge ends in. */
+static void keep_crossings(const struct RTCFilterFunctionNArguments *arguments) {
+    const edge_ray *ray = (const edge_ray *)arguments->context;
+    sn_index t = (sn_index)((const struct RTCHit *)arguments->hit)->primID; /* one ray at a time: N is 1 */
+    const sn_index *v = ray->surface->mesh->triangles[t].v, *end = ray->edge->v;
+    bool touches = v[0] == end[0] || v[1] == end[0] || v[2] == end[0] || v[0] == end[1] || v[1] == end[1] || v[2] == end[1];
+    if (touches || ray->label[t] != ray->label[ray->edge->triangle[0]]) arguments->valid[0] = 0;
+}
+
+static bool edge_crosses(const sn_surface *s, const sn_edge *edge, const sn_index *label) {
+    edge_ray ray = {.surface = s, .edge = edge, .label = label};
+    rtcInitIntersectContext(&ray.context);
+    ray.context.filter = keep_crossings;
+    float a[3], b[3];
+    store_scaled(s, s->mesh->positions[edge->v[0]], a);
+    store_scaled(s, s->mesh->positions[edge->v[1]], b);
+    struct RTCRay segment = {.org_x = a[0], .org_y = a[1], .org_z = a[2], .tfar = 1.0f, .mask = UINT32_MAX};
+    segment.dir_x = b[0] - a[0];
+    segment.dir_y = b[1] - a[1];
+    segment.dir_z = b[2] - a[2];
+    rtcOccluded1(s->scene, &ray.context, &segment);
+    return segment.tfar < 0.0f;
+}
+
+/* Two triangles that cross have an edge of one going through the other. Single precision may see a touch as a crossing, which costs
+ * time only: the winding number then tells inside from outside. */
+static bool crosses_itself(const sn_surface *s, const sn_index *label, const sn_index *piece, sn_index size) {
+    bool crosses = false;
+    unsigned mode = flush_denormals();
+    for (sn_index i = 0; i < size && !crosses; i++) {
+        for (int k = 0; k < 3 && !crosses; k++) {
+            const sn_edge *edge = &s->topology.edges[s->topology.triangle_edges[piece[i]][k]];
+            if (edge->triangle[0] == piece[i]) crosses = edge_crosses(s, edge, label);
+        }
+    }
+    restore_mode(mode);
+    return crosses;
+}
+
 /* Box and orientation of a closed piece, from the sign of the volume that it encloses; a sheet folded on itself encloses none. */
 static part measure_part(const sn_surface *s, const sn_index *piece, sn_index size) {
     part p = {.box = empty_box()};
@@ -141,7 +244,7 @@ static void add_open(sn_surface *s, const sn_index *piece, sn_index size) {
     }
 }
 
-/* Split the surface into closed pieces and the rest. */
+/* Split the surface into pieces that the pseudonormals are good for, and the rest. */
 static sn_status find_parts(sn_surface *s, sn_error *error) {
     sn_index count = s->mesh->triangle_count, size;
     sn_status status = SN_OK;
@@ -150,6 +253,7 @@ static sn_status find_parts(sn_surface *s, sn_error *error) {
     s->part_of = SN_NEW(sn_index, count);
     s->open = (sn_mesh){.vertex_count = s->mesh->vertex_count, .positions = s->mesh->positions, .triangles = SN_NEW(sn_triangle, count)};
     s->open_box = empty_box();
+    s->closed = true;
     if (label == NULL || piece == NULL || s->part_of == NULL || s->open.triangles == NULL) {
         status = sn_fail_memory(error, "a search structure");
         goto cleanup;
@@ -157,7 +261,9 @@ static sn_status find_parts(sn_surface *s, sn_error *error) {
     for (sn_index t = 0; t < count; t++) label[t] = SN_NONE;
     for (sn_index t = 0; t < count && status == SN_OK; t++) {
         if (label[t] != SN_NONE) continue;
-        if (flood(s, t, label, piece, &size))
+        bool closed = flood(s, t, label, piece, &size);
+        s->closed = s->closed && closed;
+        if (closed && !crosses_itself(s, label, piece, size))
             status = add_part(s, &capacity, piece, size, error);
         else
             add_open(s, piece, size);
@@ -166,59 +272,6 @@ cleanup:
     free(label);
     free(piece);
     return status;
-}
-
-/* ---- Embree's copy ------------------------------------------------------------------------------------------------------------ */
-
-static sn_status embree_status(RTCDevice device, sn_error *error) {
-    enum RTCError code = rtcGetDeviceError(device);
-    if (code == RTC_ERROR_NONE) return SN_OK;
-    if (code == RTC_ERROR_OUT_OF_MEMORY) return sn_fail_memory(error, "a search structure");
-    return sn_fail(error, SN_ERROR_INTERNAL, "Embree failed to build a search structure (error %d)", (int)code);
-}
-
-static void store_scaled(const sn_surface *s, sn_vec3 p, float out[3]) {
-    sn_vec3 q = sn_scale(sn_sub(p, s->centre), s->scale);
-    out[0] = (float)q.x;
-    out[1] = (float)q.y;
-    out[2] = (float)q.z;
-}
-
-static bool fill_buffers(const sn_surface *s, RTCGeometry geometry) {
-    const sn_mesh *mesh = s->mesh;
-    float *points =
-        rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 3 * sizeof(float), (size_t)mesh->vertex_count);
-    uint32_t *corners =
-        rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 3 * sizeof(uint32_t), (size_t)mesh->triangle_count);
-    if (points == NULL || corners == NULL) return false;
-    for (sn_index v = 0; v < mesh->vertex_count; v++) store_scaled(s, mesh->positions[v], points + 3 * (size_t)v);
-    for (sn_index t = 0; t < mesh->triangle_count; t++) {
-        for (int k = 0; k < 3; k++) corners[3 * (size_t)t + (size_t)k] = (uint32_t)mesh->triangles[t].v[k];
-    }
-    return true;
-}
-
-static void fill_scene(sn_surface *s) {
-    s->scene = rtcNewScene(s->device);
-    if (s->scene == NULL) return;
-    rtcSetSceneFlags(s->scene, RTC_SCENE_FLAG_ROBUST); /* no ray slips through between two triangles */
-    rtcSetSceneBuildQuality(s->scene, RTC_BUILD_QUALITY_MEDIUM);
-    RTCGeometry geometry = rtcNewGeometry(s->device, RTC_GEOMETRY_TYPE_TRIANGLE);
-    if (geometry == NULL) return;
-    if (fill_buffers(s, geometry)) {
-        rtcCommitGeometry(geometry);
-        rtcAttachGeometry(s->scene, geometry);
-        rtcCommitScene(s->scene);
-    }
-    rtcReleaseGeometry(geometry);
-}
-
-static sn_status build_scene(sn_surface *s, sn_error *error) {
-    unsigned mode = flush_denormals();
-    s->device = rtcNewDevice("threads=1,set_affinity=0");
-    if (s->device != NULL) fill_scene(s);
-    restore_mode(mode);
-    return embree_status(s->device, error); /* NULL asks for the error of rtcNewDevice */
 }
 
 /* ---- create and destroy --------------------------------------------------------------------------------------------------------- */
@@ -240,8 +293,8 @@ sn_status sn_surface_create(const sn_mesh *mesh, sn_surface **out, sn_error *err
     s->mesh = mesh;
     set_frame(s);
     status = sn_topology_build(mesh, &s->topology, error);
-    if (status == SN_OK) status = find_parts(s, error);
     if (status == SN_OK) status = build_scene(s, error);
+    if (status == SN_OK) status = find_parts(s, error);
     if (status != SN_OK) {
         sn_surface_destroy(s);
         return status;
@@ -261,7 +314,7 @@ void sn_surface_destroy(sn_surface *surface) {
     free(surface);
 }
 
-bool sn_surface_closed(const sn_surface *surface) { return surface->open.triangle_count == 0; }
+bool sn_surface_closed(const sn_surface *surface) { return surface->closed; }
 
 /* ---- closest point ---------------------------------------------------------------------------------------------------------------- */
 

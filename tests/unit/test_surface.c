@@ -280,6 +280,26 @@ static void signed_distance_of_a_shell(void **state) {
     sn_mesh_free(&outer), sn_mesh_free(&inner), sn_mesh_free(&shell);
 }
 
+/* A vertex pulled through the other side, and a spike bent back into the body: nearest points on a surface that crosses itself face
+ * either way, also far from the crossing. */
+static void signed_distance_of_a_crossed_mesh(void **state) {
+    (void)state;
+    for (int shape = 0; shape < 2; shape++) {
+        sn_mesh mesh = globe(12, 12, sn_v3(0, 0, 0), 1, 0.2);
+        mesh.positions[50 + shape] = sn_scale(mesh.positions[50 + shape], shape == 0 ? -2.5 : -0.9);
+        if (shape == 1) mesh.positions[63] = sn_scale(mesh.positions[63], 3);
+        sn_surface *surface = surface_of(&mesh);
+        assert_true(sn_surface_closed(surface));
+        uint64_t seed = 12;
+        for (int i = 0; i < 5000; i++) {
+            sn_vec3 p = random_point(&seed, 3);
+            assert_int_equal(sn_surface_signed_distance(surface, p, NULL) < 0, fabs(sn_winding_number(&mesh, p)) > 0.5);
+        }
+        sn_surface_destroy(surface);
+        sn_mesh_free(&mesh);
+    }
+}
+
 /* A globe with a hole and a triangle turned over: the winding number still knows the inside. */
 static void signed_distance_of_an_open_mesh(void **state) {
     (void)state;
@@ -441,6 +461,7 @@ int main(void) {
         cmocka_unit_test(sign_near_the_surface),
         cmocka_unit_test(signed_distance_of_overlapping_bodies),
         cmocka_unit_test(signed_distance_of_a_shell),
+        cmocka_unit_test(signed_distance_of_a_crossed_mesh),
         cmocka_unit_test(signed_distance_of_an_open_mesh),
         cmocka_unit_test(signed_distance_of_a_folded_sheet),
         cmocka_unit_test(rays_do_not_leak),
