@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* ---- the end ----------------------------------------------------------------------------------------------------------- */
+/* ---- the end ---------------------------------------------------------------------------------------------------------- */
 
 void sn_roots_free(sn_roots *roots) {
     free(roots->vertices);
@@ -59,7 +59,7 @@ unsigned sn_muscle_sections(const sn_muscle *muscle) {
     return sections;
 }
 
-/* ---- validation ---------------------------------------------------------------------------------------------------------- */
+/* ---- validation ------------------------------------------------------------------------------------------------------- */
 
 static sn_status fail_element(sn_error *error, sn_index element, const char *section, const char *what) {
     sn_status status = sn_fail(error, SN_ERROR_INPUT, "%s %ld %s", section, (long)element, what);

@@ -14,7 +14,7 @@ struct sn_document {
     sn_json_tree *tree; /* NULL = it was a bare mesh */
 };
 
-/* ---- paths -------------------------------------------------------------------------------------------------------------- */
+/* ---- paths ------------------------------------------------------------------------------------------------------------ */
 
 char *sn_path_beside(const char *document, const char *uri) {
     const char *slash = document != NULL && *uri != '/' ? strrchr(document, '/') : NULL;
@@ -32,7 +32,7 @@ char *sn_path_stem(const char *path) {
     return sn_strndup(name, dot != NULL && dot > name ? (size_t)(dot - name) : strlen(name));
 }
 
-/* ---- reading: mesh -------------------------------------------------------------------------------------------------------- */
+/* ---- reading: mesh ---------------------------------------------------------------------------------------------------- */
 
 static sn_status parse_attribute(const sn_json_value *value, sn_mesh *mesh, sn_error *error) {
     sn_json_value components = sn_json_member(value, "components"), integer = sn_json_member(value, "integer"),
@@ -56,7 +56,11 @@ static sn_status parse_attributes(const sn_json_value *value, sn_mesh *mesh, sn_
     if (!sn_json_has(value)) return SN_OK;
     sn_json_value attribute = {0};
     sn_status status = sn_json_expect_object(value, error);
-    while (status == SN_OK && sn_json_next(value, &attribute)) status = parse_attribute(&attribute, mesh, error);
+    while (status == SN_OK && sn_json_next(value, &attribute)) {
+        if (mesh->attribute_count >= SN_LIST_LIMIT)
+            return sn_json_complain(value, error, "there are more than %d attributes", SN_LIST_LIMIT);
+        status = parse_attribute(&attribute, mesh, error);
+    }
     return status;
 }
 
@@ -135,7 +139,7 @@ static sn_status parse_mesh(const sn_json_value *value, sn_mesh *mesh, sn_error 
     return sn_json_has(&uri) ? parse_mesh_reference(value, mesh, error) : parse_inline_mesh(value, mesh, error);
 }
 
-/* ---- reading: what the tools of the chain add ------------------------------------------------------------------------------- */
+/* ---- reading: what the tools of the chain add ------------------------------------------------------------------------- */
 
 static sn_status parse_roots(const sn_json_value *value, sn_index vertex_count, sn_roots *roots, sn_error *error) {
     if (!sn_json_has(value)) return SN_OK;
@@ -260,9 +264,9 @@ static sn_status parse_attachment(const sn_json_value *value, sn_index vertex_co
 
 static sn_status parse_attachments(const sn_json_value *value, sn_muscle *muscle, sn_error *error) {
     if (!sn_json_has(value)) return SN_OK;
-    sn_status status = sn_json_expect_array(value, error);
+    sn_index count;
+    sn_status status = sn_json_expect_list(value, SN_LIST_LIMIT, &count, error);
     if (status != SN_OK) return status;
-    sn_index count = sn_json_length(value);
     if ((muscle->attachments = SN_NEW(sn_attachment, count)) == NULL) return sn_fail_memory(error, "attachments");
     muscle->attachment_count = count;
     muscle->has_attachments = true;
@@ -273,7 +277,7 @@ static sn_status parse_attachments(const sn_json_value *value, sn_muscle *muscle
     return status;
 }
 
-/* ---- reading: the document ------------------------------------------------------------------------------------------------------- */
+/* ---- reading: the document -------------------------------------------------------------------------------------------- */
 
 static sn_status check_history(const sn_json_value *value, sn_error *error) {
     if (!sn_json_has(value)) return SN_OK;
@@ -311,7 +315,7 @@ static sn_status parse_document(const sn_blob *blob, sn_muscle *out, sn_document
     return status == SN_OK ? sn_muscle_validate(out, error) : status;
 }
 
-/* ---- reading: a bare mesh ----------------------------------------------------------------------------------------------------------- */
+/* ---- reading: a bare mesh --------------------------------------------------------------------------------------------- */
 
 /* A muscle is between a millimetre and some metres long: what is not has probably another unit. */
 static void warn_of_size(const char *name, const sn_mesh *mesh, double meters_per_unit) {
@@ -355,8 +359,7 @@ void sn_document_free(sn_document *document) {
     free(document);
 }
 
-/* ---- writing: sections ------------------------------------------------------------------------------------------------------------------
- */
+/* ---- writing: sections ------------------------------------------------------------------------------------------------ */
 
 static void write_points(sn_json *json, const char *key, const sn_vec3 *points, sn_index count) {
     sn_json_numbers(json, key, points != NULL ? &points->x : NULL, 3 * (size_t)count);
@@ -482,8 +485,7 @@ static sn_status write_attachments(const sn_muscle *muscle, sn_json *json, sn_er
     return SN_OK;
 }
 
-/* ---- writing: the document --------------------------------------------------------------------------------------------------------------
- */
+/* ---- writing: the document -------------------------------------------------------------------------------------------- */
 
 /* The sections in the order of the document, what writes each, and the sections that a change of it makes stale. */
 static const struct section {

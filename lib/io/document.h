@@ -4,6 +4,9 @@
 
 #include "json.h"
 
+/* The most bones, muscles, joints, attachments or attributes that a document may list. */
+enum { SN_LIST_LIMIT = 4096 };
+
 /* The path of a file that a document names: relative to the document's own folder. Allocated; NULL = out of memory. */
 char *sn_path_beside(const char *document, const char *uri);
 /* The file's name without folder and extension; NULL = out of memory, or a stream without a name. */

@@ -22,7 +22,7 @@ struct sn_json_tree {
     size_t span_count, span_capacity;
 };
 
-/* ---- the grammar of RFC 8259, as far as folding needs it ------------------------------------------------------------------ */
+/* ---- the grammar of RFC 8259, as far as folding needs it -------------------------------------------------------------- */
 
 static bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\n' || c == '\r'; }
 static bool is_digit(char c) { return c >= '0' && c <= '9'; }
@@ -85,7 +85,7 @@ static const char *skip_number_array(const char *at, const char *end, size_t *co
     return at < end && *at == ']' ? at + 1 : NULL;
 }
 
-/* ---- folding --------------------------------------------------------------------------------------------------------------- */
+/* ---- folding ---------------------------------------------------------------------------------------------------------- */
 
 typedef struct folded {
     char *text;
@@ -158,7 +158,7 @@ static void set_place(sn_error *error, const sn_json_tree *tree, size_t offset) 
     error->column = column;
 }
 
-/* ---- parse -------------------------------------------------------------------------------------------------------------------- */
+/* ---- parse ------------------------------------------------------------------------------------------------------------ */
 
 static size_t byte_order_mark(const sn_blob *blob) { return blob->size >= 3 && memcmp(blob->data, "\xEF\xBB\xBF", 3) == 0 ? 3 : 0; }
 
@@ -220,7 +220,7 @@ void sn_json_tree_free(sn_json_tree *tree) {
     free(tree);
 }
 
-/* ---- walking ---------------------------------------------------------------------------------------------------------------------- */
+/* ---- walking ---------------------------------------------------------------------------------------------------------- */
 
 const char *sn_json_name(const sn_json_tree *tree) { return tree->name; }
 
@@ -264,7 +264,7 @@ bool sn_json_is_number(const sn_json_value *value) { return json_is_number(value
 bool sn_json_is_text(const sn_json_value *value) { return json_is_string(value->node); }
 bool sn_json_is_array(const sn_json_value *value) { return json_is_array(value->node); }
 
-/* ---- errors ------------------------------------------------------------------------------------------------------------------------- */
+/* ---- errors ----------------------------------------------------------------------------------------------------------- */
 
 /* Behind any value of a text that has been parsed. */
 static const char *skip_value(const char *at, const char *end) {
@@ -378,8 +378,7 @@ sn_status sn_json_mismatch(const sn_json_value *value, sn_error *error, const ch
     return complain_at(value, find_value(value), error, message);
 }
 
-/* ---- typed access ----------------------------------------------------------------------------------------------------------------------
- */
+/* ---- typed access ----------------------------------------------------------------------------------------------------- */
 
 /* Nothing to read, and nothing wrong: a member that is not there. (An element of an array is never optional.) */
 static bool is_absent(const sn_json_value *value) { return value->key != NULL && !sn_json_has(value); }
@@ -394,6 +393,14 @@ sn_status sn_json_expect_object(const sn_json_value *value, sn_error *error) {
 
 sn_status sn_json_expect_array(const sn_json_value *value, sn_error *error) {
     return json_is_array(value->node) ? SN_OK : sn_json_mismatch(value, error, "an array");
+}
+
+sn_status sn_json_expect_list(const sn_json_value *value, sn_index most, sn_index *count, sn_error *error) {
+    sn_status status = sn_json_expect_array(value, error);
+    *count = status == SN_OK ? sn_json_length(value) : 0;
+    if (*count > most)
+        status = sn_json_complain(value, error, "there are %ld entries; the most that sinew takes is %ld", (long)*count, (long)most);
+    return status;
 }
 
 /* "a number in [0,1]", "a number of at least 0", "a number above 0", "a number" */
@@ -488,24 +495,33 @@ sn_status sn_json_expect_format(const sn_json_value *top, const char *format, sn
     return status;
 }
 
-void sn_json_warn_unknown(const sn_json_value *object, const char *const *known) {
-    sn_json_value member = {0};
-    while (sn_json_next(object, &member)) {
-        bool found = member.key[0] == '_' || strncmp(member.key, "x-", 2) == 0;
-        for (int i = 0; known[i] != NULL && !found; i++) found = strcmp(known[i], member.key) == 0;
-        if (found) continue;
-        char path[256];
-        sn_error place = {0};
-        const char *at = find_value(&member);
-        write_path(&member, path, sizeof path);
-        if (at != NULL) set_place(&place, object->tree, (size_t)(at - object->tree->text));
-        sn_log(SN_LOG_WARNING, "%s:%lld: %s is not a member that sinew knows; it is left out", object->tree->name, (long long)place.line,
-               path);
-    }
+static bool is_known(const char *key, const char *const *known) {
+    if (key[0] == '_' || strncmp(key, "x-", 2) == 0) return true;
+    for (; *known != NULL; known++)
+        if (strcmp(*known, key) == 0) return true;
+    return false;
 }
 
-/* ---- arrays of numbers ------------------------------------------------------------------------------------------------------------------
- */
+/* One message an object, with the place of the first: a text full of unknown members must not cost a search for each. */
+void sn_json_warn_unknown(const sn_json_value *object, const char *const *known) {
+    sn_json_value member = {0};
+    sn_error place = {0};
+    char path[256], names[200] = "";
+    size_t used = 0;
+    while (sn_json_next(object, &member)) {
+        if (is_known(member.key, known)) continue;
+        const char *at = used == 0 ? find_value(&member) : NULL;
+        if (at != NULL) set_place(&place, object->tree, (size_t)(at - object->tree->text));
+        used = append_text(names, used, sizeof names, used > 0 ? ", " : "");
+        used = append_text(names, used, sizeof names, member.key);
+    }
+    if (used == 0) return;
+    size_t length = write_path(object, path, sizeof path);
+    sn_log(SN_LOG_WARNING, "%s:%lld: %s%ssinew knows no member %s here; what it does not know it leaves out", object->tree->name,
+           (long long)place.line, path, length > 0 ? ": " : "", names);
+}
+
+/* ---- arrays of numbers ------------------------------------------------------------------------------------------------ */
 
 /* A number of an array that does not fit: its own path, its own place. */
 static sn_status bad_number(const sn_json_value *array, size_t element, const char *at, sn_error *error, const char *expected) {

@@ -30,7 +30,7 @@ void sn_json_tree_free(sn_json_tree *tree);         /* NULL is fine */
 const char *sn_json_name(const sn_json_tree *tree); /* of the file */
 sn_json_value sn_json_top(const sn_json_tree *tree);
 
-/* ---- walking: an absent value has only absent members ------------------------------------------------------------------ */
+/* ---- walking: an absent value has only absent members ----------------------------------------------------------------- */
 
 bool sn_json_has(const sn_json_value *value); /* it is there; null counts as absent */
 sn_json_value sn_json_member(const sn_json_value *object, const char *key);
@@ -42,7 +42,7 @@ bool sn_json_is_number(const sn_json_value *value);
 bool sn_json_is_text(const sn_json_value *value);
 bool sn_json_is_array(const sn_json_value *value);
 
-/* ---- typed access ------------------------------------------------------------------------------------------------------- */
+/* ---- typed access ----------------------------------------------------------------------------------------------------- */
 
 /* "muscles[2].contraction: expected a number in [0,1], found "abc"" with the document's name. */
 sn_status sn_json_mismatch(const sn_json_value *value, sn_error *error, const char *expected, ...) SN_PRINTF(3, 4);
@@ -51,6 +51,8 @@ sn_status sn_json_complain(const sn_json_value *value, sn_error *error, const ch
 
 SN_MUST_CHECK sn_status sn_json_expect_object(const sn_json_value *value, sn_error *error);
 SN_MUST_CHECK sn_status sn_json_expect_array(const sn_json_value *value, sn_error *error);
+/* An array of at most `most` entries, and how many they are: for lists whose names are compared with each other. */
+SN_MUST_CHECK sn_status sn_json_expect_list(const sn_json_value *value, sn_index most, sn_index *count, sn_error *error);
 
 /* As `low`: the number must be above 0. */
 #define SN_JSON_POSITIVE 2.2250738585072014e-308
@@ -78,16 +80,16 @@ SN_MUST_CHECK sn_status sn_json_get_indices(const sn_json_value *value, sn_index
 /* The members "format" and "version" of a document: the right format, and no version newer than we know. */
 SN_MUST_CHECK sn_status sn_json_expect_format(const sn_json_value *top, const char *format, sn_index newest, sn_error *error);
 
-/* A warning for each member that is not in the NULL-terminated list: most often it is mistyped. Names that begin with '_' or "x-" are
- * a user's own. */
+/* A warning that names the members that are not in the NULL-terminated list: most often they are mistyped. Names that begin with '_' or
+ * "x-" are a user's own. */
 void sn_json_warn_unknown(const sn_json_value *object, const char *const *known);
 
-/* ---- passing on ---------------------------------------------------------------------------------------------------------- */
+/* ---- passing on ------------------------------------------------------------------------------------------------------- */
 
 /* Write a value as it was read: same members in the same order, arrays of numbers as they were written. */
 void sn_json_pass(sn_json *json, const char *key, const sn_json_value *value);
 
-/* ---- more of the writer (json_write.c) -------------------------------------------------------------------------------------- */
+/* ---- more of the writer (json_write.c) -------------------------------------------------------------------------------- */
 
 /* An object all of whose members go on one line also in pretty layout: for what is listed by the hundred. */
 void sn_json_object_line(sn_json *json, const char *key);

@@ -32,7 +32,7 @@ sn_json *sn_json_begin(sn_output *output, bool pretty) {
     return json;
 }
 
-/* ---- bytes ---------------------------------------------------------------------------------------------------------- */
+/* ---- bytes ------------------------------------------------------------------------------------------------------------ */
 
 static void flush(sn_json *json) {
     if (json->status == SN_OK && json->used > 0) json->status = sn_output_write(json->output, json->buffer, json->used, &json->error);
@@ -74,7 +74,7 @@ static void put_integer(sn_json *json, int64_t value) {
     put(json, text + at, sizeof text - at);
 }
 
-/* ---- texts ----------------------------------------------------------------------------------------------------------- */
+/* ---- texts ------------------------------------------------------------------------------------------------------------ */
 
 /* Length of the UTF-8 sequence at text; 0 = not one: overlong forms, surrogates and beyond U+10FFFF are none (RFC 3629, 4). */
 static size_t utf8_length(const unsigned char *text) {
@@ -117,7 +117,7 @@ static void put_text(sn_json *json, const char *text) {
     put_char(json, '"');
 }
 
-/* ---- layout ------------------------------------------------------------------------------------------------------------ */
+/* ---- layout ----------------------------------------------------------------------------------------------------------- */
 
 /* Comma, line break or blank, and key: what stands before a value. */
 static void lead(sn_json *json, const char *key, bool own_line) {
@@ -160,7 +160,7 @@ void sn_json_close(sn_json *json) {
     put_char(json, in.array ? ']' : '}');
 }
 
-/* ---- values ------------------------------------------------------------------------------------------------------------- */
+/* ---- values ----------------------------------------------------------------------------------------------------------- */
 
 static void put_word(sn_json *json, const char *key, const char *word) {
     lead(json, key, false);

@@ -30,7 +30,7 @@ static sn_status parse_interpolation(const sn_json_value *object, sn_interpolati
     return status;
 }
 
-/* ---- keys ------------------------------------------------------------------------------------------------------------------- */
+/* ---- keys ------------------------------------------------------------------------------------------------------------- */
 
 /* "time" in seconds, or "frame". */
 static sn_status parse_time(const sn_json_value *key, sn_clock clock, double *out, sn_error *error) {
@@ -92,7 +92,7 @@ static sn_status parse_keys(const sn_json_value *keys, value_kind kind, sn_clock
     return status;
 }
 
-/* ---- joints: hinges ------------------------------------------------------------------------------------------------------------ */
+/* ---- joints: hinges --------------------------------------------------------------------------------------------------- */
 
 /* A constant turn a frame, from 0 at the first frame to the last. */
 static sn_status ramp(double degrees_per_frame, sn_clock clock, sn_channel *out, sn_error *error) {
@@ -134,7 +134,7 @@ static sn_status parse_hinge(const sn_json_value *joint, sn_clock clock, sn_join
     return parse_angle(joint, clock, out, error);
 }
 
-/* ---- joints: poses --------------------------------------------------------------------------------------------------------------- */
+/* ---- joints: poses ---------------------------------------------------------------------------------------------------- */
 
 /* Unit quaternion of a rotation matrix (Shepperd 1978: from its largest component, which never cancels). */
 static sn_quat quat_from_matrix(const sn_mat3 *r) {
@@ -223,7 +223,7 @@ static sn_status parse_pose(const sn_json_value *joint, sn_clock clock, sn_joint
     return status;
 }
 
-/* ---- joints ------------------------------------------------------------------------------------------------------------------------- */
+/* ---- joints ----------------------------------------------------------------------------------------------------------- */
 
 /* The joint of that name among the first `count`. */
 static sn_index find_joint(const sn_motion *motion, sn_index count, const char *name) {
@@ -267,9 +267,9 @@ static sn_status parse_joint(const sn_json_value *joint, sn_clock clock, sn_moti
 
 static sn_status parse_joints(const sn_json_value *joints, sn_clock clock, sn_motion *out, sn_error *error) {
     if (!sn_json_has(joints)) return SN_OK;
-    sn_status status = sn_json_expect_array(joints, error);
+    sn_index count;
+    sn_status status = sn_json_expect_list(joints, SN_LIST_LIMIT, &count, error);
     if (status != SN_OK) return status;
-    sn_index count = sn_json_length(joints);
     if ((out->joints = SN_NEW(sn_joint, count)) == NULL) return sn_fail_memory(error, "joints");
     for (sn_index i = 0; i < count && status == SN_OK; i++) {
         sn_json_value joint = sn_json_element(joints, i);
@@ -316,8 +316,7 @@ sn_status sn_motion_parse(const sn_json_value *value, sn_clock clock, sn_motion 
     return status;
 }
 
-/* ---- activations ------------------------------------------------------------------------------------------------------------------------
- */
+/* ---- activations ------------------------------------------------------------------------------------------------------ */
 
 static const value_kind activation_kind = {"activation", 1.0, 0.0, 1.0};
 

@@ -17,7 +17,7 @@ typedef struct reader {
     bool load_bones;
 } reader;
 
-/* ---- reading: the whole ------------------------------------------------------------------------------------------------------ */
+/* ---- reading: the whole ----------------------------------------------------------------------------------------------- */
 
 static sn_status parse_frames(const sn_json_value *value, sn_scene *scene, sn_error *error) {
     double frames[2] = {scene->first_frame, scene->last_frame};
@@ -75,7 +75,7 @@ static sn_status parse_units(const sn_json_value *value, double *out, sn_error *
     return status;
 }
 
-/* ---- reading: bones -------------------------------------------------------------------------------------------------------------- */
+/* ---- reading: bones --------------------------------------------------------------------------------------------------- */
 
 static sn_status load_bone(const sn_json_value *mesh, sn_scene_bone *out, sn_error *error) {
     char *path = sn_path_beside(sn_json_name(mesh->tree), out->uri);
@@ -117,9 +117,9 @@ static sn_status parse_bone(const sn_json_value *value, const reader *in, sn_sce
 
 static sn_status parse_bones(const sn_json_value *value, const reader *in, sn_error *error) {
     if (!sn_json_has(value)) return SN_OK;
-    sn_status status = sn_json_expect_array(value, error);
+    sn_index count;
+    sn_status status = sn_json_expect_list(value, SN_LIST_LIMIT, &count, error);
     if (status != SN_OK) return status;
-    sn_index count = sn_json_length(value);
     if ((in->scene->bones = SN_NEW(sn_scene_bone, count)) == NULL) return sn_fail_memory(error, "bones");
     for (sn_index i = 0; i < count && status == SN_OK; i++) {
         sn_json_value bone = sn_json_element(value, i);
@@ -129,7 +129,7 @@ static sn_status parse_bones(const sn_json_value *value, const reader *in, sn_er
     return status;
 }
 
-/* ---- reading: muscles -------------------------------------------------------------------------------------------------------------- */
+/* ---- reading: muscles ------------------------------------------------------------------------------------------------- */
 
 static sn_status parse_stiffness(const sn_json_value *value, sn_scene_muscle *out, sn_error *error) {
     static const char *const known[] = {"relaxed", "active", "internal", "dihedral", "volume", NULL};
@@ -248,9 +248,9 @@ static sn_status parse_muscle(const sn_json_value *value, const reader *in, sn_s
 
 static sn_status parse_muscles(const sn_json_value *value, const reader *in, sn_error *error) {
     if (!sn_json_has(value)) return SN_OK;
-    sn_status status = sn_json_expect_array(value, error);
+    sn_index count;
+    sn_status status = sn_json_expect_list(value, SN_LIST_LIMIT, &count, error);
     if (status != SN_OK) return status;
-    sn_index count = sn_json_length(value);
     if ((in->scene->muscles = SN_NEW(sn_scene_muscle, count)) == NULL) return sn_fail_memory(error, "muscles");
     for (sn_index i = 0; i < count && status == SN_OK; i++) {
         sn_json_value muscle = sn_json_element(value, i);

@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* ---- defaults ------------------------------------------------------------------------------------------------------------ */
+/* ---- defaults --------------------------------------------------------------------------------------------------------- */
 
 void sn_scene_muscle_defaults(sn_scene_muscle *muscle) {
     muscle->contraction = 0.5;
@@ -28,7 +28,7 @@ void sn_scene_defaults(sn_scene *scene) {
     scene->solver = (sn_solver_settings){.method = SN_SOLVER_XPBD, .substeps = 16, .iterations = 2, .threads = 0};
 }
 
-/* ---- the end -------------------------------------------------------------------------------------------------------------- */
+/* ---- the end ---------------------------------------------------------------------------------------------------------- */
 
 static void free_bone(sn_scene_bone *bone) {
     free(bone->name);
@@ -56,7 +56,7 @@ void sn_scene_free(sn_scene *scene) {
     *scene = (sn_scene){0};
 }
 
-/* ---- validation ------------------------------------------------------------------------------------------------------------- */
+/* ---- validation ------------------------------------------------------------------------------------------------------- */
 
 static bool within(double value, double low, double high) { return isfinite(value) && value >= low && value <= high; }
 

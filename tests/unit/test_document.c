@@ -83,7 +83,7 @@ static void let_go(held *h) {
 static const unsigned every_section =
     SN_SECTION_MESH | SN_SECTION_ROOTS | SN_SECTION_STRUCTURE | SN_SECTION_FIBERS | SN_SECTION_ATTACHMENTS;
 
-/* ---- what is read ------------------------------------------------------------------------------------------------------------ */
+/* ---- what is read ----------------------------------------------------------------------------------------------------- */
 
 static void sections_are_read(void **state) {
     (void)state;
@@ -119,7 +119,7 @@ static void a_partial_structure_leaves_vertices_without_sample(void **state) {
     free(text);
 }
 
-/* ---- what is written ----------------------------------------------------------------------------------------------------------- */
+/* ---- what is written -------------------------------------------------------------------------------------------------- */
 
 /* Written once, a document is a fixed point: whether its sections are passed on or written anew from the muscle. */
 static void writing_is_a_fixed_point(void **state) {
@@ -224,7 +224,7 @@ static void what_is_not_valid_is_not_written(void **state) {
     let_go(&h);
 }
 
-/* ---- bare meshes and references ---------------------------------------------------------------------------------------------------- */
+/* ---- bare meshes and references --------------------------------------------------------------------------------------- */
 
 static const char *const obj = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n";
 
