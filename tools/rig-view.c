@@ -380,7 +380,7 @@ static sn_status load_cache(const sn_scene_muscle *muscle, sn_pc2_data *data, sn
     return status;
 }
 
-static sn_status load_caches(const cli *c, const sn_scene *scene, caches *k, sn_error *error) {
+static sn_status load_caches(const sn_scene *scene, caches *k, sn_error *error) {
     *k = (caches){.count = scene->muscle_count};
     k->data = SN_NEW(sn_pc2_data, k->count);
     k->positions = SN_NEW(sn_vec3 *, k->count);
@@ -388,7 +388,7 @@ static sn_status load_caches(const cli *c, const sn_scene *scene, caches *k, sn_
     sn_index enabled = 0;
     for (sn_index i = 0; i < scene->muscle_count; i++) enabled += scene->muscles[i].enabled;
     if (given.frames && enabled > 1 && !is_folder(given.frames))
-        cli_usage_error(c, "--frames: the scene has %d muscles; name the folder that holds their caches", enabled);
+        return sn_fail(error, SN_ERROR_USAGE, "--frames: the scene has %d muscles; name the folder that holds their caches", enabled);
     sn_status status = SN_OK;
     for (sn_index i = 0; i < k->count && given.frames && !status; i++)
         if (scene->muscles[i].enabled) status = load_cache(&scene->muscles[i], &k->data[i], &k->positions[i], error);
@@ -439,7 +439,7 @@ static sn_status add_scene(album *a, const sn_blob *blob, const char *path, sn_e
     if (status) return status;
     if (a->bone_count > 0) cli_warn(a->c, "--bone is for muscle documents; %s brings its own bones", path);
     if (frames.count == 0) frames = (frame_list){1, {scene.first_frame}};
-    status = load_caches(a->c, &scene, &k, error);
+    status = load_caches(&scene, &k, error);
     for (sn_index i = 0; i < frames.count && !status; i++)
         status = add_frame(a, &scene, &k, frames.items[i], frames.count == 1, path, error);
     a->group_count++;

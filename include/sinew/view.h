@@ -99,7 +99,8 @@ SN_MUST_CHECK sn_status sn_view_add_bone(sn_view *view, const char *name, const 
                                          sn_error *error);
 
 /* A scene at a time in seconds: bones in their pose, muscles coloured by activation. positions (nullable; muscle_count; entries
- * nullable): the muscle's vertices at that time, in metres; without, the muscle is at rest. */
+ * nullable): the muscle's vertices at that time, in metres; without, the muscle is at rest. SN_SHOW_AUTO is surfaces and bones here;
+ * structure and fibres show only at rest, which they belong to. */
 SN_MUST_CHECK sn_status sn_view_add_scene(sn_view *view, const sn_scene *scene, double time, const sn_vec3 *const *positions, unsigned show,
                                           sn_error *error);
 
@@ -141,8 +142,8 @@ typedef struct sn_tile {
     const char *caption; /* nullable */
 } sn_tile;
 
-/* One picture, or a contact sheet: tiles in rows, a title, a caption each, one legend and a scale bar (a sheet has one where all
- * cameras agree). */
+/* One picture of the options' size, or a contact sheet: tiles of that size in rows, each with its caption and scale bar, one title and
+ * one legend. title and subtitle are nullable. SN_ERROR_INPUT where all views are empty. */
 SN_MUST_CHECK sn_status sn_sheet_render(sn_index tile_count, const sn_tile *tiles, const char *title, const char *subtitle,
                                         const sn_view_options *options, sn_image *out, sn_error *error);
 

@@ -202,7 +202,7 @@ static sn_index automatic_columns(sn_index count, const sn_view_options *options
     double least = INFINITY;
     for (sn_index columns = 1; columns <= count; columns++) {
         sn_index rows = (count - 1) / columns + 1;
-        double shape = fabs(log((double)columns * options->width / ((double)rows * options->height * 4.0 / 3.0)));
+        double shape = fabs(log((double)columns * options->width / (1.7 * rows * options->height)));
         shape += 0.15 * (rows * columns - count);
         if (shape < least) {
             least = shape;

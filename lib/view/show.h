@@ -8,9 +8,6 @@ static const sn_color COLOR_MUSCLE = {0.69, 0.25, 0.20}, COLOR_RELAXED = {0.64, 
 static const sn_color COLOR_BONE = {0.95, 0.91, 0.82}, COLOR_ROOTS = {0.56, 0.12, 0.78}, COLOR_BRANCH = {0.10, 0.72, 0.25};
 static const sn_color COLOR_CONNECTION = {0.16, 0.42, 0.92}, COLOR_FIBER = {0.98, 0.87, 0.76};
 
-/* Colour number i of those that tell bones apart; they come round again after eight. */
-sn_color attachment_color(sn_index i);
-
 /* About `target` vertices, evenly spread over the surface (Poisson disc, in index order); all where there are fewer. *radius is the
  * least distance kept, 0 = none. *out (*count) is owned by the caller. */
 SN_MUST_CHECK sn_status spread_vertices(const sn_mesh *mesh, sn_index target, sn_index *count, sn_index **out, double *radius,
@@ -19,7 +16,7 @@ SN_MUST_CHECK sn_status spread_vertices(const sn_mesh *mesh, sn_index target, sn
 /* Fibre directions as short lines that follow them along the surface, and fibres through the volume (fibers.c). */
 SN_MUST_CHECK sn_status show_fibers(sn_view *view, const sn_muscle *muscle, sn_error *error);
 
-/* Paint the attached vertices of the view's copy of the muscle, and name the bones in the legend. */
-SN_MUST_CHECK sn_status show_attachments(sn_view *view, sn_view_mesh *mesh, const sn_muscle *muscle, sn_error *error);
+/* The sections of a muscle that `show` names and that are there, its surface in a colour. */
+SN_MUST_CHECK sn_status show_rig(sn_view *view, const sn_muscle *muscle, unsigned show, sn_color color, sn_error *error);
 
 #endif

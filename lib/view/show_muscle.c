@@ -8,7 +8,8 @@ enum { CONNECTIONS = 1300 };
 static const double ROOT_RADIUS = 0.0045, BRANCH_RADIUS = 0.0034, SAMPLE_RADIUS = 0.0051, CONNECTION_RADIUS = 0.0006;
 static const double SEEN_THROUGH = 0.30; /* opacity of a surface with something inside */
 
-sn_color attachment_color(sn_index i) {
+/* Colour number i of those that tell bones apart; they come round again after eight. */
+static sn_color attachment_color(sn_index i) {
     static const sn_color colors[8] = {{0.93, 0.68, 0.16}, {0.10, 0.62, 0.60}, {0.88, 0.45, 0.62}, {0.60, 0.73, 0.22},
                                        {0.30, 0.70, 0.88}, {0.90, 0.46, 0.15}, {0.56, 0.52, 0.88}, {0.55, 0.45, 0.33}};
     return colors[i % 8];
@@ -100,7 +101,7 @@ static sn_status show_connections(sn_view *view, const sn_muscle *muscle, sn_err
     return sn_view_add_entry(view, SN_MARK_LINE, COLOR_CONNECTION, text, error);
 }
 
-sn_status show_attachments(sn_view *view, sn_view_mesh *mesh, const sn_muscle *muscle, sn_error *error) {
+static sn_status show_attachments(sn_view *view, sn_view_mesh *mesh, const sn_muscle *muscle, sn_error *error) {
     mesh->paints = SN_NEW(sn_color, muscle->attachment_count);
     mesh->paint = SN_NEW(sn_index, mesh->vertex_count);
     if (!mesh->paints || !mesh->paint) return sn_fail_memory(error, "the attachments' paint");
@@ -130,9 +131,9 @@ static unsigned automatic(const sn_muscle *muscle) {
     return show;
 }
 
-static sn_status show_surface(sn_view *view, const sn_muscle *muscle, unsigned show, sn_error *error) {
+static sn_status show_surface(sn_view *view, const sn_muscle *muscle, unsigned show, sn_color color, sn_error *error) {
     sn_view_mesh *mesh;
-    sn_status status = sn_view_add_mesh(view, &muscle->mesh, muscle->meters_per_unit, NULL, COLOR_MUSCLE, &mesh, error);
+    sn_status status = sn_view_add_mesh(view, &muscle->mesh, muscle->meters_per_unit, NULL, color, &mesh, error);
     if (status) return status;
     bool inside = show & SN_SHOW_STRUCTURE && muscle->structure.sample_count > 0;
     if (show & SN_SHOW_FIBERS && muscle->fibers.polyline_count > 0) inside = true;
@@ -142,10 +143,9 @@ static sn_status show_surface(sn_view *view, const sn_muscle *muscle, unsigned s
     return show & SN_SHOW_ATTACHMENTS ? show_attachments(view, mesh, muscle, error) : SN_OK;
 }
 
-sn_status sn_view_add_muscle(sn_view *view, const sn_muscle *muscle, unsigned show, sn_error *error) {
-    if (show & SN_SHOW_AUTO) show |= automatic(muscle);
-    sn_status status = name_view(view, muscle, error);
-    if (!status && show & (SN_SHOW_SURFACE | SN_SHOW_WIRE | SN_SHOW_ATTACHMENTS)) status = show_surface(view, muscle, show, error);
+sn_status show_rig(sn_view *view, const sn_muscle *muscle, unsigned show, sn_color color, sn_error *error) {
+    sn_status status = SN_OK;
+    if (show & (SN_SHOW_SURFACE | SN_SHOW_WIRE | SN_SHOW_ATTACHMENTS)) status = show_surface(view, muscle, show, color, error);
     if (!status && show & SN_SHOW_ROOTS && muscle->roots.count > 0) status = show_roots(view, muscle, error);
     bool structure = show & SN_SHOW_STRUCTURE && muscle->structure.sample_count > 0;
     if (!status && structure) status = show_branches(view, muscle, error);
@@ -153,6 +153,12 @@ sn_status sn_view_add_muscle(sn_view *view, const sn_muscle *muscle, unsigned sh
     bool fibers = muscle->fibers.directions || muscle->fibers.polyline_count > 0;
     if (!status && show & SN_SHOW_FIBERS && fibers) status = show_fibers(view, muscle, error);
     return status;
+}
+
+sn_status sn_view_add_muscle(sn_view *view, const sn_muscle *muscle, unsigned show, sn_error *error) {
+    if (show & SN_SHOW_AUTO) show |= automatic(muscle);
+    sn_status status = name_view(view, muscle, error);
+    return status ? status : show_rig(view, muscle, show, COLOR_MUSCLE, error);
 }
 
 sn_status sn_view_add_bone(sn_view *view, const char *name, const sn_mesh *mesh, double meters_per_unit, const sn_rigid *pose,

@@ -21,30 +21,21 @@ static sn_status show_bones(sn_view *view, const sn_scene *scene, double time, s
     return status;
 }
 
-/* The rig with other vertices, in metres; it borrows all but them. */
+/* The rig with other vertices, in metres; it borrows all it keeps. Samples and directions belong to the rest shape: it has none. */
 static sn_muscle deformed_rig(const sn_muscle *rig, const sn_vec3 *positions) {
     sn_muscle deformed = *rig;
-    if (positions) {
-        deformed.mesh.positions = (sn_vec3 *)(uintptr_t)positions; /* only read */
-        deformed.meters_per_unit = 1.0;
-    }
+    deformed.mesh.positions = (sn_vec3 *)(uintptr_t)positions; /* only read */
+    deformed.meters_per_unit = 1.0;
+    deformed.structure = (sn_structure){0};
+    deformed.fibers = (sn_fibers){0};
     return deformed;
 }
 
 static sn_status show_muscle_at(sn_view *view, const sn_scene_muscle *muscle, double time, const sn_vec3 *positions, unsigned show,
                                 sn_error *error) {
-    sn_muscle rig = deformed_rig(&muscle->rig, positions);
+    sn_muscle rig = positions ? deformed_rig(&muscle->rig, positions) : muscle->rig;
     double activation = fmin(fmax(sn_channel_at(&muscle->activation, time), 0.0), 1.0);
-    sn_view_mesh *mesh;
-    sn_status status =
-        sn_view_add_mesh(view, &rig.mesh, rig.meters_per_unit, NULL, mix(COLOR_RELAXED, COLOR_ACTIVE, activation), &mesh, error);
-    if (status) return status;
-    mesh->gloss = 0.6;
-    mesh->wire = (show & SN_SHOW_WIRE) != 0;
-    if (show & SN_SHOW_ATTACHMENTS) status = show_attachments(view, mesh, &rig, error);
-    /* directions belong to the rest shape */
-    if (!status && show & SN_SHOW_FIBERS && !positions && rig.fibers.directions) status = show_fibers(view, &rig, error);
-    return status;
+    return show_rig(view, &rig, show, mix(COLOR_RELAXED, COLOR_ACTIVE, activation), error);
 }
 
 sn_status sn_view_add_scene(sn_view *view, const sn_scene *scene, double time, const sn_vec3 *const *positions, unsigned show,
@@ -52,9 +43,8 @@ sn_status sn_view_add_scene(sn_view *view, const sn_scene *scene, double time, c
     if (show & SN_SHOW_AUTO) show |= SN_SHOW_SURFACE | SN_SHOW_BONES;
     if (!view->title && scene->name && !(view->title = sn_strdup(scene->name))) return sn_fail_memory(error, "the title");
     sn_status status = show & SN_SHOW_BONES ? show_bones(view, scene, time, error) : SN_OK;
-    bool muscles = show & (SN_SHOW_SURFACE | SN_SHOW_ATTACHMENTS | SN_SHOW_WIRE | SN_SHOW_FIBERS);
     bool shown = false;
-    for (sn_index i = 0; i < scene->muscle_count && muscles && !status; i++) {
+    for (sn_index i = 0; i < scene->muscle_count && show & ~(unsigned)SN_SHOW_BONES && !status; i++) {
         if (!scene->muscles[i].enabled) continue;
         shown = true;
         status = show_muscle_at(view, &scene->muscles[i], time, positions ? positions[i] : NULL, show, error);

@@ -360,11 +360,14 @@ static void draw_whole(const sn_muscle *m, unsigned show) {
     sn_view view = {0};
     sn_error error = {0};
     assert_int_equal(sn_view_add_muscle(&view, m, show, &error), SN_OK);
-    sn_camera camera = sn_camera_auto(&view, false, 0.0);
+    const sn_camera cameras[] = {sn_camera_auto(&view, false, 0.0), sn_camera_auto(&view, true, 45.0), sn_camera_from(0, 90),
+                                 sn_camera_from(90, 0)};
     sn_view_options o = small_options();
     o.samples = 1;
-    sn_image image = render(&view, camera, o);
-    sn_image_free(&image);
+    for (size_t i = 0; i < sizeof cameras / sizeof *cameras; i++) {
+        sn_image image = render(&view, cameras[i], o);
+        sn_image_free(&image);
+    }
     sn_view_free(&view);
 }
 
@@ -393,6 +396,8 @@ static void odd_shapes_are_drawn(void **state) {
         {{0, 0, 0}, {0, 0, 0}, {0, 0, 0}},                                 /* a point */
         {{0, 0, 0}, {1, 0, 0}, {2, 0, 0}},                                 /* a line */
         {{1e30, 0, 0}, {1e30, 1e30, 0}, {0, 0, -1e30}},                    /* large */
+        {{0, 0, 0}, {1e-6, 0, 1e30}, {0, 1e-6, -1e30}},                    /* a needle: seen end on its depth is all */
+        {{0, 0, 0}, {1e-200, 0, 1e100}, {0, 1e-200, -1e100}},              /* worse */
         {{1e-30, 0, 0}, {0, 1e-30, 0}, {0, 0, 1e-30}},                     /* small */
         {{1e6, 1e6, 1e6}, {1e6 + 1e-3, 1e6, 1e6}, {1e6, 1e6 + 1e-3, 1e6}}, /* far from the origin */
     };
@@ -456,6 +461,13 @@ static void scenes_pose_bones_and_deform_muscles(void **state) {
     assert_int_equal(sn_view_add_scene(&view, &scene, 0.0, positions, SN_SHOW_AUTO | SN_SHOW_ATTACHMENTS, NULL), SN_OK);
     assert_true(sn_distance(view.meshes[1].positions[3], sn_v3(0.25, 3, 2)) < 1e-12);
     assert_int_equal(view.meshes[1].paint_count, 2);
+    sn_view_free(&view);
+    unsigned inside = SN_SHOW_AUTO | SN_SHOW_STRUCTURE | SN_SHOW_FIBERS;
+    assert_int_equal(sn_view_add_scene(&view, &scene, 0.0, NULL, inside, NULL), SN_OK);
+    assert_true(view.tube_count > 1000 && view.meshes[1].opacity < 1.0);
+    sn_view_free(&view);
+    assert_int_equal(sn_view_add_scene(&view, &scene, 0.0, positions, inside, NULL), SN_OK);
+    assert_true(view.tube_count == 0 && view.meshes[1].opacity == 1.0);
     sn_view_free(&view);
     free(moved);
     sn_mesh_free(&bone.mesh);
