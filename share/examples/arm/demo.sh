@@ -7,7 +7,7 @@ bin=$(cd "$1" && pwd)
 arm=$(cd "$2" && pwd)/arm/arm
 mkdir -p "$3"
 cd "$3"
-triangles=${TRIANGLES:-2000}
+triangles=${TRIANGLES:-4000}
 
 stage() { make -s --no-print-directory -f "$here/Makefile" TOOLS="$bin" ARM="$arm" TRIANGLES="$triangles" "$@"; }
 now() { date +%s%N; }
