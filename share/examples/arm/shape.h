@@ -158,14 +158,17 @@ static sn_vec3 shape_gradient(const shape *s, sn_vec3 p, double *value) {
     return sn_scale(sn_v3(a - b - c + d, -a - b + c + d, -a + b - c + d), 0.25 / h);
 }
 
-/* Two Newton steps along the gradient, each at most `reach` long; *normal (nullable) is the unit gradient at the last. */
+/* Newton steps along the gradient, each at most `reach` long: a second one only where the first was long enough to leave more than
+ * about a micrometre. *normal is the unit gradient at the last. */
 static sn_vec3 shape_project(const shape *s, sn_vec3 p, double reach, sn_vec3 *normal) {
+    const double short_step = 1e-4; /* m */
     for (int step = 0; step < 2; step++) {
         double f;
         sn_vec3 gradient = shape_gradient(s, p, &f);
         double slope2 = fmax(sn_norm2(gradient), 1e-4), length = fabs(f) / sqrt(slope2);
         p = sn_add_scaled(p, gradient, -f / slope2 * (length > reach ? reach / length : 1.0));
-        if (normal) *normal = sn_normalize(gradient);
+        *normal = sn_normalize(gradient);
+        if (length < short_step) break;
     }
     return p;
 }
