@@ -202,6 +202,9 @@ static void warn_of_losses(const cli *c, const sn_clean_report *r) {
     if (r->nonfinite_vertices > 0) cli_warn(c, "dropped %d vertices that are not finite", r->nonfinite_vertices);
 }
 
+/* A closed surface with less volume than this share of area x diagonal is a sheet, folded flat. */
+#define TINY_VOLUME 1e-9
+
 static void judge(cli *c, const sn_clean_report *r) {
     sn_mesh_report after = r->after;
     after.self_intersections = 0; /* counted on request, not asked to be none */
@@ -211,6 +214,8 @@ static void judge(cli *c, const sn_clean_report *r) {
         cli_shortfall(c, "the surface is one-sided, like a Moebius strip: it was cut to be oriented; look at the input");
     else if (left.used > 0)
         cli_shortfall(c, "written, but the surface still has %s", left.text);
+    else if (fabs(after.volume) <= TINY_VOLUME * after.area * after.diagonal)
+        cli_shortfall(c, "written, but the surface encloses no volume");
     else if (triangles > 0 && after.triangles > triangles) {
         cli_shortfall(c, "written, but with %d triangles: no more edges can go", after.triangles);
     }

@@ -24,10 +24,15 @@ sn_index cycle_length(const Surface &surface, Halfedge start) {
     return length;
 }
 
+/* A border of three around one face alone: filling it would double the face. */
+bool is_lone_face(const Surface &surface, Halfedge border) {
+    return surface.face(surface.opposite(border)) == surface.face(surface.opposite(surface.next(border)));
+}
+
 /* True = the caller wants to stop. */
 bool fill_cycle(Surface &surface, Halfedge border, sn_index max_edges, sn_bridge_hole_function filled, void *user) {
     sn_index edges = cycle_length(surface, border);
-    if (edges > max_edges) return false;
+    if (edges > max_edges || (edges == 3 && is_lone_face(surface, border))) return false;
     std::vector<Face> patch;
     PMP::triangulate_hole(surface, border, std::back_inserter(patch),
                           CGAL::parameters::use_delaunay_triangulation(true).do_not_use_cubic_algorithm(edges > CUBIC_LIMIT));

@@ -28,8 +28,6 @@ typedef struct cleaning {
 
 static sn_status look(cleaning *c) { return sn_mesh_inspect(c->mesh, &c->found, c->error); }
 
-static bool is_sound(const sn_mesh_report *found) { return found->closed && found->manifold && found->oriented; }
-
 static sn_status stop_if(bool stop) { return stop ? SN_STOPPED : SN_OK; }
 
 static sn_status need_triangles(const cleaning *c, const char *after) {
@@ -42,7 +40,8 @@ static sn_status need_triangles(const cleaning *c, const char *after) {
 /* Welding must not undo a closed manifold: coincident vertices where it touches itself are there on purpose. Where whole triangles
  * coincide, two bodies share a wall or are the same twice, and welding shows it. */
 static bool welding_helps(const sn_mesh_report *before, const sn_mesh_report *after) {
-    return is_sound(after) || !is_sound(before) || after->duplicate_triangles > before->duplicate_triangles;
+    bool was_whole = before->closed && before->manifold, is_whole = after->closed && after->manifold;
+    return is_whole || !was_whole || after->duplicate_triangles > before->duplicate_triangles;
 }
 
 static sn_status weld(cleaning *c) {

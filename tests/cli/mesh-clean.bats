@@ -163,6 +163,15 @@ END
     [[ "$stderr" == *"one-sided"* ]]
 }
 
+@test "a lone triangle stays open, and a folded sheet is said to enclose nothing" {
+    printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n' > triangle.obj
+    run -3 --separate-stderr "$BIN/mesh-clean" triangle.obj -o x.ply
+    [[ "$stderr" == *"3 boundary edges"* ]]
+    printf 'v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3\nf 1 3 4\n' > sheet.obj
+    run -3 --separate-stderr "$BIN/mesh-clean" sheet.obj -o x.ply
+    [[ "$stderr" == *"no volume"* ]]
+}
+
 @test "a coordinate that is not finite is an error that names the vertex, or repaired on request" {
     sed 's/^v 1 1 1/v nan 1 1/' cube.obj > nan.obj
     run -1 --separate-stderr "$BIN/mesh-clean" nan.obj -o x.ply

@@ -83,6 +83,24 @@ static void cleaning_twice_changes_nothing_more(void **state) {
     finish(&two, &twice, &report);
 }
 
+/* Bodies that touch at a corner only, each closed but one of them badly wound: welding them would tear them apart again. */
+static void touching_bodies_are_not_welded(void **state) {
+    (void)state;
+    sn_mesh cube = shape_cube(), two = shape_join(&cube, &cube, 1.0, sn_v3(1, 1, 1)), out;
+    shape_flip(&two, 15);
+    sn_clean_params params = sn_clean_defaults();
+    params.keep = 0;
+    sn_clean_report report;
+    assert_ok(clean_with(&two, &params, &out, &report));
+    assert_int_equal(report.welded, 0);
+    assert_int_equal(report.flipped_triangles, 1);
+    assert_int_equal(report.split_vertices, 0);
+    assert_memory_equal(out.positions, two.positions, 16 * sizeof *two.positions);
+    assert_true(shape_is_sound(&out));
+    sn_mesh_free(&cube);
+    finish(&two, &out, &report);
+}
+
 static void a_soup_of_separate_triangles_is_welded(void **state) {
     (void)state;
     sn_mesh sphere = shape_sphere(20, 40), soup = shape_empty(3 * sphere.triangle_count, sphere.triangle_count);
@@ -279,6 +297,7 @@ int main(void) {
         cmocka_unit_test(clean_input_comes_out_as_it_was),
         cmocka_unit_test(a_dirty_sphere_is_as_good_as_the_clean_one),
         cmocka_unit_test(cleaning_twice_changes_nothing_more),
+        cmocka_unit_test(touching_bodies_are_not_welded),
         cmocka_unit_test(a_soup_of_separate_triangles_is_welded),
         cmocka_unit_test(inside_out_is_turned),
         cmocka_unit_test(a_doubled_surface_becomes_single),
