@@ -56,21 +56,29 @@ static const cli_tool tool = {
 
 /* ---- words into values ---------------------------------------------------------------------------------------------------------- */
 
-static unsigned parse_show(const cli *c, const char *text) {
+/* The bit of one word of --show; 0 = no such word. */
+static unsigned show_bit(const char *word, size_t length) {
     static const struct {
         const char *name;
         unsigned bit;
     } names[] = {
         {"surface", SN_SHOW_SURFACE},         {"roots", SN_SHOW_ROOTS}, {"structure", SN_SHOW_STRUCTURE}, {"fibers", SN_SHOW_FIBERS},
         {"attachments", SN_SHOW_ATTACHMENTS}, {"bones", SN_SHOW_BONES}, {"wire", SN_SHOW_WIRE},           {"auto", SN_SHOW_AUTO}};
+    for (size_t i = 0; i < sizeof names / sizeof *names; i++)
+        if (strlen(names[i].name) == length && memcmp(names[i].name, word, length) == 0) return names[i].bit;
+    return 0;
+}
+
+static unsigned parse_show(const cli *c, const char *text) {
     if (!text) return SN_SHOW_AUTO;
     unsigned show = 0;
     while (*text) {
-        size_t length = strcspn(text, ","), k = 0;
-        while (k < sizeof names / sizeof *names && (strlen(names[k].name) != length || memcmp(names[k].name, text, length) != 0)) k++;
-        if (k == sizeof names / sizeof *names)
-            cli_usage_error(c, "--show: '%.*s' is none of surface, roots, structure, fibers, attachments, bones, wire", (int)length, text);
-        show |= names[k].bit;
+        size_t length = strcspn(text, ",");
+        unsigned bit = show_bit(text, length);
+        if (!bit)
+            cli_usage_error(c, "--show: '%.*s' is none of surface, roots, structure, fibers, attachments, bones, wire, auto", (int)length,
+                            text);
+        show |= bit;
         text += length + (text[length] == ',');
     }
     /* wire alone means: the surface with its edges */
@@ -78,22 +86,25 @@ static unsigned parse_show(const cli *c, const char *text) {
 }
 
 static void parse_size(const cli *c, sn_view_options *o) {
-    int width, height, used = 0;
+    const char *by = given.size ? strchr(given.size, 'x') : NULL;
+    char width_text[16] = "";
+    int64_t width = 0, height = 0;
     if (!given.size) return;
-    if (sscanf(given.size, "%5dx%5d%n", &width, &height, &used) != 2 || given.size[used] || width < 16 || height < 16 ||
-        width > SN_IMAGE_SIDE_MAX || height > SN_IMAGE_SIDE_MAX)
+    if (by) snprintf(width_text, sizeof width_text, "%.*s", (int)(by - given.size < 15 ? by - given.size : 15), given.size);
+    if (!by || sn_parse_integer(width_text, 16, SN_IMAGE_SIDE_MAX, &width, NULL) != SN_OK ||
+        sn_parse_integer(by + 1, 16, SN_IMAGE_SIDE_MAX, &height, NULL) != SN_OK)
         cli_usage_error(c, "--size: '%s' is not WIDTHxHEIGHT with both from 16 to %d, as in 800x600", given.size, SN_IMAGE_SIDE_MAX);
-    o->width = width;
-    o->height = height;
+    o->width = (sn_index)width;
+    o->height = (sn_index)height;
 }
 
 static sn_color parse_color(const cli *c, const char *text) {
     unsigned r, g, b;
-    int used = 0;
     if (strcmp(text, "white") == 0) return (sn_color){1, 1, 1};
     if (strcmp(text, "grey") == 0 || strcmp(text, "gray") == 0) return (sn_color){0.5, 0.5, 0.5};
     if (strcmp(text, "black") == 0) return (sn_color){0, 0, 0};
-    if (sscanf(text, "#%2x%2x%2x%n", &r, &g, &b, &used) != 3 || strlen(text) != 7 || used != 7)
+    bool hexadecimal = *text == '#' && strlen(text) == 7 && strspn(text + 1, "0123456789abcdefABCDEF") == 6;
+    if (!hexadecimal || sscanf(text, "#%2x%2x%2x", &r, &g, &b) != 3)
         cli_usage_error(c, "--background: '%s' is no colour; write #rrggbb, white, grey or black", text);
     return (sn_color){r / 255.0, g / 255.0, b / 255.0};
 }
@@ -280,10 +291,10 @@ static sn_status load_bone_line(album *a, const char *list, char *line, sn_error
     if (tab) *tab = 0;
     const char *slash = strrchr(list, '/');
     size_t folder = *file != '/' && slash ? (size_t)(slash + 1 - list) : 0;
-    char *path = sn_alloc(folder + strlen(file) + 1, 1);
+    size_t room = folder + strlen(file) + 1;
+    char *path = sn_alloc(room, 1);
     if (!path) return sn_fail_memory(error, "a path");
-    memcpy(path, list, folder);
-    memcpy(path + folder, file, strlen(file));
+    snprintf(path, room, "%.*s%s", (int)folder, list, file);
     sn_status status = load_bone(a, tab ? sn_strdup(line) : caption_of(file), path, error);
     free(path);
     return status;
@@ -407,7 +418,8 @@ static sn_status set_frame(const sn_scene *scene, caches *k, int64_t frame, sn_e
         const float *from = data->positions + (size_t)sample * 3 * (size_t)data->point_count;
         double unit = scene->muscles[m].rig.meters_per_unit;
         for (sn_index i = 0; i < data->point_count; i++) {
-            sn_vec3 p = sn_scale(sn_v3((double)from[3 * i], (double)from[3 * i + 1], (double)from[3 * i + 2]), unit);
+            const float *x = from + 3 * (size_t)i;
+            sn_vec3 p = sn_scale(sn_v3((double)x[0], (double)x[1], (double)x[2]), unit);
             if (!sn_finite3(p))
                 return sn_fail(error, SN_ERROR_INPUT, "muscle '%s' is not finite in frame %lld", scene->muscles[m].name, (long long)frame);
             k->positions[m][i] = p;

@@ -62,17 +62,18 @@ sn_status spread_vertices(const sn_mesh *mesh, sn_index target, sn_index *count,
     s.radius = sqrt(0.7 * sn_mesh_area(mesh) / target);
     bool degenerate = !(s.radius > 1e-6 * sn_box_diagonal(sn_mesh_box(mesh))) || !isfinite(s.radius);
     while (s.buckets < (size_t)target * 2) s.buckets *= 2;
-    *out = SN_NEW(sn_index, mesh->vertex_count);
     s.head = SN_NEW(sn_index, s.buckets);
     s.next = SN_NEW(sn_index, mesh->vertex_count);
-    sn_status status = *out && s.head && s.next ? SN_OK : sn_fail_memory(error, "the spreading of marks");
+    sn_index *kept = SN_NEW(sn_index, mesh->vertex_count);
     *radius = degenerate ? 0.0 : s.radius;
-    if (!status) *count = degenerate || mesh->vertex_count <= target ? every(mesh, target, *out) : accept_vertices(&s, *out);
-    if (status) {
-        free(*out);
-        *out = NULL;
-    }
+    *out = kept;
+    if (s.head && s.next && kept)
+        *count = degenerate || mesh->vertex_count <= target ? every(mesh, target, kept) : accept_vertices(&s, kept);
+    bool done = s.head && s.next && kept;
     free(s.head);
     free(s.next);
-    return status;
+    if (done) return SN_OK;
+    free(kept);
+    *out = NULL;
+    return sn_fail_memory(error, "the spreading of marks");
 }
