@@ -136,8 +136,8 @@ static void set_keys(sn_channel *channel, double time0, double value0, double ti
 
 /* Bones "upper" (fixed) and "lower" (on hinge 0, about the x axis through the lower tip); one muscle. */
 static void make_scene(sn_scene *scene, const fusiform *f) {
-    *scene = (sn_scene){.name = sn_strdup("test")};
     sn_scene_defaults(scene);
+    scene->name = sn_strdup("test");
     scene->bone_count = 2;
     scene->bones = SN_NEW(sn_scene_bone, 2);
     scene->bones[0] = (sn_scene_bone){.name = sn_strdup("upper"), .uri = sn_strdup("upper.stl"), .meters_per_unit = 1.0, .joint = SN_NONE};
