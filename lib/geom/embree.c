@@ -15,6 +15,8 @@
 #include <xmmintrin.h>
 #endif
 
+#include "winding_tree.h"
+
 /* A piece of the surface whose nearest point tells inside from outside: every edge has two triangles that run through it in opposite
  * directions, and it does not cross itself. */
 typedef struct part {
@@ -30,10 +32,11 @@ struct sn_surface {
     double scale;   /* a power of two: (p - centre) scale is within the cube of half size 2 */
     sn_index part_count;
     part *parts;       /* (part_count) */
-    sn_index *part_of; /* (triangle_count) SN_NONE: of no closed piece */
+    sn_index *part_of; /* (triangle_count) SN_NONE: of no such piece */
     sn_mesh open;      /* the triangles of no such piece; shares the positions of mesh, owns its triangles */
     sn_box open_box;
-    bool closed; /* no edge is a border, non-manifold or badly wound */
+    sn_winding_tree winding; /* of open */
+    bool closed;             /* no edge is a border, non-manifold or badly wound */
     RTCDevice device;
     RTCScene scene;
 };
@@ -295,6 +298,7 @@ sn_status sn_surface_create(const sn_mesh *mesh, sn_surface **out, sn_error *err
     status = sn_topology_build(mesh, &s->topology, error);
     if (status == SN_OK) status = build_scene(s, error);
     if (status == SN_OK) status = find_parts(s, error);
+    if (status == SN_OK) status = sn_winding_tree_build(&s->open, &s->winding, error);
     if (status != SN_OK) {
         sn_surface_destroy(s);
         return status;
@@ -311,6 +315,7 @@ void sn_surface_destroy(sn_surface *surface) {
     free(surface->parts);
     free(surface->part_of);
     free(surface->open.triangles);
+    sn_winding_tree_free(&surface->winding);
     free(surface);
 }
 
@@ -438,7 +443,7 @@ static double side_of(const sn_surface *s, sn_vec3 point, const sn_closest *c) {
  * and a body that is inside out still has its inside inside. */
 static bool is_inside(const sn_surface *s, sn_vec3 point, const sn_closest *closest) {
     if (!box_holds(s->box, point)) return false;
-    double winding = box_holds(s->open_box, point) ? sn_winding_number(&s->open, point) : 0.0;
+    double winding = box_holds(s->open_box, point) ? sn_winding_tree_number(&s->winding, point) : 0.0;
     for (sn_index i = 0; i < s->part_count; i++) {
         const part *p = &s->parts[i];
         if (p->winding == 0 || !box_holds(p->box, point)) continue;

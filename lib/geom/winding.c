@@ -3,10 +3,12 @@
  */
 #include "sinew/geom.h"
 
+#include "winding_tree.h"
+
 /* ---- generalised winding number (Jacobson, Kavan, Sorkine-Hornung 2013) ------------------------------------------------- */
 
 /* Solid angle of the triangle (a,b,c) seen from the origin (van Oosterom & Strackee 1983, eq. 8); from a point in its plane 0. */
-static double solid_angle(sn_vec3 a, sn_vec3 b, sn_vec3 c) {
+double sn_solid_angle(sn_vec3 a, sn_vec3 b, sn_vec3 c) {
     double determinant = sn_dot(a, sn_cross(b, c));
     if (determinant == 0.0) return 0.0;
     double la = sn_norm(a), lb = sn_norm(b), lc = sn_norm(c);
@@ -17,8 +19,8 @@ double sn_winding_number(const sn_mesh *mesh, sn_vec3 point) {
     double sum = 0.0;
     for (sn_index t = 0; t < mesh->triangle_count; t++) {
         const sn_index *v = mesh->triangles[t].v;
-        sum +=
-            solid_angle(sn_sub(mesh->positions[v[0]], point), sn_sub(mesh->positions[v[1]], point), sn_sub(mesh->positions[v[2]], point));
+        sum += sn_solid_angle(sn_sub(mesh->positions[v[0]], point), sn_sub(mesh->positions[v[1]], point),
+                              sn_sub(mesh->positions[v[2]], point));
     }
     return sum / (4.0 * SN_PI);
 }

@@ -324,6 +324,27 @@ static void signed_distance_of_an_open_mesh(void **state) {
     sn_mesh_free(&mesh);
 }
 
+/* With thousands of triangles far ones are summed by clusters; the verdict is that of the exact sum. */
+static void signed_distance_of_a_large_open_mesh(void **state) {
+    (void)state;
+    for (int cut = 1; cut < 6; cut++) {
+        sn_mesh mesh = globe(40, 40, sn_v3(0, 0, 0), 1, 0.3);
+        mesh.triangle_count -= cut * 500;
+        double top = -2;
+        for (sn_index t = 0; t < 3 * mesh.triangle_count; t++) top = fmax(top, mesh.positions[mesh.triangles[t / 3].v[t % 3]].z);
+        sn_surface *surface = surface_of(&mesh);
+        uint64_t seed = 13;
+        for (int i = 0; i < 2000; i++) {
+            sn_vec3 p = random_point(&seed, 1.2);
+            if (p.z > top) continue; /* above the cut nothing is inside, by definition */
+            bool inside = fabs(sn_winding_number(&mesh, p)) > 0.5;
+            assert_int_equal(sn_surface_signed_distance(surface, p, NULL) < 0, inside);
+        }
+        sn_surface_destroy(surface);
+        sn_mesh_free(&mesh);
+    }
+}
+
 /* Two equal triangles back to back close, but enclose nothing. */
 static void signed_distance_of_a_folded_sheet(void **state) {
     (void)state;
@@ -463,6 +484,7 @@ int main(void) {
         cmocka_unit_test(signed_distance_of_a_shell),
         cmocka_unit_test(signed_distance_of_a_crossed_mesh),
         cmocka_unit_test(signed_distance_of_an_open_mesh),
+        cmocka_unit_test(signed_distance_of_a_large_open_mesh),
         cmocka_unit_test(signed_distance_of_a_folded_sheet),
         cmocka_unit_test(rays_do_not_leak),
         cmocka_unit_test(rays_have_ends),
