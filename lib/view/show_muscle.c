@@ -4,7 +4,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-enum { CONNECTIONS = 1300 };
+enum { CONNECTIONS = 1500 };
 static const double ROOT_RADIUS = 0.0045, BRANCH_RADIUS = 0.0034, SAMPLE_RADIUS = 0.0051, CONNECTION_RADIUS = 0.0006;
 static const double SEEN_THROUGH = 0.30; /* opacity of a surface with something inside */
 
