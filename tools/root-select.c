@@ -91,7 +91,7 @@ static void comment(const cli *c, const sn_roots_report *r) {
     if (r->count == 0) return;
     if (r->fallback) cli_warn(c, "no single contour has a ring that separates the surface: took the next best curve; look at the result");
     if (r->parts != 2)
-        cli_warn(c, "the roots leave the surface in %d part%s instead of 2: a side may get no fibres", r->parts, r->parts == 1 ? "" : "s");
+        cli_warn(c, "the roots do not separate the surface in two (parts beside them: %d): fibres may run past them", r->parts);
     if (share > FAR_FROM_CENTROID) cli_warn(c, "the roots are %.0f %% of the muscle's length from its centroid", 100.0 * share);
 }
 
