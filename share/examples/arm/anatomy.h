@@ -92,7 +92,7 @@ static const arm_body arm_bodies[] = {
     {"brachialis", 1, {
         /* broad and flat: front of the humerus to the coronoid process */
         {false, 0, {0, 1, 0}, 8, {{11, -4, 204, 7, 4}, {13, -2, 182, 15, 6.5}, {15, 0, 152, 21, 8.5}, {20, 0, 112, 24, 8.5},
-                                  {21, 2, 72, 21, 7.5}, {21, 6, 32, 13, 6}, {19.5, 8, -2, 8, 4.5}, {5, 6.5, -26, 6, 4}}},
+                                  {21, 2, 72, 21, 7.5}, {21, 6, 32, 13, 6}, {19.5, 8, -2, 8, 4.5}, {8, 6.5, -22, 6, 4}}},
     }},
     {"triceps", 2, {
         /* long head: infraglenoid tubercle, belly, flat tendon to the olecranon */
