@@ -68,9 +68,10 @@ SN_MUST_CHECK sn_status sn_surface_create(const sn_mesh *mesh, sn_surface **out,
 void sn_surface_destroy(sn_surface *surface); /* NULL is fine */
 /* Exact (double) closest point within max_distance (INFINITY = any); ties go to the lowest triangle. Thread safe. */
 sn_closest sn_surface_closest(const sn_surface *surface, sn_vec3 point, double max_distance);
-/* Signed distance, negative inside: angle-weighted pseudonormals on a closed mesh, winding number on an open one. */
+/* Signed distance, negative inside: angle-weighted pseudonormals on closed pieces (Baerentzen & Aanaes 2005), winding number on open ones
+ * and on those that cross themselves. Overlapping pieces are one body; inside out counts as right side out. Thread safe. */
 double sn_surface_signed_distance(const sn_surface *surface, sn_vec3 point, sn_closest *closest /* nullable */);
-bool sn_surface_closed(const sn_surface *surface);
+bool sn_surface_closed(const sn_surface *surface); /* no edge is a border, non-manifold or badly wound */
 /* First hit with near < t < far. Single precision inside: for pictures and rough tests. Thread safe. */
 sn_ray_hit sn_surface_ray(const sn_surface *surface, sn_vec3 origin, sn_vec3 direction, double near, double far);
 
