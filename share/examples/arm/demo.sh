@@ -24,6 +24,7 @@ stage rigs
 start=$(now); stage simulation; simulate_seconds=$(since "$start")
 start=$(now); stage pictures; view_seconds=$(since "$start")
 
+set -- ./*.png
 echo "The sample arm, $triangles triangles in the biceps:"
 row arm "$arm_seconds" "7 surfaces and the dirty biceps"
 row mesh-clean "$(seconds clean)" "3 muscles"
@@ -32,7 +33,7 @@ row build-structure "$(seconds structure)" ""
 row fiber-flow "$(seconds fibers)" ""
 row attach-detect "$(seconds muscle)" "to 4 bones"
 row simulate "$simulate_seconds" "$(awk -F '[:,]' '/"frame":/ && !seen[$2]++ { n++ } END { print n }' arm.jsonl) frames"
-row rig-view "$view_seconds" "$(ls ./*.png | wc -l) pictures"
+row rig-view "$view_seconds" "$# pictures"
 row "in all" "$(since "$began")" ""
 awk -f "$here/worst.awk" arm.jsonl
 echo "Documents, frames, log and pictures are in $PWD"
