@@ -38,10 +38,11 @@ static sn_status need_triangles(const cleaning *c, const char *after) {
 /* ---- stages ----------------------------------------------------------------------------------------------------------- */
 
 /* Welding must not undo a closed manifold: coincident vertices where it touches itself are there on purpose. Where whole triangles
- * coincide, two bodies share a wall or are the same twice, and welding shows it. */
+ * of several bodies coincide, two share a wall or are the same twice, and welding shows it. */
 static bool welding_helps(const sn_mesh_report *before, const sn_mesh_report *after) {
     bool was_whole = before->closed && before->manifold, is_whole = after->closed && after->manifold;
-    return is_whole || !was_whole || after->duplicate_triangles > before->duplicate_triangles;
+    bool shares_wall = before->components > 1 && after->duplicate_triangles > before->duplicate_triangles;
+    return is_whole || !was_whole || shares_wall;
 }
 
 static sn_status weld(cleaning *c) {
