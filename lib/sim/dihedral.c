@@ -12,9 +12,30 @@
 #include <float.h>
 #include <stdlib.h>
 
-/* The angle in (-pi, pi] whose sine and cosine are in the ratio sine : cosine. The one place where the C library's atan2 is used: its
- * last bit may differ between machines. */
-static inline double angle_of(double sine, double cosine) { return atan2(sine, cosine); }
+/* atan(t) for |t| <= 0.66 to 2e-16: t + t z P(z) / Q(z), z = t^2; the coefficients are those of Moshier's Cephes library. */
+static inline double arc_tangent(double t) {
+    double z = t * t;
+    double p = -6.485021904942025371773e1 +
+               z * (-1.228866684490136173410e2 +
+                    z * (-7.500855792314704667340e1 + z * (-1.615753718733365076637e1 + z * -8.750608600031904122785e-1)));
+    double q = 1.945506571482613964425e2 +
+               z * (4.853903996359136964868e2 +
+                    z * (4.328810604912902668951e2 + z * (1.650270098316988542046e2 + z * (2.485846490142306297962e1 + z))));
+    return t + t * (z * p / q);
+}
+
+/* The angle in [-pi, pi] whose sine and cosine are in the ratio sine : cosine, not both 0. Ours, not the C library's atan2, whose last bit
+ * differs between processors; to 4e-16. */
+static inline double angle_of(double sine, double cosine) {
+    static const double TAN_PI_8 = 0.41421356237309504880;
+    double s = fabs(sine), c = fabs(cosine), low = s < c ? s : c, high = s < c ? c : s;
+    bool upper = low > TAN_PI_8 * high; /* atan(low / high) = pi/4 + atan((low - high) / (low + high)) */
+    double angle = arc_tangent((upper ? low - high : low) / (upper ? low + high : high));
+    if (upper) angle += SN_PI / 4.0;
+    if (s > c) angle = SN_PI / 2.0 - angle;
+    if (cosine < 0.0) angle = SN_PI - angle;
+    return copysign(angle, sine);
+}
 
 static inline double wrap(double angle) {
     if (angle > SN_PI) return angle - 2.0 * SN_PI;

@@ -104,6 +104,18 @@ static void hinge_angle_has_a_sign(void **state) {
     assert_true(fabs(value - (SN_PI / 2 + 3.0 - 2.0 * SN_PI)) < 1e-15);
 }
 
+/* the angle that two triangles were folded by, all the way round */
+static void hinge_angle_is_right_to_the_last_bits(void **state) {
+    (void)state;
+    for (int i = -1000; i <= 1000; i++) {
+        double fold = SN_PI * i / 1000.0, value;
+        sn_vec3 p[4] = {{0, 0, 0}, {1, 0, 0}, {0.5, 1, 0}, {0.5, -cos(fold), sin(fold)}}, g[4];
+        assert_true(sn_hinge_constraint(p, 0.0, &value, g));
+        assert_true(fabs(value - atan2(-sin(fold), cos(fold))) < 1e-15 || fabs(fold) == SN_PI);
+        assert_true(fabs(fabs(value) - fabs(fold)) < 2e-15);
+    }
+}
+
 static void guards_hold(void **state) {
     (void)state;
     sn_vec3 g[4], line[4] = {{0, 0, 0}, {1, 0, 0}, {0.5, 0, 0}, {0.5, -1, 0}}, same[4] = {{1, 2, 3}, {1, 2, 3}, {1, 2, 3}, {1, 2, 3}};
@@ -163,6 +175,7 @@ int main(void) {
         cmocka_unit_test(distance_gradients_are_right),
         cmocka_unit_test(hinge_gradients_are_right_and_move_nothing_as_a_whole),
         cmocka_unit_test(hinge_angle_has_a_sign),
+        cmocka_unit_test(hinge_angle_is_right_to_the_last_bits),
         cmocka_unit_test(guards_hold),
         cmocka_unit_test(volume_of_a_cube_is_one_here_and_a_kilometre_away),
         cmocka_unit_test(volume_gradients_are_right),
