@@ -12,7 +12,8 @@
 #include "section.h"
 #include "tips.h"
 
-#define PATCH_SHARE 0.05 /* patches around the tips, as a share of L */
+#define PATCH_SHARE 0.05   /* patches around the tips, as a share of L */
+#define NEAR_CENTROID 0.10 /* a ring between attachments must lie within this share of L of the centroid */
 
 typedef struct selection {
     const sn_muscle *muscle;
@@ -278,17 +279,23 @@ static sn_status search_ring(selection *s, const double *u, sn_error *error) {
     return status;
 }
 
+static sn_status ring_between(selection *s, bool attachments, double *u, sn_error *error) {
+    s->count = 0;
+    sn_status status = harmonic_between(s, attachments, u, error);
+    return status ? status : search_ring(s, u, error);
+}
+
+/* Attachments may lie side by side, or all along the muscle. */
+static bool is_mid_section(selection *s) {
+    if (s->count == 0 || section_parts(&s->cut, s->count, s->vertices) != 2) return false;
+    return sn_distance(vertex_mean(s->mesh, s->count, s->vertices), s->centroid) <= NEAR_CENTROID * s->tips.length;
+}
+
 static sn_status select_automatic(selection *s, sn_error *error) {
     double *u = SN_NEW(double, s->mesh->vertex_count);
     s->vertices = SN_NEW(sn_index, s->mesh->vertex_count > s->topology.edge_count ? s->mesh->vertex_count : s->topology.edge_count);
-    sn_status status = u && s->vertices ? SN_OK : sn_fail_memory(error, "the field between the muscle's ends");
-    if (!status) status = harmonic_between(s, true, u, error);
-    if (!status) status = search_ring(s, u, error);
-    if (!status && s->report.from_attachments && (s->count == 0 || section_parts(&s->cut, s->count, s->vertices) != 2)) {
-        s->count = 0; /* attachments side by side, or all along the muscle */
-        status = harmonic_between(s, false, u, error);
-        if (!status) status = search_ring(s, u, error);
-    }
+    sn_status status = u && s->vertices ? ring_between(s, true, u, error) : sn_fail_memory(error, "the field between the muscle's ends");
+    if (!status && s->report.from_attachments && !is_mid_section(s)) status = ring_between(s, false, u, error);
     if (!status && s->count == 0)
         status = sn_fail(error, SN_ERROR_INPUT,
                          "no closed ring of vertices runs around the muscle's middle; close the mesh with mesh-clean, or choose the roots "

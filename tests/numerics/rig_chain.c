@@ -100,6 +100,8 @@ static const struct {
     {"MUSCm.extensor_digitorum_longus_R.stl", 5},
     {"MUSCm.extensor_digitorum_lat_L.stl", 4},
     {"MUSCm.extensor_digitorum_lat_R.stl", 4},
+    {"MUSCm.flexor_digitorum_profundus_L.stl", 7},
+    {"MUSCm.flexor_digitorum_profundus_R.stl", 7},
     {"MUSCm.flexor_digitorum_profundus_L(2).stl", 6},
     {"MUSCm.flexor_digitorum_profundus_R(2).stl", 6},
 };
