@@ -7,10 +7,11 @@
 sn_status section_create(const sn_mesh *mesh, const sn_topology *topology, section *out, sn_error *error) {
     *out = (section){.mesh = mesh, .topology = topology};
     out->cut_edges = SN_NEW(sn_index, topology->edge_count);
+    out->low = SN_NEW(bool, mesh->vertex_count);
     out->edge_stamp = SN_NEW(uint32_t, topology->edge_count);
     out->vertex_stamp = SN_NEW(uint32_t, mesh->vertex_count);
     out->stack = SN_NEW(sn_index, mesh->vertex_count);
-    if (out->cut_edges && out->edge_stamp && out->vertex_stamp && out->stack) return SN_OK;
+    if (out->cut_edges && out->low && out->edge_stamp && out->vertex_stamp && out->stack) return SN_OK;
     section_free(out);
     return sn_fail_memory(error, "the sections of the surface");
 }
@@ -18,6 +19,7 @@ sn_status section_create(const sn_mesh *mesh, const sn_topology *topology, secti
 void section_free(section *s) {
     free(s->curves);
     free(s->cut_edges);
+    free(s->low);
     free(s->edge_stamp);
     free(s->vertex_stamp);
     free(s->stack);
@@ -36,11 +38,9 @@ static uint32_t fresh_stamp(section *s) {
 
 /* ---- curves ------------------------------------------------------------------------------------------------------- */
 
-static bool is_low(const section *s, sn_index vertex) { return s->u[vertex] < s->level; }
-
 static bool is_cut(const section *s, sn_index edge) {
     const sn_edge *e = &s->topology->edges[edge];
-    return is_low(s, e->v[0]) != is_low(s, e->v[1]);
+    return s->low[e->v[0]] != s->low[e->v[1]];
 }
 
 /* Where the level crosses a cut edge. */
@@ -125,6 +125,7 @@ sn_status section_cut(section *s, const double *u, double level, sn_error *error
     s->u = u;
     s->level = level;
     s->curve_count = s->cut_count = 0;
+    for (sn_index v = 0; v < s->mesh->vertex_count; v++) s->low[v] = u[v] < level;
     fresh_stamp(s);
     for (sn_index e = 0; e < s->topology->edge_count; e++)
         if (is_cut(s, e) && s->edge_stamp[e] != s->stamp && !trace_curve(s, e)) return sn_fail_memory(error, "the curves of a section");
@@ -138,7 +139,7 @@ static sn_index side_walk(const section *s, const section_curve *curve, section_
     sn_index count = 0;
     for (sn_index i = 0; i < curve->count; i++) {
         const sn_edge *e = &s->topology->edges[s->cut_edges[curve->first + i]];
-        sn_index low = is_low(s, e->v[0]) ? e->v[0] : e->v[1];
+        sn_index low = s->low[e->v[0]] ? e->v[0] : e->v[1];
         sn_index vertex = side == SECTION_LOW ? low : e->v[0] + e->v[1] - low;
         if (count == 0 || walk[count - 1] != vertex) walk[count++] = vertex;
     }

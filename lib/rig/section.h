@@ -26,6 +26,7 @@ typedef struct section {
     section_curve *curves;
     sn_index *cut_edges; /* (cut_count) */
     size_t curve_capacity;
+    bool *low; /* (vertex_count) on the low side: a byte each, so that a cut reads little memory */
     uint32_t stamp;
     uint32_t *edge_stamp;   /* (edge_count) */
     uint32_t *vertex_stamp; /* (vertex_count) for section_ring and section_parts */

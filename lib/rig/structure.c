@@ -110,13 +110,22 @@ static void set_axes(sn_structure *s) {
 
 /* ---- report --------------------------------------------------------------------------------------------------------------- */
 
-static bool is_on_surface(const sn_mesh *mesh, sn_vec3 point, double reach) {
-    for (sn_index t = 0; t < mesh->triangle_count; t++) {
-        const sn_index *v = mesh->triangles[t].v;
-        sn_vec3 a = mesh->positions[v[0]], b = mesh->positions[v[1]], c = mesh->positions[v[2]];
-        if (sn_distance(sn_closest_on_triangle(point, a, b, c, NULL), point) <= reach) return true;
+static bool touches_triangle(const sn_mesh *mesh, sn_index triangle, sn_vec3 point, double reach) {
+    const sn_index *v = mesh->triangles[triangle].v;
+    sn_vec3 closest = sn_closest_on_triangle(point, mesh->positions[v[0]], mesh->positions[v[1]], mesh->positions[v[2]], NULL);
+    return sn_distance(closest, point) <= reach;
+}
+
+/* Leaves that lie on a triangle at one of their own vertices count as inside. */
+static void accept_leaves_on_surface(const building *b, const bool *leaf, int *winding) {
+    const sn_structure *s = &b->structure;
+    double reach = ON_SURFACE * sn_box_diagonal(sn_mesh_box(b->mesh));
+    for (sn_index v = 0; v < b->mesh->vertex_count; v++) {
+        sn_index own = s->vertex_sample[v];
+        if (own == SN_NONE || !leaf[own]) continue;
+        for (sn_index k = b->topology.corner_start[v]; winding[own] == 0 && k < b->topology.corner_start[v + 1]; k++)
+            winding[own] = touches_triangle(b->mesh, b->topology.vertex_triangles[k], s->positions[own], reach);
     }
-    return false;
 }
 
 /* Which samples have no child. */
@@ -133,10 +142,9 @@ static sn_status count_outside(const building *b, const bool *leaf, sn_index *ou
     int *winding = SN_NEW(int, s->sample_count);
     if (!winding) return sn_fail_memory(error, "the test for samples outside the volume");
     sn_status status = count_windings(b->mesh, s->sample_count, s->positions, winding, error);
-    double reach = ON_SURFACE * sn_box_diagonal(sn_mesh_box(b->mesh));
+    if (!status) accept_leaves_on_surface(b, leaf, winding);
     *outside = 0;
-    for (sn_index i = 0; !status && i < s->sample_count; i++)
-        if (winding[i] == 0 && !(leaf[i] && is_on_surface(b->mesh, s->positions[i], reach))) ++*outside;
+    for (sn_index i = 0; i < s->sample_count; i++) *outside += winding[i] == 0;
     free(winding);
     return status;
 }
