@@ -1,9 +1,9 @@
 /* root-select.c -- where fibres start: a ring of vertices around the middle of a muscle. */
 #include "cli.h"
 
-#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "selector.h"
 #include "sinew/rig.h"
@@ -48,19 +48,22 @@ static const char *chosen_selection(const cli *c, const char **kind) {
     return text;
 }
 
+/* The selector parser wants "KIND:ARGUMENTS". */
+static sn_status parse_selection(const char *kind, const char *text, selector *chosen, sn_error *error) {
+    size_t size = strlen(kind) + strlen(text) + 2;
+    char *whole = sn_alloc(size, 1);
+    if (whole == NULL) return sn_fail_memory(error, "a selector");
+    snprintf(whole, size, "%s:%s", kind, text);
+    sn_status status = selector_parse(whole, chosen, error);
+    free(whole);
+    return status;
+}
+
 static void take_selection(const cli *c, sn_roots_params *params, selector *chosen) {
     const char *kind = NULL, *text = chosen_selection(c, &kind);
-    if (text == NULL) return;
-    char buffer[64], *whole = buffer;
-    int length = snprintf(buffer, sizeof buffer, "%s:%s", kind, text);
-    if ((size_t)length >= sizeof buffer) {
-        whole = sn_alloc((size_t)length + 1, 1);
-        if (whole == NULL) cli_usage_error(c, "--%s is too long", kind);
-        snprintf(whole, (size_t)length + 1, "%s:%s", kind, text);
-    }
     sn_error error = {0};
-    if (selector_parse(whole, chosen, &error) != SN_OK) cli_usage_error(c, "%s", error.text);
-    if (whole != buffer) free(whole);
+    if (text == NULL) return;
+    if (parse_selection(kind, text, chosen, &error) != SN_OK) cli_usage_error(c, "%s", error.text);
     params->automatic = false;
     params->selector = chosen->rule;
 }
