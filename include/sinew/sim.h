@@ -45,12 +45,12 @@ typedef struct sn_plan_group {
 } sn_plan_group;
 
 typedef struct sn_plan_muscle {
-    const char *name;      /* the scene's */
-    bool enabled;          /* false: nothing of it is in the model */
-    bool fibers;           /* false: no fibre directions, so that it does not contract */
+    const char *name; /* the scene's */
+    bool enabled;     /* false: nothing of it is in the model */
+    bool fibers;      /* false: no fibre directions, so that it does not contract */
     sn_index vertices, samples, triangles;
-    sn_index kinematic;    /* vertices carried by bones */
-    sn_index iterations;   /* per substep */
+    sn_index kinematic;  /* vertices carried by bones */
+    sn_index iterations; /* per substep */
     sn_plan_group groups[SN_ROW_KINDS];
     size_t model_bytes, state_bytes;
 } sn_plan_muscle;
@@ -60,52 +60,56 @@ typedef struct sn_plan {
     sn_plan_muscle *muscles; /* (muscle_count) one per muscle of the scene, disabled ones too */
 } sn_plan;
 
-const char *sn_row_kind_name(sn_row_kind kind);         /* "internal", "radial", "mesh", "dihedral", "volume" */
-const char *sn_left_out_text(sn_left_out reason);       /* half a sentence; "" for SN_RUNS */
-const char *sn_fiber_law_name(sn_fiber_law law);        /* "projected", "paper", "isochoric" */
+const char *sn_row_kind_name(sn_row_kind kind);   /* "internal", "radial", "mesh", "dihedral", "volume" */
+const char *sn_left_out_text(sn_left_out reason); /* half a sentence; "" for SN_RUNS */
+const char *sn_fiber_law_name(sn_fiber_law law);  /* "projected", "paper", "isochoric" */
 
 /* ---- the constraint table --------------------------------------------------------------------------------------------- */
 
 /* C = |x0 - x1| - sigma. */
-typedef struct sn_distance_row { sn_index point[2]; } sn_distance_row;
+typedef struct sn_distance_row {
+    sn_index point[2];
+} sn_distance_row;
 
 /* The two triangles (a,b,c) and (b,a,d) at edge a-b: C = wrap(theta - theta0). */
-typedef struct sn_hinge_row { sn_index point[4]; } sn_hinge_row;
+typedef struct sn_hinge_row {
+    sn_index point[4];
+} sn_hinge_row;
 
 /* The square of a goal length is a sum of terms (of the row) times factors (of the activation); see distance.c. */
 #define SN_LAW_TERMS 3
 
 /* Surface vertices that move with one bone: kinematic_points[begin .. end - 1]. */
 typedef struct sn_site {
-    sn_index joint;      /* SN_NONE = the bone never moves */
+    sn_index joint; /* SN_NONE = the bone never moves */
     sn_index begin, end;
-    sn_vec3 centre;      /* mean rest position, m */
+    sn_vec3 centre; /* mean rest position, m */
 } sn_site;
 
 /* One muscle, immutable. Points are the surface vertices in document order, then the samples. */
 typedef struct sn_model_muscle {
     const sn_scene_muscle *source;
     sn_index vertex_count, point_count, triangle_count;
-    sn_vec3 *rest;                         /* (point_count) m */
-    double *inverse_mass;                  /* (point_count) 1/kg; 0 = carried by a bone */
-    sn_triangle *triangles;                /* (triangle_count) */
-    double *rest_area;                     /* (triangle_count) m^2 */
+    sn_vec3 *rest;          /* (point_count) m */
+    double *inverse_mass;   /* (point_count) 1/kg; 0 = carried by a bone */
+    sn_triangle *triangles; /* (triangle_count) */
+    double *rest_area;      /* (triangle_count) m^2 */
     sn_index kinematic_count, site_count;
-    sn_index *kinematic_points;            /* (kinematic_count) grouped by site */
-    sn_site *sites;                        /* (site_count) one per attachment with vertices */
+    sn_index *kinematic_points;                     /* (kinematic_count) grouped by site */
+    sn_site *sites;                                 /* (site_count) one per attachment with vertices */
     sn_index distance_start[SN_DISTANCE_KINDS + 1]; /* rows of kind k are distance_start[k] .. distance_start[k + 1] - 1 */
-    sn_distance_row *distances;            /* (distance_start[SN_DISTANCE_KINDS]) */
-    double (*distance_terms)[SN_LAW_TERMS];/* (the same) m^2: the goal length's dependence on activation */
+    sn_distance_row *distances;                     /* (distance_start[SN_DISTANCE_KINDS]) */
+    double (*distance_terms)[SN_LAW_TERMS];         /* (the same) m^2: the goal length's dependence on activation */
     sn_index hinge_count;
-    sn_hinge_row *hinges;                  /* (hinge_count) */
-    double *hinge_angles;                  /* (hinge_count) theta0, rad */
-    bool keeps_volume;                     /* the volume row runs */
-    double rest_volume;                    /* V0, m^3; NaN for an open surface */
-    sn_curve *volume_ratio;                /* g(activation); NULL = 1 */
-    double rest_ratio;                     /* g(rest activation) */
-    double mass;                           /* kg, all points together */
-    double mean_edge, diagonal;            /* m */
-    sn_index iterations;                   /* per substep */
+    sn_hinge_row *hinges;       /* (hinge_count) */
+    double *hinge_angles;       /* (hinge_count) theta0, rad */
+    bool keeps_volume;          /* the volume row runs */
+    double rest_volume;         /* V0, m^3; NaN for an open or flat surface */
+    sn_curve *volume_ratio;     /* g(activation); NULL = 1 */
+    double rest_ratio;          /* g(rest activation) */
+    double mass;                /* kg, all points together */
+    double mean_edge, diagonal; /* m */
+    sn_index iterations;        /* per substep */
 } sn_model_muscle;
 
 typedef struct sn_model {
@@ -123,39 +127,45 @@ void sn_model_destroy(sn_model *model); /* NULL is fine */
 
 /* ---- statistics: numbers, not text -------------------------------------------------------------------------------------- */
 
-typedef struct sn_residual { double rms, max; sn_index worst; } sn_residual; /* of |C|; worst row in its kind, SN_NONE = no row */
+/* Of |C| over the rows of one kind. */
+typedef struct sn_residual {
+    double rms, max;
+    sn_index worst; /* row of its kind; SN_NONE = there is none */
+} sn_residual;
 
 /* Of one muscle at one moment. Errors of lengths are over the mean edge, of angles in radians, of the volume over V0. */
 typedef struct sn_statistics {
-    double activation, contraction;      /* the input in [0,1]; a = contraction x activation */
-    double stiffness;                    /* k, N/m */
-    double volume_ratio;                 /* V / V0; NaN for an open surface */
-    double volume_goal;                  /* g(a) / g(a0) */
-    double volume_error;                 /* V / (goal V0) - 1 */
+    double activation, contraction; /* the input in [0,1]; a = contraction x activation */
+    double stiffness;               /* k, N/m */
+    double volume_ratio;            /* V / V0; NaN for an open surface */
+    double volume_goal;             /* g(a) / g(a0) */
+    double volume_error;            /* V / (goal V0) - 1 */
     sn_residual residuals[SN_ROW_KINDS];
-    double smallest_triangle;            /* least area over rest area; NaN where no triangle has a rest area */
-    sn_index smallest_triangle_index;    /* SN_NONE = none */
-    double kinetic_energy;               /* J */
-    sn_index nan_points, first_nan;      /* points whose position is not finite; the first of them or SN_NONE */
+    double smallest_triangle;              /* least area over rest area; NaN where no triangle has a rest area */
+    sn_index smallest_triangle_index;      /* SN_NONE = none */
+    double kinetic_energy;                 /* J */
+    sn_index nan_points, first_nan;        /* points whose position is not finite; the first of them or SN_NONE */
     int64_t skipped_edges, skipped_hinges; /* projections in the last frame that a guard left out */
-    int64_t clamped_hinges;              /* and that the dihedral clamp limited */
+    int64_t clamped_hinges;                /* and that the dihedral clamp limited */
 } sn_statistics;
 
 /* ---- the state ------------------------------------------------------------------------------------------------------------ */
 
 /* Position and inverse mass side by side: one record of 32 bytes is what a projection reads and writes. */
-typedef struct sn_point { double x, y, z, w; } sn_point;
+typedef struct sn_point {
+    double x, y, z, w;
+} sn_point;
 
 static inline sn_vec3 sn_point_position(const sn_point *p) { return sn_v3(p->x, p->y, p->z); }
 
 /* Arrays of one muscle's state: type, name, count in terms of `m` (its model), kept when a run is saved and continued. */
-#define SN_STATE_ARRAYS(X)                                        \
-    X(sn_point, points, m->point_count, true)                     \
-    X(sn_vec3, velocities, m->point_count, true)                  \
-    X(sn_vec3, previous, m->point_count, false)                   \
-    X(double, goals, m->distance_start[SN_DISTANCE_KINDS], false) \
-    X(double, distance_lambda, m->distance_start[SN_DISTANCE_KINDS], false) \
-    X(double, hinge_lambda, m->hinge_count, false)                \
+#define SN_STATE_ARRAYS(X)                                                                                                                 \
+    X(sn_point, points, m->point_count, true)                                                                                              \
+    X(sn_vec3, velocities, m->point_count, true)                                                                                           \
+    X(sn_vec3, previous, m->point_count, false)                                                                                            \
+    X(double, goals, m->distance_start[SN_DISTANCE_KINDS], false)                                                                          \
+    X(double, distance_lambda, m->distance_start[SN_DISTANCE_KINDS], false)                                                                \
+    X(double, hinge_lambda, m->hinge_count, false)                                                                                         \
     X(sn_vec3, volume_gradient, m->keeps_volume ? m->vertex_count : 0, false)
 
 typedef struct sn_muscle_state {
@@ -169,13 +179,13 @@ typedef struct sn_muscle_state {
 } sn_muscle_state;
 
 typedef struct sn_state {
-    sn_index frame;             /* the frame that the state has reached */
-    sn_muscle_state *muscles;   /* (model.muscle_count) */
-    sn_rigid *poses;            /* (substeps x joints) of the frame being stepped */
+    sn_index frame;           /* the frame that the state has reached */
+    sn_muscle_state *muscles; /* (model.muscle_count) */
+    sn_rigid *poses;          /* (substeps x joints) of the frame being stepped */
 } sn_state;
 
 SN_MUST_CHECK sn_status sn_state_create(const sn_model *model, sn_state **out, sn_error *error); /* and reset */
-void sn_state_destroy(const sn_model *model, sn_state *state); /* NULL is fine */
+void sn_state_destroy(const sn_model *model, sn_state *state);                                   /* NULL is fine */
 /* The first frame, before any pre-roll: at rest, carried along where the first frame's bones are away from their rest place (each
  * point by the poses of its muscle's bones, weighted by the inverse square of its distance to each bone's attachment). */
 void sn_state_reset(const sn_model *model, sn_state *state);
@@ -185,10 +195,10 @@ void sn_state_positions(const sn_model *model, const sn_state *state, sn_index m
 /* ---- stepping ------------------------------------------------------------------------------------------------------------- */
 
 typedef struct sn_step_options {
-    sn_pool *pool;            /* nullable: one thread */
-    sn_trace *trace;          /* nullable: one step per substep and muscle, with its residuals */
-    sn_index stop_substep;    /* 1..substeps: stop after this substep of the frame; 0 = do all */
-    sn_index stop_iteration;  /* with stop_substep: after this iteration in it; 0 = all */
+    sn_pool *pool;           /* nullable: one thread */
+    sn_trace *trace;         /* nullable: one step per substep and muscle, with its residuals */
+    sn_index stop_substep;   /* 1..substeps: stop after this substep of the frame; 0 = do all */
+    sn_index stop_iteration; /* with stop_substep: after this iteration in it; 0 = all */
 } sn_step_options;
 
 /* The scene's pre-roll: whole substeps, rounded up, with the bones and activations of the first frame. */

@@ -126,19 +126,25 @@ static sn_status add_muscle(sn_model *model, const sn_scene_muscle *source, sn_p
     return status;
 }
 
+static sn_model *make_model(const sn_scene *scene) {
+    sn_model *model = SN_NEW(sn_model, 1);
+    if (model == NULL) return NULL;
+    *model = (sn_model){.scene = scene,
+                        .plan = {scene->muscle_count, SN_NEW(sn_plan_muscle, scene->muscle_count)},
+                        .muscles = SN_NEW(sn_model_muscle, scene->muscle_count),
+                        .frame_duration = 1.0 / scene->rate,
+                        .substep_duration = 1.0 / (scene->rate * scene->solver.substeps)};
+    if (model->muscles != NULL && model->plan.muscles != NULL) return model;
+    sn_model_destroy(model);
+    return NULL;
+}
+
 sn_status sn_model_create(const sn_scene *scene, sn_model **out, sn_error *error) {
     *out = NULL;
     sn_status status = sn_scene_validate(scene, error);
     if (status != SN_OK) return status;
-    sn_model *model = SN_NEW(sn_model, 1);
+    sn_model *model = make_model(scene);
     if (model == NULL) return sn_fail_memory(error, "the model");
-    model->scene = scene;
-    model->frame_duration = 1.0 / scene->rate;
-    model->substep_duration = 1.0 / (scene->rate * scene->solver.substeps);
-    model->muscles = SN_NEW(sn_model_muscle, scene->muscle_count);
-    model->plan.muscles = SN_NEW(sn_plan_muscle, scene->muscle_count);
-    if (model->muscles == NULL || model->plan.muscles == NULL) status = sn_fail_memory(error, "the model");
-    model->plan.muscle_count = status == SN_OK ? scene->muscle_count : 0;
     for (sn_index i = 0; status == SN_OK && i < scene->muscle_count; i++)
         status = add_muscle(model, &scene->muscles[i], &model->plan.muscles[i], error);
     if (status != SN_OK)

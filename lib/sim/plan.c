@@ -45,9 +45,9 @@ static bool closed(const sn_topology *topology) {
 
 static sn_left_out volume_reason(const sn_build *build) {
     double size = build->model->diagonal, volume = build->model->rest_volume;
-    if (!has_stiffness(build->source, build->source->stiffness_volume)) return SN_OUT_NO_STIFFNESS;
     if (!closed(build->topology)) return SN_OUT_OPEN_SURFACE;
-    return fabs(volume) > 1e-12 * size * size * size ? SN_RUNS : SN_OUT_FLAT;
+    if (!(fabs(volume) > 1e-12 * size * size * size)) return SN_OUT_FLAT;
+    return has_stiffness(build->source, build->source->stiffness_volume) ? SN_RUNS : SN_OUT_NO_STIFFNESS;
 }
 
 void sn_plan_decide(const sn_build *build) {

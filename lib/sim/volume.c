@@ -35,6 +35,7 @@ double sn_volume_constraint(sn_index vertex_count, const sn_point *points, sn_in
 
 void sn_volume_build(const sn_build *build) {
     sn_plan_group *group = &build->plan->groups[SN_ROWS_VOLUME];
+    if (group->reason == SN_OUT_OPEN_SURFACE || group->reason == SN_OUT_FLAT) build->model->rest_volume = NAN; /* nothing to compare with */
     build->model->keeps_volume = group->reason == SN_RUNS && build->plan->kinematic < build->plan->vertices;
     group->rows = build->model->keeps_volume ? 1 : 0;
     group->kinematic = group->reason == SN_RUNS ? 1 - group->rows : 0;
