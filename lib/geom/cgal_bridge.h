@@ -1,7 +1,7 @@
 /*
  * cgal_bridge.h -- the few CGAL algorithms that sinew uses, behind plain arrays; private to lib/geom.
  *
- * CGAL may crash or hang on input that it does not expect, so the C side (repair.c) validates first: indices in range, no
+ * CGAL may crash or hang on input that it does not expect, so the C side (bridge.c) validates first: indices in range, no
  * repeated index in a triangle, coordinates finite and scaled to the unit box, at least one triangle. No exception crosses: each
  * function catches all and returns SN_ERROR_INTERNAL. The C side counts anew what comes back.
  */
