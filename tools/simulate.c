@@ -454,6 +454,7 @@ static void write_group(sn_json *json, sn_row_kind kind, const sn_plan_group *gr
     sn_json_text(json, "kind", sn_row_kind_name(kind));
     sn_json_integer(json, "rows", group->rows);
     sn_json_integer(json, "bytes", (int64_t)group->bytes);
+    if (kind < SN_DISTANCE_KINDS && group->rows > 0) sn_json_numbers(json, "rigidity", group->rigidity, 2);
     if (group->reason != SN_RUNS) sn_json_text(json, "leftOut", sn_left_out_text(group->reason));
     if (group->kinematic > 0) sn_json_integer(json, "carriedByBones", group->kinematic);
     if (group->degenerate > 0) sn_json_integer(json, "degenerate", group->degenerate);

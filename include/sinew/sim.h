@@ -42,6 +42,7 @@ typedef struct sn_plan_group {
     sn_index kinematic;  /* rows left out because every point of theirs is carried by a bone */
     sn_index degenerate; /* rows left out because their rest shape has no length or no area (guards below) */
     size_t bytes;        /* of the rows, in model and state */
+    double rigidity[2];  /* distances: k h^2 w relaxed and active, w of the mean point; far above 1 the rows are rigid, whatever k is */
 } sn_plan_group;
 
 typedef struct sn_plan_muscle {

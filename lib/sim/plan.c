@@ -82,6 +82,15 @@ static size_t model_bytes(const sn_model_muscle *m) {
     return sizeof(*m) + points + triangles + distances + hinges + sites;
 }
 
+/* XPBD feels a stiffness only where k h^2 w is not far above 1 (numerics.md 1). */
+static void measure_rigidity(const sn_build *build, sn_row_kind kind) {
+    const sn_scene_muscle *source = build->source;
+    double h = 1.0 / (build->scene->rate * build->scene->solver.substeps);
+    double factor = (kind == SN_ROWS_MESH ? 1.0 : source->stiffness_internal) * h * h * build->model->point_count / build->model->mass;
+    build->plan->groups[kind].rigidity[0] = factor * source->stiffness_relaxed;
+    build->plan->groups[kind].rigidity[1] = factor * source->stiffness_active;
+}
+
 void sn_plan_count(const sn_build *build) {
     const sn_model_muscle *m = build->model;
     sn_plan_group *groups = build->plan->groups;
@@ -91,6 +100,7 @@ void sn_plan_count(const sn_build *build) {
                      : kind == SN_ROWS_DIHEDRAL ? sizeof(sn_hinge_row) + 2 * sizeof(double)
                                                 : (size_t)m->vertex_count * sizeof(sn_vec3);
         groups[kind].bytes = (size_t)groups[kind].rows * row;
+        if (kind < SN_DISTANCE_KINDS && groups[kind].rows > 0) measure_rigidity(build, (sn_row_kind)kind);
     }
     build->plan->model_bytes = model_bytes(m);
     build->plan->state_bytes = state_bytes(m);

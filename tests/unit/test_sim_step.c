@@ -420,6 +420,29 @@ static void an_open_surface_keeps_no_volume(void **state) {
     finish(&s);
 }
 
+/* numerics.md 1: the plan's k h^2 w, and what it means: far below 1 a stiffness is felt, far above it is not. */
+static void the_plan_tells_where_a_stiffness_is_felt(void **state) {
+    (void)state;
+    static const double stiffness[] = {1.0, 4.0, 5e5, 2e6};
+    double stretch[4], rigidity[4];
+    for (int k = 0; k < 4; k++) {
+        sn_scene scene;
+        make_scene(&scene, &FUSIFORM);
+        scene.muscles[0].stiffness_relaxed = scene.muscles[0].stiffness_active = stiffness[k];
+        scene.gravity = sn_v3(0, -9.81, 0);
+        simulation s = start(&scene);
+        step_frames(&s, 48, NULL);
+        stretch[k] = statistics(&s)->residuals[SN_ROWS_MESH].rms;
+        rigidity[k] = s.model->plan.muscles[0].groups[SN_ROWS_MESH].rigidity[0];
+        double h = s.model->substep_duration, w = s.model->muscles[0].point_count / s.model->muscles[0].mass;
+        assert_true(fabs(rigidity[k] / (stiffness[k] * h * h * w) - 1.0) < 1e-12);
+        finish(&s);
+    }
+    assert_true(rigidity[1] < 1.0 && rigidity[2] > 100.0);
+    assert_true(stretch[1] < 0.7 * stretch[0]);
+    assert_true(fabs(stretch[3] / stretch[2] - 1.0) < 0.05);
+}
+
 /* Rows whose points are all on bones are not built; the rest add up to the edges. */
 static void rows_between_bones_are_left_out(void **state) {
     (void)state;
@@ -457,6 +480,7 @@ int main(void) {
         cmocka_unit_test(a_step_stops_where_it_is_told),
         cmocka_unit_test(a_bone_that_is_missing_is_named),
         cmocka_unit_test(an_open_surface_keeps_no_volume),
+        cmocka_unit_test(the_plan_tells_where_a_stiffness_is_felt),
         cmocka_unit_test(rows_between_bones_are_left_out),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
