@@ -146,12 +146,6 @@ typedef struct job {
     sn_index frames_done;
 } job;
 
-static sn_index enabled_count(const sn_scene *scene) {
-    sn_index count = 0;
-    for (sn_index i = 0; i < scene->muscle_count; i++) count += scene->muscles[i].enabled;
-    return count;
-}
-
 static void apply_options(job *j) {
     sn_scene *scene = &j->scene;
     sn_index range[2];
@@ -534,11 +528,18 @@ static void write_report(sn_json *json, const void *data) {
     write_plan_members(json, j->model);
 }
 
+static void warn_of_loose_muscles(const job *j) {
+    if (j->model->muscle_count == 0) cli_warn(&j->c, "the scene has no muscle that is enabled: there is nothing to simulate");
+    for (sn_index i = 0; i < j->model->muscle_count; i++)
+        if (j->model->muscles[i].kinematic_count == 0)
+            cli_warn(&j->c, "muscle \"%s\" is attached to no bone and moves freely (attach-detect attaches it)", plan_of(j, i)->name);
+}
+
 static sn_status work(job *j, sn_error *error) {
     sn_status status = load_scene(j, error);
     if (status != SN_OK) return status;
     if (given.plan) return print_plan(j, error);
-    if (enabled_count(&j->scene) == 0) cli_warn(&j->c, "the scene has no muscle that is enabled: there is nothing to simulate");
+    warn_of_loose_muscles(j);
     status = simulate(j, error);
     if (status != SN_OK && status != SN_STOPPED) return status;
     sn_status reported = cli_report(&j->c, write_report, j, error);

@@ -143,6 +143,19 @@ END
     done
 }
 
+@test "a muscle without attachments is warned of and rests; a scene without muscles has an empty log" {
+    mesh-clean -q biceps.ply -o loose.muscle.json
+    printf '{"format":"sinew-scene","version":1,"muscles":[{"rig":"loose.muscle.json"}]}' > loose.scene.json
+    simulate loose.scene.json --frames 0:3 -o loose.pc2 > log.jsonl 2> err
+    grep -q 'attached to no bone' err
+    [ "$(wc -l < err)" -eq 1 ]
+    python3 -c 'import json
+for line in open("log.jsonl"): assert abs(json.loads(line)["kinetic_energy"]) < 1e-12'
+    printf '{"format":"sinew-scene","version":1}' > none.scene.json
+    simulate -q none.scene.json > log.jsonl
+    [ ! -s log.jsonl ]
+}
+
 @test "outputs that make no sense are wrong usage" {
     one_muscle
     run -2 simulate arm.scene.json -o arm.pc2
