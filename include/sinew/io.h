@@ -7,6 +7,7 @@
 #ifndef SINEW_IO_H
 #define SINEW_IO_H
 
+#include "sinew/embedding.h"
 #include "sinew/muscle.h"
 #include "sinew/scene.h"
 
@@ -122,5 +123,12 @@ typedef struct sn_pc2_data {
 } sn_pc2_data;
 SN_MUST_CHECK sn_status sn_pc2_read(const char *path, sn_pc2_data *out, sn_error *error);
 void sn_pc2_free(sn_pc2_data *data);
+
+/* ---- weights of an embedding, kept in a binary file beside a document (lib/io/embedding_file.c) -------------------------------- */
+
+/* hash: sn_embedding_hash of what the weights were made from. */
+SN_MUST_CHECK sn_status sn_embedding_save(const sn_embedding *embedding, const char *hash, sn_output *output, sn_error *error);
+/* SN_ERROR_INPUT where the file is damaged or was made for something else: make the weights anew then. */
+SN_MUST_CHECK sn_status sn_embedding_load(const sn_blob *blob, const char *hash, sn_embedding *out, sn_error *error);
 
 #endif
