@@ -38,6 +38,7 @@ LINK_sparse  := -lcholmod -lamd -lcolamd -lsuitesparseconfig
 LINK_embree  := -lembree3
 LINK_cgal    := -lgmp -lmpfr -lstdc++
 LINK_png     := -lpng -lz
+LINK_assimp  := -lassimp
 
 TOOLS := mesh-clean root-select build-structure fiber-flow attach-detect simulate rig-view
 LIBS_mesh-clean      := cgal embree json
@@ -48,6 +49,10 @@ LIBS_attach-detect   := embree json
 LIBS_simulate        := gsl json
 LIBS_rig-view        := embree gsl json png
 
+# run by the tools, not by hand: installed in libexec/sinew
+LIBEXEC_TOOLS := mesh-import
+LIBS_mesh-import     := assimp json
+
 # ---- sources ----------------------------------------------------------------------------------------------------------------
 LIB_SOURCES := $(sort $(wildcard lib/*/*.c))
 BRIDGE_SOURCES := $(sort $(wildcard lib/geom/cgal_*.cpp))
@@ -55,6 +60,7 @@ LIB_OBJECTS := $(LIB_SOURCES:%.c=$(B)/%.o)
 BRIDGE_OBJECTS := $(BRIDGE_SOURCES:lib/geom/%.cpp=$(BRIDGE)/%.o)
 TOOL_SHARED := $(patsubst %.c,$(B)/%.o,$(wildcard tools/cli.c tools/chain.c tools/selector.c))
 BUILT_TOOLS := $(foreach t,$(TOOLS),$(if $(wildcard tools/$t.c),$(B)/bin/$t))
+BUILT_LIBEXEC := $(LIBEXEC_TOOLS:%=$(B)/libexec/sinew/%)
 EXAMPLES := $(patsubst share/examples/%.c,$(B)/examples/%,$(wildcard share/examples/*/*.c))
 UNIT_TESTS := $(patsubst tests/unit/%.c,$(B)/tests/unit/%,$(sort $(wildcard tests/unit/test_*.c)))
 EXTRA_TESTS := $(patsubst tests/%.c,$(B)/tests/%,$(sort $(wildcard tests/fuzz/*.c tests/numerics/*.c tests/bench/*.c)))
@@ -63,11 +69,14 @@ EXTRA_TESTS := $(patsubst tests/%.c,$(B)/tests/%,$(sort $(wildcard tests/fuzz/*.
 .DELETE_ON_ERROR:
 .SECONDARY:
 all: programs
-programs: $(BUILT_TOOLS) $(B)/libsinew.a
+programs: $(BUILT_TOOLS) $(BUILT_LIBEXEC) $(B)/libsinew.a
 
 $(B)/%.o: %.c
 	@mkdir -p $(@D)
 	$(CC) $(CPPFLAGS_ALL) $(CFLAGS_ALL) -MMD -MP -c -o $@ $<
+
+# where a program outside of the installation finds what is in libexec
+$(B)/lib/io/import.o: CPPFLAGS_ALL += -DSN_PREFIX='"$(PREFIX)"'
 
 # CGAL needs 1-2 GB and up to half a minute a file
 $(BRIDGE)/%.o: lib/geom/%.cpp
@@ -84,6 +93,10 @@ $(B)/bin/%: $(B)/tools/%.o $(TOOL_SHARED) $(B)/libsinew.a
 	@mkdir -p $(@D)
 	$(call link,$(LIBS_$*))
 
+$(B)/libexec/sinew/%: $(B)/tools/%.o $(TOOL_SHARED) $(B)/libsinew.a
+	@mkdir -p $(@D)
+	$(call link,$(LIBS_$*))
+
 $(B)/examples/%: $(B)/share/examples/%.o $(B)/libsinew.a
 	@mkdir -p $(@D)
 	$(call link,embree json gsl)
@@ -96,5 +109,5 @@ tests: $(UNIT_TESTS) $(EXTRA_TESTS)
 
 include share/make/project.mk
 
--include $(LIB_OBJECTS:.o=.d) $(BRIDGE_OBJECTS:.o=.d) $(BUILT_TOOLS:$(B)/bin/%=$(B)/tools/%.d) $(TOOL_SHARED:.o=.d)
+-include $(LIB_OBJECTS:.o=.d) $(BRIDGE_OBJECTS:.o=.d) $(BUILT_TOOLS:$(B)/bin/%=$(B)/tools/%.d) $(LIBEXEC_TOOLS:%=$(B)/tools/%.d) $(TOOL_SHARED:.o=.d)
 -include $(UNIT_TESTS:=.d) $(EXTRA_TESTS:=.d) $(EXAMPLES:$(B)/examples/%=$(B)/share/examples/%.d)

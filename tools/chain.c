@@ -5,14 +5,30 @@
 #include <stdlib.h>
 #include <string.h>
 
+sn_status cli_list_meshes(const sn_blob *blob, sn_error *error) {
+    sn_mesh mesh = {0};
+    sn_mesh_part *parts = NULL;
+    sn_output *output = NULL;
+    sn_index count = 0;
+    sn_status status = sn_mesh_parse(blob, true, &mesh, error);
+    if (status == SN_OK) status = sn_mesh_parts(&mesh, &parts, &count, error);
+    if (status == SN_OK) status = sn_output_open("-", false, &output, error);
+    for (sn_index i = 0; i < count && status == SN_OK; i++)
+        status = sn_output_print(output, "%d\t%s\t%d\t%d\n", i + 1, parts[i].name, parts[i].vertices, parts[i].triangles);
+    if (output != NULL) status = sn_output_commit(output, error);
+    free(parts);
+    sn_mesh_free(&mesh);
+    return status == SN_OK ? SN_STOPPED : status;
+}
+
 sn_status cli_load(cli *c, cli_muscle *out, sn_error *error) {
     sn_blob blob = {0};
     *out = (cli_muscle){0};
     sn_status status = sn_blob_read(c->inputs.items[0], &blob, error);
     if (status != SN_OK) return status;
     sn_hash(blob.data, blob.size, c->input_hash);
-    status = sn_muscle_parse(&blob, &c->read, &out->muscle, &out->document, error);
-    if (status != SN_OK) sn_error_set_file(error, blob.name);
+    status = c->list ? cli_list_meshes(&blob, error) : sn_muscle_parse(&blob, &c->read, &out->muscle, &out->document, error);
+    if (status != SN_OK && status != SN_STOPPED) sn_error_set_file(error, blob.name);
     sn_blob_free(&blob);
     return status;
 }

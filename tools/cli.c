@@ -19,9 +19,9 @@ static const char *const up_names[] = {"z", "y", NULL};
 
 /* Targets of the shared options. */
 typedef struct shared_values {
-    const char *output, *report, *trace, *stop_after;
+    const char *output, *report, *trace, *stop_after, *mesh;
     int units, up;
-    bool no_history, quiet, help, usage, version;
+    bool list, no_history, quiet, help, usage, version;
     int64_t threads;
 } shared_values;
 
@@ -38,9 +38,17 @@ typedef struct shared_option {
 static const shared_option shared_options[] = {
     {CLI_HAS_OUTPUT, {'o', "output", "FILE", CLI_TEXT, &shared.output, 0, 0, 0, NULL, "write to FILE instead of standard output"}},
     {CLI_HAS_UNITS,
-     {0, "units", "UNIT", CLI_CHOICE, &shared.units, CLI_RESULT, 0, 0, unit_names, "unit of a bare mesh: m (default), cm or mm"}},
+     {0, "units", "UNIT", CLI_CHOICE, &shared.units, CLI_RESULT, 0, 0, unit_names,
+      "unit of a bare mesh: m, cm or mm (default: as its file says, else m)"}},
     {CLI_HAS_UNITS,
-     {0, "up", "AXIS", CLI_CHOICE, &shared.up, CLI_RESULT, 0, 0, up_names, "up axis of a bare mesh: z (default) or y, turned to z"}},
+     {0, "up", "AXIS", CLI_CHOICE, &shared.up, CLI_RESULT, 0, 0, up_names,
+      "up axis of a bare mesh: z, or y, turned to z (default: as its file says, else z)"}},
+    {CLI_HAS_UNITS,
+     {0, "mesh", "NAME|N", CLI_TEXT, &shared.mesh, CLI_RESULT, 0, 0, NULL,
+      "of a file with several meshes, the one to read (default: all)"}},
+    {CLI_HAS_LIST,
+     {0, "list", NULL, CLI_FLAG, &shared.list, 0, 0, 0, NULL,
+      "print number, name, vertices and triangles of each mesh, and do nothing else"}},
     {CLI_HAS_HISTORY, {0, "no-history", NULL, CLI_FLAG, &shared.no_history, 0, 0, 0, NULL, "leave the history out of the document"}},
     {CLI_HAS_REPORT, {0, "report", "FILE", CLI_TEXT, &shared.report, 0, 0, 0, NULL, "write figures and timings as JSON to FILE"}},
     {CLI_HAS_TRACE, {0, "trace", "FILE", CLI_TEXT, &shared.trace, 0, 0, 0, NULL, "write every inner step as a JSON line to FILE"}},
@@ -314,6 +322,9 @@ static void take_shared(cli *c) {
     c->report = shared.report;
     c->read.meters_per_unit = cli_given(c, "units") ? unit_meters[shared.units] : 0.0;
     c->read.up_y = shared.up == 1;
+    c->read.up_given = cli_given(c, "up");
+    c->read.mesh = shared.mesh;
+    c->list = shared.list;
     c->history = !shared.no_history;
     c->threads = (int)shared.threads;
     c->verbosity = shared.quiet ? -1 : verbose_twice ? 2 : verbose_once ? 1 : 0;

@@ -50,10 +50,11 @@ enum {
     CLI_HAS_OUTPUT = 4,    /* -o, --output */
     CLI_HAS_TRACE = 8,     /* --trace, --stop-after N */
     CLI_HAS_REPORT = 16,   /* --report */
-    CLI_HAS_UNITS = 32,    /* --units, --up for bare meshes */
+    CLI_HAS_UNITS = 32,    /* --units, --up, --mesh for bare meshes */
     CLI_HAS_HISTORY = 64,  /* --no-history */
     CLI_HAS_THREADS = 128, /* --threads */
-    CLI_CHAIN = 4 | 8 | 16 | 32 | 64 | 1 /* what every tool of the rig chain takes */
+    CLI_HAS_LIST = 256,    /* --list: cli_load obeys it */
+    CLI_CHAIN = 4 | 8 | 16 | 32 | 64 | 256 | 1 /* what every tool of the rig chain takes */
 };
 
 typedef struct cli_tool {
@@ -72,7 +73,8 @@ typedef struct cli {
     const char *report;   /* NULL = none */
     const char *stop_after; /* text as given; NULL = none. trace.stop_after holds it where it is a plain number */
     sn_trace trace;       /* hand &cli.trace to the library */
-    sn_read_options read; /* --units, --up */
+    sn_read_options read; /* --units, --up, --mesh */
+    bool list;            /* --list */
     bool history;         /* false under --no-history */
     int threads;          /* 0 = all */
     int verbosity;        /* -1 quiet, 0, 1, 2 */
@@ -110,12 +112,15 @@ typedef struct cli_muscle {
     sn_muscle muscle;
     sn_document *document;
 } cli_muscle;
-/* Read inputs.items[0] (document or bare mesh), keeping its hash for the history. */
+/* Read inputs.items[0] (document or bare mesh), keeping its hash for the history. Under --list: cli_list_meshes instead. */
 SN_MUST_CHECK sn_status cli_load(cli *c, cli_muscle *out, sn_error *error);
 /* Write the document to the output: the sections in `changed` from muscle, history appended. An output whose extension is a mesh
  * format's (.ply .obj .stl .off) gets the bare mesh. */
 SN_MUST_CHECK sn_status cli_save(cli *c, const cli_muscle *muscle, unsigned changed, sn_error *error);
 void cli_free(cli_muscle *muscle);
+/* What --list asks for: a line "number, name, vertices, triangles", parted by tabs, for each mesh of a bare mesh's file to stdout.
+ * Returns SN_STOPPED, as nothing is left to be done. */
+SN_MUST_CHECK sn_status cli_list_meshes(const sn_blob *blob, sn_error *error);
 
 /* Write --report FILE, if asked: { "tool", "version", "seconds", ...members written by write(json, data) }. */
 typedef void (*cli_report_writer)(sn_json *json, const void *data);

@@ -64,6 +64,34 @@ const char *sn_mesh_format_name(sn_mesh_format format);
  * allow_nonfinite. Errors name line (text) or byte offset (binary). */
 SN_MUST_CHECK sn_status sn_mesh_parse(const sn_blob *blob, bool allow_nonfinite, sn_mesh *out, sn_error *error);
 SN_MUST_CHECK sn_status sn_mesh_read(const char *path, sn_mesh *out, sn_error *error); /* finite only */
+
+/* What a file says of its own coordinates: glTF, FBX and Collada do, most formats say nothing. */
+typedef enum sn_up { SN_UP_UNKNOWN, SN_UP_Y, SN_UP_Z } sn_up;
+typedef struct sn_mesh_frame {
+    double meters_per_unit; /* 0 = not said */
+    sn_up up;
+} sn_mesh_frame;
+/* As sn_mesh_parse and sn_mesh_read, and what the file says of unit and axis; coordinates stay as they are in the file. */
+SN_MUST_CHECK sn_status sn_mesh_parse_frame(const sn_blob *blob, bool allow_nonfinite, sn_mesh *out, sn_mesh_frame *frame,
+                                            sn_error *error);
+SN_MUST_CHECK sn_status sn_mesh_read_frame(const char *path, sn_mesh *out, sn_mesh_frame *frame, sn_error *error);
+
+/* Which of the formats that mesh-import(1) reads this is ("glb", "fbx", "dae", ...), from content alone; NULL = none of them
+ * (lib/io/import_detect.c). sn_mesh_parse has it read by that program, in a child with limits of memory and time (lib/io/import.c). */
+const char *sn_import_detect(const sn_blob *blob);
+const char *sn_import_format_name(const char *kind); /* "FBX", "glTF", ... for messages */
+
+/* ---- the meshes of one file: objects of a scene, groups of an OBJ file (lib/io/mesh_part.c) ------------------------------ */
+
+typedef struct sn_mesh_part {
+    const char *name; /* "" = it has none; lives as long as the mesh */
+    sn_index vertices, triangles;
+} sn_mesh_part;
+/* The parts in the order of the file; triangles of no group are the last one. At least one; *out is freed by the caller. */
+SN_MUST_CHECK sn_status sn_mesh_parts(const sn_mesh *mesh, sn_mesh_part **out, sn_index *count, sn_error *error);
+/* Keep one part, by its name or its number from 1 (a name that is a number comes first), and the vertices that it uses, in their
+ * order; it is the only group then. SN_ERROR_INPUT: there is none, or more than one of that name, or it is empty. */
+SN_MUST_CHECK sn_status sn_mesh_select(sn_mesh *mesh, const char *which, sn_error *error);
 SN_MUST_CHECK sn_status sn_mesh_write(const sn_mesh *mesh, sn_mesh_format format, sn_mesh_encoding encoding, sn_output *output,
                                       sn_error *error);
 
@@ -73,9 +101,11 @@ SN_MUST_CHECK sn_status sn_mesh_write(const sn_mesh *mesh, sn_mesh_format format
 typedef struct sn_document sn_document;
 
 typedef struct sn_read_options {
-    double meters_per_unit; /* for bare meshes; 0 = metres, with a warning where the size says otherwise */
+    double meters_per_unit; /* for bare meshes; 0 = what the file says, else metres, with a warning where the size says otherwise */
     bool up_y;              /* bare mesh has y up: turn it to z up */
+    bool up_given;          /* up_y holds even where the file says otherwise */
     bool allow_nonfinite;   /* bare meshes only */
+    const char *mesh;       /* of a bare mesh's parts, the one to read (sn_mesh_select); NULL = all */
 } sn_read_options;
 
 /* One entry of a document's history. */

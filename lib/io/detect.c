@@ -1,5 +1,5 @@
-/* detect.c -- which kind of document a JSON text is, without parsing it all: looks for the top-level member "format". */
-#include "sinew/io.h"
+/* detect.c -- which kind of document a JSON text is, without parsing it all: looks for the top-level members "format" and "asset". */
+#include "import.h"
 
 #include <string.h>
 
@@ -49,18 +49,33 @@ static bool equals(const char *text, const char *end, const char *quoted) {
     return (size_t)(end - text) == strlen(quoted) && memcmp(text, quoted, strlen(quoted)) == 0;
 }
 
-bool sn_scene_detect(const sn_blob *blob) {
-    scan s = {blob->data, blob->data + blob->size};
-    if (blob->size >= 3 && memcmp(blob->data, "\xEF\xBB\xBF", 3) == 0) s.at += 3;
-    if (!take(&s, '{')) return false;
-    while (s.at < s.end && *s.at == '"') {
-        const char *key = s.at;
-        if (!skip_string(&s)) return false;
-        bool found = equals(key, s.at, "\"format\"");
-        if (!take(&s, ':')) return false;
-        const char *value = s.at;
-        if (found && s.at < s.end && *s.at == '"') return skip_string(&s) && equals(value, s.at, "\"sinew-scene\"");
-        if (!skip_value(&s) || !take(&s, ',')) return false;
+/* The first of the wanted members on the top level; the scan then stands at its value. -1 = none, or this is no JSON object. */
+static int find_member(scan *s, const sn_blob *blob, int count, const char *const *wanted) {
+    *s = (scan){blob->data, blob->data + blob->size};
+    if (blob->size >= 3 && memcmp(blob->data, "\xEF\xBB\xBF", 3) == 0) s->at += 3;
+    if (!take(s, '{')) return -1;
+    while (s->at < s->end && *s->at == '"') {
+        const char *key = s->at;
+        if (!skip_string(s)) return -1;
+        const char *key_end = s->at;
+        if (!take(s, ':')) return -1;
+        for (int i = 0; i < count; i++)
+            if (equals(key, key_end, wanted[i])) return i;
+        if (!skip_value(s) || !take(s, ',')) return -1;
     }
-    return false;
+    return -1;
+}
+
+bool sn_scene_detect(const sn_blob *blob) {
+    static const char *const wanted[] = {"\"format\""};
+    scan s;
+    if (find_member(&s, blob, 1, wanted) != 0 || s.at >= s.end || *s.at != '"') return false;
+    const char *value = s.at;
+    return skip_string(&s) && equals(value, s.at, "\"sinew-scene\"");
+}
+
+bool sn_gltf_detect(const sn_blob *blob) {
+    static const char *const wanted[] = {"\"format\"", "\"asset\""};
+    scan s;
+    return find_member(&s, blob, 2, wanted) == 1 && s.at < s.end && *s.at == '{';
 }

@@ -325,15 +325,25 @@ static void warn_of_size(const char *name, const sn_mesh *mesh, double meters_pe
            meters_per_unit);
 }
 
-static sn_status parse_bare_mesh(const sn_blob *blob, const sn_read_options *options, sn_muscle *out, sn_error *error) {
-    sn_status status = sn_mesh_parse(blob, options->allow_nonfinite, &out->mesh, error);
-    if (status != SN_OK) return status;
-    for (sn_index v = 0; options->up_y && v < out->mesh.vertex_count; v++) {
+/* The unit and the axis that were asked for, else those of the file, else metres and z. */
+static void take_frame(sn_mesh_frame frame, const sn_read_options *options, sn_muscle *out) {
+    bool up_y = options->up_given || frame.up == SN_UP_UNKNOWN ? options->up_y : frame.up == SN_UP_Y;
+    for (sn_index v = 0; up_y && v < out->mesh.vertex_count; v++) {
         sn_vec3 p = out->mesh.positions[v];
         out->mesh.positions[v] = sn_v3(p.x, -p.z, p.y);
     }
-    out->meters_per_unit = options->meters_per_unit > 0.0 ? options->meters_per_unit : 1.0;
-    out->name = sn_path_stem(blob->name);
+    out->meters_per_unit = options->meters_per_unit > 0.0 ? options->meters_per_unit : frame.meters_per_unit;
+    if (!(out->meters_per_unit > 0.0)) out->meters_per_unit = 1.0;
+}
+
+static sn_status parse_bare_mesh(const sn_blob *blob, const sn_read_options *options, sn_muscle *out, sn_error *error) {
+    sn_mesh_frame frame;
+    sn_status status = sn_mesh_parse_frame(blob, options->allow_nonfinite, &out->mesh, &frame, error);
+    if (status == SN_OK && options->mesh != NULL) status = sn_mesh_select(&out->mesh, options->mesh, error);
+    if (status != SN_OK) return status;
+    take_frame(frame, options, out);
+    bool named = options->mesh != NULL && out->mesh.group_count == 1 && *out->mesh.group_names[0] != '\0';
+    out->name = named ? sn_strdup(out->mesh.group_names[0]) : sn_path_stem(blob->name);
     warn_of_size(blob->name, &out->mesh, out->meters_per_unit);
     return options->allow_nonfinite ? SN_OK : sn_muscle_validate(out, error);
 }
@@ -343,8 +353,12 @@ sn_status sn_muscle_parse(const sn_blob *blob, const sn_read_options *options, s
     *out = (sn_muscle){0};
     *document = SN_NEW(sn_document, 1);
     if (*document == NULL) return sn_fail_memory(error, "a document");
-    sn_status status = sn_json_detect(blob) ? parse_document(blob, out, *document, error)
-                                            : parse_bare_mesh(blob, options != NULL ? options : &defaults, out, error);
+    if (options == NULL) options = &defaults;
+    bool bare = !sn_json_detect(blob) || sn_import_detect(blob) != NULL; /* glTF is JSON too */
+    sn_status status = bare ? parse_bare_mesh(blob, options, out, error)
+                       : options->mesh != NULL
+                           ? sn_fail(error, SN_ERROR_USAGE, "a muscle document holds one mesh; --mesh is for bare meshes")
+                           : parse_document(blob, out, *document, error);
     if (status == SN_OK) return SN_OK;
     sn_error_set_file(error, blob->name);
     sn_muscle_free(out);

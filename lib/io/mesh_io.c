@@ -1,6 +1,7 @@
 /*
  * mesh_io.c -- which format a file has, and what every format's reader and writer ends in.
  */
+#include "import.h"
 #include "mesh_reader.h"
 
 #include <stdio.h>
@@ -170,21 +171,36 @@ static sn_status parse_as(const format_entry *format, const sn_blob *blob, bool 
 }
 
 sn_status sn_mesh_parse(const sn_blob *blob, bool allow_nonfinite, sn_mesh *out, sn_error *error) {
+    sn_mesh_frame frame;
+    return sn_mesh_parse_frame(blob, allow_nonfinite, out, &frame, error);
+}
+
+sn_status sn_mesh_parse_frame(const sn_blob *blob, bool allow_nonfinite, sn_mesh *out, sn_mesh_frame *frame, sn_error *error) {
     *out = (sn_mesh){0};
+    *frame = (sn_mesh_frame){0};
     if (blob->size == 0) return sn_fail_at(error, SN_ERROR_INPUT, blob->name, 0, "is empty; a mesh is needed");
+    bool stl = sn_stl_is_binary(blob->data, blob->size); /* its header may say anything */
+    if (!stl && sn_import_detect(blob) != NULL) return sn_import_parse(blob, allow_nonfinite, out, frame, error);
     sn_mesh_format format = sn_mesh_detect(blob);
     for (int i = 0; i < FORMAT_COUNT; i++) {
         if (formats[i].format == format) return parse_as(&formats[i], blob, allow_nonfinite, out, error);
     }
-    return sn_fail_at(error, SN_ERROR_INPUT, blob->name, 0, "is in no known mesh format; OBJ, PLY, STL and OFF are read");
+    return sn_fail_at(error, SN_ERROR_INPUT, blob->name, 0,
+                      "is in no known mesh format; OBJ, PLY, STL and OFF, glTF, FBX, Collada and 3DS are read");
 }
 
 sn_status sn_mesh_read(const char *path, sn_mesh *out, sn_error *error) {
+    sn_mesh_frame frame;
+    return sn_mesh_read_frame(path, out, &frame, error);
+}
+
+sn_status sn_mesh_read_frame(const char *path, sn_mesh *out, sn_mesh_frame *frame, sn_error *error) {
     *out = (sn_mesh){0};
+    *frame = (sn_mesh_frame){0};
     sn_blob blob;
     sn_status status = sn_blob_read(path, &blob, error);
     if (status != SN_OK) return status;
-    status = sn_mesh_parse(&blob, false, out, error);
+    status = sn_mesh_parse_frame(&blob, false, out, frame, error);
     sn_blob_free(&blob);
     return status;
 }

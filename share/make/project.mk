@@ -17,7 +17,7 @@ CLI_STAMPS := $(CLI_SUITES:tests/cli/%.bats=$(STAMPS)/cli-%)
 PROGRAM_STAMPS := $(patsubst tests/%.c,$(STAMPS)/program-%,$(sort $(wildcard tests/fuzz/*.c tests/numerics/*.c)))
 SHORT_STAMPS := $(STAMPS)/layering $(UNIT_STAMPS) $(CLI_STAMPS)
 ALL_STAMPS := $(SHORT_STAMPS) $(PROGRAM_STAMPS) $(STAMPS)/examples $(STAMPS)/anatomy $(STAMPS)/install
-EVERYTHING := $(BUILT_TOOLS) $(EXAMPLES) $(wildcard share/schema/*.json) tests/suite
+EVERYTHING := $(BUILT_TOOLS) $(BUILT_LIBEXEC) $(EXAMPLES) $(wildcard share/schema/*.json) tests/suite
 
 # the first make may install the compiler's libraries: build in a second one
 check: deps
@@ -79,9 +79,10 @@ endef
 export PKG_CONFIG
 
 install: programs
-	install -d $(DESTDIR)$(PREFIX)/bin $(DESTDIR)$(PREFIX)/lib/pkgconfig $(DESTDIR)$(PREFIX)/include/sinew \
+	install -d $(DESTDIR)$(PREFIX)/bin $(DESTDIR)$(PREFIX)/libexec/sinew $(DESTDIR)$(PREFIX)/lib/pkgconfig $(DESTDIR)$(PREFIX)/include/sinew \
 	    $(DESTDIR)$(PREFIX)/share/man/man1 $(DESTDIR)$(PREFIX)/share/sinew/schema
 	install -m 755 $(BUILT_TOOLS) $(DESTDIR)$(PREFIX)/bin
+	install -m 755 $(BUILT_LIBEXEC) $(DESTDIR)$(PREFIX)/libexec/sinew
 	install -m 644 $(B)/libsinew.a $(DESTDIR)$(PREFIX)/lib
 	install -m 644 $(wildcard include/sinew/*.h) $(DESTDIR)$(PREFIX)/include/sinew
 	install -m 644 $(wildcard share/man/*.1) $(DESTDIR)$(PREFIX)/share/man/man1
@@ -89,5 +90,5 @@ install: programs
 	@echo "$$PKG_CONFIG" > $(DESTDIR)$(PREFIX)/lib/pkgconfig/sinew.pc
 uninstall:
 	rm -f $(BUILT_TOOLS:$(B)/bin/%=$(DESTDIR)$(PREFIX)/bin/%) $(DESTDIR)$(PREFIX)/lib/libsinew.a $(DESTDIR)$(PREFIX)/lib/pkgconfig/sinew.pc
-	rm -rf $(DESTDIR)$(PREFIX)/include/sinew $(DESTDIR)$(PREFIX)/share/sinew
+	rm -rf $(DESTDIR)$(PREFIX)/libexec/sinew $(DESTDIR)$(PREFIX)/include/sinew $(DESTDIR)$(PREFIX)/share/sinew
 	rm -f $(patsubst share/man/%,$(DESTDIR)$(PREFIX)/share/man/man1/%,$(wildcard share/man/*.1))

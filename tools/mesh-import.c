@@ -1,0 +1,496 @@
+/*
+ * mesh-import.c -- the meshes of a glTF, FBX, Collada, 3DS, ... file as one binary PLY file; the only user of assimp.
+ *
+ * Assimp crashes, hangs and eats memory on damaged files, so the other tools run this program as a child with limits (lib/io/import.c)
+ * and believe nothing of its answer. Comments of the PLY file say what PLY cannot: the unit, the axis that is up, and which faces
+ * belong to which mesh. Its numbers are assimp's, of single precision.
+ */
+#include "cli.h"
+
+#include <assimp/cfileio.h>
+#include <assimp/cimport.h>
+#include <assimp/config.h>
+#include <assimp/postprocess.h>
+#include <assimp/scene.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+static const char *name; /* --name */
+
+static const cli_option options[] = {
+    {0, "name", "FILE", CLI_TEXT, &name, 0, 0, 0, NULL, "what the standard input is called: for messages, and to find buffers beside it"},
+};
+
+static const cli_tool tool = {"mesh-import",
+                              "turn the meshes of a glTF, FBX, Collada, 3DS, ... file into one PLY file",
+                              CLI_TAKES_INPUT | CLI_HAS_OUTPUT,
+                              options,
+                              sizeof options / sizeof *options,
+                              NULL};
+
+/* ---- the files that assimp may open: the input, and binary buffers beside it ----------------------------------------------- */
+
+typedef struct opened {
+    struct aiFile file; /* first: assimp holds a pointer to it */
+    sn_blob blob;
+    bool owned;
+    size_t at;
+} opened;
+
+typedef struct folder {
+    struct aiFileIO io; /* first */
+    const sn_blob *input;
+    char main_name[32]; /* what assimp calls the input */
+} folder;
+
+static opened *as_opened(struct aiFile *file) { return (opened *)(void *)file; }
+
+static size_t read_items(struct aiFile *file, char *out, size_t size, size_t count) {
+    opened *o = as_opened(file);
+    size_t left = o->blob.size - o->at, items = size > 0 ? left / size : 0;
+    if (items > count) items = count;
+    if (items > 0) memcpy(out, o->blob.data + o->at, items * size);
+    o->at += items * size;
+    return items;
+}
+
+static size_t write_nothing(struct aiFile *file, const char *data, size_t size, size_t count) {
+    (void)file, (void)data, (void)size, (void)count;
+    return 0;
+}
+
+static size_t tell(struct aiFile *file) { return as_opened(file)->at; }
+static size_t file_size(struct aiFile *file) { return as_opened(file)->blob.size; }
+static void flush(struct aiFile *file) { (void)file; }
+
+static enum aiReturn seek(struct aiFile *file, size_t offset, enum aiOrigin origin) {
+    opened *o = as_opened(file);
+    size_t base = origin == aiOrigin_CUR ? o->at : origin == aiOrigin_END ? o->blob.size : 0;
+    size_t target = base + offset; /* wraps for steps back */
+    if (target > o->blob.size) return aiReturn_FAILURE;
+    o->at = target;
+    return aiReturn_SUCCESS;
+}
+
+/* A buffer of a glTF file: a plain file of the name that the input gives, in the input's folder or below. */
+static bool read_buffer(const folder *f, const char *wanted, sn_blob *out) {
+    const char *input = f->input->name, *slash = strrchr(input, '/'), *dot = strrchr(wanted, '.');
+    if (strcmp(input, "<stdin>") == 0 || dot == NULL || strcmp(dot, ".bin") != 0) return false;
+    if (*wanted == '/' || strstr(wanted, "..") != NULL) return false;
+    char path[4096];
+    int length = snprintf(path, sizeof path, "%.*s%s", slash != NULL ? (int)(slash - input) + 1 : 0, input, wanted);
+    struct stat info;
+    if (length < 0 || (size_t)length >= sizeof path || stat(path, &info) != 0 || !S_ISREG(info.st_mode)) return false;
+    return sn_blob_read(path, out, NULL) == SN_OK;
+}
+
+static struct aiFile *open_file(struct aiFileIO *io, const char *wanted, const char *mode) {
+    const folder *f = (const folder *)(void *)io;
+    opened *o = SN_NEW(opened, 1);
+    if (o == NULL || strchr(mode, 'w') != NULL) {
+        free(o);
+        return NULL;
+    }
+    while (strncmp(wanted, "./", 2) == 0) wanted += 2;
+    o->file = (struct aiFile){.ReadProc = read_items,
+                              .WriteProc = write_nothing,
+                              .TellProc = tell,
+                              .FileSizeProc = file_size,
+                              .SeekProc = seek,
+                              .FlushProc = flush};
+    if (strcmp(wanted, f->main_name) == 0) {
+        o->blob = *f->input;
+        return &o->file;
+    }
+    o->owned = read_buffer(f, wanted, &o->blob);
+    if (o->owned) return &o->file;
+    free(o);
+    return NULL;
+}
+
+static void close_file(struct aiFileIO *io, struct aiFile *file) {
+    (void)io;
+    opened *o = as_opened(file);
+    if (o->owned) sn_blob_free(&o->blob);
+    free(o);
+}
+
+/* ---- the meshes as they will be written ------------------------------------------------------------------------------------ */
+
+/* One node of the scene with the meshes that hang on it. */
+typedef struct part {
+    char name[256];
+    size_t triangles;
+} part;
+
+typedef struct vertex {
+    double position[3];
+    float colour[4]; /* 0 to 1; 1 where the mesh has none */
+} vertex;
+
+typedef struct meshes {
+    sn_mesh_frame frame;
+    vertex *vertices;
+    size_t vertex_count, vertex_capacity;
+    int32_t *faces; /* rows of a count and as many vertices */
+    size_t face_count, face_words, face_capacity;
+    part *parts;
+    size_t part_count, part_capacity;
+    bool coloured;
+    /* vertices of the part with equal positions are one: open addressing, entries are vertex + 1, 0 = free */
+    int32_t *slots;
+    size_t slot_count;
+} meshes;
+
+static void free_meshes(meshes *m) {
+    free(m->vertices);
+    free(m->faces);
+    free(m->parts);
+    free(m->slots);
+}
+
+/* ---- welding: these formats give every corner of a face, or both sides of a seam of textures, a vertex of its own ---------- */
+
+static uint64_t hash_position(const double *p) {
+    uint64_t hash = 0;
+    for (int k = 0; k < 3; k++) {
+        uint64_t bits;
+        memcpy(&bits, &p[k], sizeof bits);
+        hash = (hash ^ bits) * 0x9e3779b97f4a7c15U;
+        hash ^= hash >> 29;
+    }
+    return hash;
+}
+
+/* An empty table for `count` more vertices. */
+static bool begin_weld(meshes *m, size_t count) {
+    size_t size = 16;
+    while (size < 2 * count) size *= 2;
+    free(m->slots);
+    m->slots = SN_NEW(int32_t, size);
+    m->slot_count = m->slots != NULL ? size : 0;
+    return m->slots != NULL;
+}
+
+/* The vertex of this part at the same position, else v itself, the last one. */
+static size_t weld(meshes *m, size_t v) {
+    const double *p = m->vertices[v].position;
+    for (size_t i = hash_position(p) & (m->slot_count - 1);; i = (i + 1) & (m->slot_count - 1)) {
+        if (m->slots[i] == 0) {
+            m->slots[i] = (int32_t)v + 1;
+            return v;
+        }
+        size_t other = (size_t)m->slots[i] - 1;
+        if (memcmp(m->vertices[other].position, p, sizeof m->vertices[other].position) == 0) return other;
+    }
+}
+
+/* ---- from assimp's scene ------------------------------------------------------------------------------------------------------ */
+
+/* Products of single precision numbers in double precision: the identity changes nothing. */
+typedef struct transform {
+    double m[3][4];
+} transform;
+
+static transform to_transform(const struct aiMatrix4x4 *m) {
+    return (transform){{{m->a1, m->a2, m->a3, m->a4}, {m->b1, m->b2, m->b3, m->b4}, {m->c1, m->c2, m->c3, m->c4}}};
+}
+
+static transform multiply(const transform *a, const transform *b) {
+    transform c;
+    for (int i = 0; i < 3; i++)
+        for (int j = 0; j < 4; j++)
+            c.m[i][j] = a->m[i][0] * b->m[0][j] + a->m[i][1] * b->m[1][j] + a->m[i][2] * b->m[2][j] + (j == 3 ? a->m[i][3] : 0.0);
+    return c;
+}
+
+static double determinant(const transform *t) {
+    const double(*m)[4] = t->m;
+    return m[0][0] * (m[1][1] * m[2][2] - m[1][2] * m[2][1]) - m[0][1] * (m[1][0] * m[2][2] - m[1][2] * m[2][0]) +
+           m[0][2] * (m[1][0] * m[2][1] - m[1][1] * m[2][0]);
+}
+
+static float clamp_colour(float c) { return c >= 0.0f && c <= 1.0f ? c : c > 1.0f ? 1.0f : 0.0f; }
+
+static vertex to_vertex(const struct aiMesh *mesh, unsigned i, const transform *t) {
+    const struct aiVector3D p = mesh->mVertices[i];
+    vertex v = {.colour = {1.0f, 1.0f, 1.0f, 1.0f}};
+    for (int k = 0; k < 3; k++) /* adding zero makes -0 equal 0 */
+        v.position[k] = t->m[k][0] * (double)p.x + t->m[k][1] * (double)p.y + t->m[k][2] * (double)p.z + t->m[k][3] + 0.0;
+    if (mesh->mColors[0] == NULL) return v;
+    const struct aiColor4D c = mesh->mColors[0][i];
+    const float channels[4] = {c.r, c.g, c.b, c.a};
+    for (int k = 0; k < 4; k++) v.colour[k] = clamp_colour(channels[k]);
+    return v;
+}
+
+/* new_index (mNumVertices): where each vertex went. */
+static sn_status add_vertices(meshes *m, const struct aiMesh *mesh, const transform *t, int32_t *new_index, sn_error *error) {
+    if (!sn_grow((void **)&m->vertices, &m->vertex_capacity, m->vertex_count + mesh->mNumVertices, sizeof *m->vertices))
+        return sn_fail_memory(error, "the vertices");
+    for (unsigned i = 0; i < mesh->mNumVertices; i++) {
+        m->vertices[m->vertex_count] = to_vertex(mesh, i, t);
+        size_t at = weld(m, m->vertex_count);
+        if (at == m->vertex_count) m->vertex_count++;
+        new_index[i] = (int32_t)at;
+    }
+    m->coloured = m->coloured || mesh->mColors[0] != NULL;
+    return SN_OK;
+}
+
+/* Points and lines are passed over. A mirrored mesh is turned, so that its outside stays outside. */
+static sn_status add_face(meshes *m, const struct aiFace *face, unsigned vertex_count, bool mirrored, const int32_t *new_index,
+                          sn_error *error) {
+    unsigned corners = face->mNumIndices;
+    if (corners < 3) return SN_OK;
+    if (corners >= SN_INDEX_MAX || !sn_grow((void **)&m->faces, &m->face_capacity, m->face_words + corners + 1, sizeof *m->faces))
+        return sn_fail_memory(error, "the faces");
+    m->faces[m->face_words++] = (int32_t)corners;
+    for (unsigned k = 0; k < corners; k++) {
+        unsigned corner = face->mIndices[mirrored ? corners - 1 - k : k];
+        if (corner >= vertex_count) return sn_fail(error, SN_ERROR_INPUT, "a face names vertex %u of %u", corner, vertex_count);
+        m->faces[m->face_words++] = new_index[corner];
+    }
+    m->face_count++;
+    m->parts[m->part_count - 1].triangles += corners - 2;
+    return SN_OK;
+}
+
+static sn_status add_mesh(meshes *m, const struct aiMesh *mesh, const transform *t, sn_error *error) {
+    int32_t *new_index = SN_NEW(int32_t, mesh->mNumVertices);
+    if (new_index == NULL) return sn_fail_memory(error, "the vertices");
+    bool mirrored = determinant(t) < 0.0;
+    sn_status status = add_vertices(m, mesh, t, new_index, error);
+    for (unsigned i = 0; i < mesh->mNumFaces && status == SN_OK; i++)
+        status = add_face(m, &mesh->mFaces[i], mesh->mNumVertices, mirrored, new_index, error);
+    free(new_index);
+    return status;
+}
+
+/* ---- names ------------------------------------------------------------------------------------------------------------------- */
+
+/* Names that assimp makes up for nodes that have none. */
+static bool is_made_up(const struct aiString *text) {
+    static const char *const starts[] = {"nodes[", "$ColladaAutoName$", "<", "RootNode", "ROOT"};
+    if (text->length == 0) return true;
+    for (size_t i = 0; i < sizeof starts / sizeof *starts; i++)
+        if (strncmp(text->data, starts[i], strlen(starts[i])) == 0) return true;
+    return false;
+}
+
+/* The node's name, or else its mesh's, as one line. */
+static void name_part(part *p, const struct aiNode *node, const struct aiScene *scene) {
+    const struct aiString *mesh = &scene->mMeshes[node->mMeshes[0]]->mName;
+    const struct aiString *text = is_made_up(&node->mName) && mesh->length > 0 ? mesh : &node->mName;
+    size_t length = 0;
+    for (size_t i = 0; i < text->length && text->data[i] != '\0' && length < sizeof p->name - 1; i++) {
+        unsigned char c = (unsigned char)text->data[i];
+        p->name[length++] = c < ' ' || c == 0x7f ? '_' : (char)c;
+    }
+    p->name[length] = '\0';
+}
+
+/* ---- nodes --------------------------------------------------------------------------------------------------------------------- */
+
+/* All meshes on a node, one for each of its materials, are one part: they share borders. */
+static sn_status add_node_meshes(meshes *m, const struct aiScene *scene, const struct aiNode *node, const transform *t, sn_error *error) {
+    size_t vertices = m->vertex_count;
+    for (unsigned i = 0; i < node->mNumMeshes; i++) {
+        if (node->mMeshes[i] >= scene->mNumMeshes)
+            return sn_fail(error, SN_ERROR_INPUT, "a node names mesh %u of %u", node->mMeshes[i], scene->mNumMeshes);
+        vertices += scene->mMeshes[node->mMeshes[i]]->mNumVertices;
+    }
+    if (vertices >= SN_INDEX_MAX) return sn_fail(error, SN_ERROR_INPUT, "the file has more vertices than sinew can count");
+    if (!begin_weld(m, vertices - m->vertex_count) || !sn_grow((void **)&m->parts, &m->part_capacity, m->part_count + 1, sizeof *m->parts))
+        return sn_fail_memory(error, "the meshes");
+    m->parts[m->part_count] = (part){0};
+    name_part(&m->parts[m->part_count++], node, scene);
+    sn_status status = SN_OK;
+    for (unsigned i = 0; i < node->mNumMeshes && status == SN_OK; i++) status = add_mesh(m, scene->mMeshes[node->mMeshes[i]], t, error);
+    if (status == SN_OK && m->parts[m->part_count - 1].triangles == 0) m->part_count--;
+    return status;
+}
+
+static sn_status add_node(meshes *m, const struct aiScene *scene, const struct aiNode *node, const transform *parent, sn_error *error) {
+    transform own = to_transform(&node->mTransformation), t = multiply(parent, &own);
+    sn_status status = node->mNumMeshes > 0 ? add_node_meshes(m, scene, node, &t, error) : SN_OK;
+    for (unsigned i = 0; i < node->mNumChildren && status == SN_OK; i++) status = add_node(m, scene, node->mChildren[i], &t, error);
+    return status;
+}
+
+/* ---- unit and axis --------------------------------------------------------------------------------------------------------------- */
+
+/* Single precision made of a decimal: the shortest decimal is meant. */
+static double shortest(double value) {
+    char text[32];
+    snprintf(text, sizeof text, "%.7g", value);
+    return strtod(text, NULL);
+}
+
+static bool equal_rotation(const transform *t, double scale, const double rotation[3][3]) {
+    for (int i = 0; i < 3; i++)
+        for (int j = 0; j < 4; j++)
+            if (fabs(t->m[i][j] - (j < 3 ? scale * rotation[i][j] : 0.0)) > 1e-6 * scale) return false;
+    return true;
+}
+
+/* z up turned to y up, as assimp does in Collada's and 3DS's root node. */
+static const double z_to_y[3][3] = {{1, 0, 0}, {0, 0, 1}, {0, -1, 0}};
+static const double identity[3][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+
+/* Assimp scales and turns Collada files to metres and y up by the root node: taken out again, so that coordinates are the file's. */
+static void take_collada_frame(struct aiNode *root, sn_mesh_frame *frame) {
+    transform t = to_transform(&root->mTransformation);
+    double scale = sqrt(t.m[0][0] * t.m[0][0] + t.m[1][0] * t.m[1][0] + t.m[2][0] * t.m[2][0]);
+    bool up_z = equal_rotation(&t, scale, z_to_y), up_y = equal_rotation(&t, scale, identity);
+    *frame = (sn_mesh_frame){1.0, SN_UP_Y};
+    if (!(scale > 0.0) || (!up_z && !up_y)) return;
+    *frame = (sn_mesh_frame){shortest(scale), up_z ? SN_UP_Z : SN_UP_Y};
+    root->mTransformation = (struct aiMatrix4x4){1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
+}
+
+static void take_3ds_frame(struct aiNode *root, sn_mesh_frame *frame) {
+    transform t = to_transform(&root->mTransformation);
+    *frame = (sn_mesh_frame){0.0, SN_UP_Z};
+    if (equal_rotation(&t, 1.0, z_to_y)) root->mTransformation = (struct aiMatrix4x4){1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
+}
+
+static double metadata_number(const struct aiScene *scene, const char *key, double otherwise) {
+    for (unsigned i = 0; scene->mMetaData != NULL && i < scene->mMetaData->mNumProperties; i++) {
+        const struct aiMetadataEntry *entry = &scene->mMetaData->mValues[i];
+        if (strcmp(scene->mMetaData->mKeys[i].data, key) != 0 || entry->mData == NULL) continue;
+        if (entry->mType == AI_FLOAT) return (double)*(const float *)entry->mData;
+        if (entry->mType == AI_DOUBLE) return *(const double *)entry->mData;
+        if (entry->mType == AI_INT32) return (double)*(const int32_t *)entry->mData;
+    }
+    return otherwise;
+}
+
+/* FBX counts in centimetres times UnitScaleFactor; UpAxis is 0, 1, 2 for x, y, z. */
+static void take_fbx_frame(const struct aiScene *scene, sn_mesh_frame *frame) {
+    double factor = metadata_number(scene, "UnitScaleFactor", 0.0), up = metadata_number(scene, "UpAxis", -1.0);
+    if (factor > 0.0 && isfinite(factor)) frame->meters_per_unit = shortest(0.01 * factor);
+    frame->up = up == 1.0 ? SN_UP_Y : up == 2.0 ? SN_UP_Z : SN_UP_UNKNOWN;
+}
+
+static void take_frame(const struct aiScene *scene, const char *kind, sn_mesh_frame *frame) {
+    if (strcmp(kind, "glb") == 0 || strcmp(kind, "gltf") == 0) *frame = (sn_mesh_frame){1.0, SN_UP_Y}; /* by its specification */
+    if (strcmp(kind, "dae") == 0) take_collada_frame(scene->mRootNode, frame);
+    if (strcmp(kind, "3ds") == 0) take_3ds_frame(scene->mRootNode, frame);
+    if (strcmp(kind, "fbx") == 0) take_fbx_frame(scene, frame);
+}
+
+/* ---- import ------------------------------------------------------------------------------------------------------------------------ */
+
+static const struct aiScene *load(folder *f, const char *kind) {
+    struct aiPropertyStore *properties = aiCreatePropertyStore();
+    if (properties == NULL) return NULL;
+    static const char *const off[] = {AI_CONFIG_IMPORT_FBX_READ_MATERIALS,  AI_CONFIG_IMPORT_FBX_READ_TEXTURES,
+                                      AI_CONFIG_IMPORT_FBX_READ_CAMERAS,    AI_CONFIG_IMPORT_FBX_READ_LIGHTS,
+                                      AI_CONFIG_IMPORT_FBX_READ_ANIMATIONS, AI_CONFIG_IMPORT_FBX_READ_WEIGHTS,
+                                      AI_CONFIG_IMPORT_FBX_PRESERVE_PIVOTS};
+    for (size_t i = 0; i < sizeof off / sizeof *off; i++) aiSetImportPropertyInteger(properties, off[i], 0);
+    aiSetImportPropertyInteger(properties, AI_CONFIG_IMPORT_NO_SKELETON_MESHES, 1);
+    aiSetImportPropertyInteger(properties, AI_CONFIG_IMPORT_COLLADA_USE_COLLADA_NAMES, 1);
+    f->io = (struct aiFileIO){.OpenProc = open_file, .CloseProc = close_file};
+    snprintf(f->main_name, sizeof f->main_name, "input.%s", kind);
+    const struct aiScene *scene = aiImportFileExWithProperties(f->main_name, aiProcess_ValidateDataStructure, &f->io, properties);
+    aiReleasePropertyStore(properties);
+    return scene;
+}
+
+/* Assimp's words, or ours where it only says that none of its importers feels called. */
+static sn_status fail_import(const char *kind, const char *words, sn_error *error) {
+    const char *format = sn_import_format_name(kind);
+    if (*words == '\0' || strstr(words, "No suitable reader") != NULL)
+        return sn_fail(error, SN_ERROR_INPUT, "begins like a %s file but does not go on like one; it is damaged or cut short", format);
+    return sn_fail(error, SN_ERROR_INPUT, "cannot be imported as %s: %s", format, words);
+}
+
+static sn_status import(const sn_blob *input, meshes *out, sn_error *error) {
+    const char *kind = sn_import_detect(input);
+    if (kind == NULL) return sn_fail(error, SN_ERROR_INPUT, "is in no format that can be imported; glTF, FBX, Collada and 3DS are some");
+    folder f = {.input = input};
+    const struct aiScene *scene = load(&f, kind);
+    if (scene == NULL)
+        return sn_fail(error, SN_ERROR_INPUT, "cannot be imported as %s: %s", sn_import_format_name(kind), aiGetErrorString());
+    static const transform world = {{{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}}};
+    take_frame(scene, kind, &out->frame);
+    sn_status status = add_node(out, scene, scene->mRootNode, &world, error);
+    if (status == SN_OK && out->face_count == 0)
+        status = sn_fail(error, SN_ERROR_INPUT, "holds no surface: no mesh of triangles or polygons is in its scene");
+    aiReleaseImport(scene);
+    return status;
+}
+
+/* ---- writing ----------------------------------------------------------------------------------------------------------------------- */
+
+/* Are all colours whole 255ths? */
+static bool are_bytes(const meshes *m) {
+    for (size_t i = 0; i < m->vertex_count; i++)
+        for (int k = 0; k < 4; k++)
+            if (fabsf(m->vertices[i].colour[k] * 255.0f - roundf(m->vertices[i].colour[k] * 255.0f)) > 1e-3f) return false;
+    return true;
+}
+
+static void write_header(const meshes *m, bool bytes, sn_output *output) {
+    static const char *const channels[] = {"red", "green", "blue", "alpha"};
+    const uint16_t one = 1;
+    sn_output_print(output, "ply\nformat binary_%s_endian 1.0\n", *(const unsigned char *)&one == 1 ? "little" : "big");
+    if (m->frame.meters_per_unit > 0.0) sn_output_print(output, "comment metersPerUnit %.17g\n", m->frame.meters_per_unit);
+    if (m->frame.up != SN_UP_UNKNOWN) sn_output_print(output, "comment up %c\n", m->frame.up == SN_UP_Y ? 'y' : 'z');
+    for (size_t i = 0; i < m->part_count; i++) sn_output_print(output, "comment mesh %zu %s\n", m->parts[i].triangles, m->parts[i].name);
+    sn_output_print(output, "element vertex %zu\nproperty double x\nproperty double y\nproperty double z\n", m->vertex_count);
+    for (int k = 0; m->coloured && k < 4; k++) sn_output_print(output, "property %s %s\n", bytes ? "uchar" : "float", channels[k]);
+    sn_output_print(output, "element face %zu\nproperty list int int vertex_indices\nend_header\n", m->face_count);
+}
+
+static sn_status write_ply(const meshes *m, sn_output *output, sn_error *error) {
+    bool bytes = m->coloured && are_bytes(m);
+    write_header(m, bytes, output);
+    for (size_t i = 0; i < m->vertex_count; i++) {
+        const vertex *v = &m->vertices[i];
+        sn_output_write(output, v->position, sizeof v->position, NULL);
+        if (m->coloured && !bytes) sn_output_write(output, v->colour, sizeof v->colour, NULL);
+        for (int k = 0; bytes && k < 4; k++) {
+            unsigned char c = (unsigned char)roundf(v->colour[k] * 255.0f);
+            sn_output_write(output, &c, 1, NULL);
+        }
+    }
+    return sn_output_write(output, m->faces, m->face_words * sizeof *m->faces, error);
+}
+
+static sn_status convert(cli *c, const sn_blob *input, sn_error *error) {
+    meshes m = {0};
+    sn_output *output = NULL;
+    sn_status status = import(input, &m, error);
+    if (status == SN_OK) status = sn_output_open(c->output, false, &output, error);
+    if (status == SN_OK && sn_output_is_terminal(output))
+        status = sn_fail(error, SN_ERROR_USAGE, "PLY is binary and not for a terminal; use --output");
+    if (status == SN_OK) status = write_ply(&m, output, error);
+    if (status == SN_OK)
+        status = sn_output_commit(output, error);
+    else
+        sn_output_abort(output);
+    free_meshes(&m);
+    return status;
+}
+
+int main(int argc, char **argv) {
+    cli c;
+    sn_blob input = {0};
+    sn_error error = {0};
+    cli_start(&c, &tool, argc, argv);
+    sn_status status = sn_blob_read(c.inputs.items[0], &input, &error);
+    if (status == SN_OK && name != NULL) {
+        free(input.name);
+        if ((input.name = sn_strdup(name)) == NULL) status = sn_fail_memory(&error, "a file name");
+    }
+    if (status == SN_OK) status = convert(&c, &input, &error);
+    if (status != SN_OK) sn_error_set_file(&error, input.name);
+    sn_blob_free(&input);
+    return cli_finish(&c, status, &error);
+}
