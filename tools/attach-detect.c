@@ -50,6 +50,7 @@ static const cli_tool tool = {
 typedef struct bone {
     char *name, *file; /* owned */
     sn_mesh mesh;      /* in the muscle's unit once loaded */
+    double scale;      /* from its own unit to the muscle's */
     sn_status status;  /* of its loading, with error */
     sn_error error;
 } bone;
@@ -57,8 +58,9 @@ typedef struct bone {
 typedef struct bone_list {
     size_t count, capacity;
     bone *items;
-    double scale; /* from the bones' unit to the muscle's */
-    bool up_y;
+    double meters_per_unit; /* of the muscle */
+    double own_unit;        /* --bone-units in metres; 0 = not given */
+    bool up_y, up_given;
 } bone_list;
 
 static void free_bones(bone_list *list) {
@@ -149,12 +151,12 @@ static sn_status name_bones(const cli *c, bone_list *list, sn_error *error) {
 
 /* ---- loading them ----------------------------------------------------------------------------------------------------------- */
 
-static void convert(const bone_list *list, sn_mesh *mesh) {
-    for (sn_index v = 0; v < mesh->vertex_count; v++) {
-        sn_vec3 p = mesh->positions[v];
-        if (list->up_y) p = sn_v3(p.x, -p.z, p.y);
-        mesh->positions[v] = list->scale == 1.0 ? p : sn_scale(p, list->scale);
-    }
+/* To the muscle's unit and z up: from what was asked for, else what the bone's file says, else what the muscle has. */
+static void convert(const bone_list *list, bone *b, sn_mesh_frame frame) {
+    double unit = list->own_unit > 0.0 ? list->own_unit : frame.meters_per_unit;
+    bool up_y = list->up_given || frame.up == SN_UP_UNKNOWN ? list->up_y : frame.up == SN_UP_Y;
+    b->scale = unit > 0.0 ? unit / list->meters_per_unit : 1.0;
+    sn_mesh_convert(&b->mesh, b->scale, up_y);
 }
 
 static void load_range(void *user, sn_index begin, sn_index end, sn_index chunk) {
@@ -162,9 +164,10 @@ static void load_range(void *user, sn_index begin, sn_index end, sn_index chunk)
     bone_list *list = user;
     for (sn_index i = begin; i < end; i++) {
         bone *b = &list->items[i];
-        b->status = sn_mesh_read(b->file, &b->mesh, &b->error);
+        sn_mesh_frame frame;
+        b->status = sn_mesh_read_frame(b->file, &b->mesh, &frame, &b->error);
         if (b->status == SN_OK)
-            convert(list, &b->mesh);
+            convert(list, b, frame);
         else
             sn_error_set_file(&b->error, b->file);
     }
@@ -172,7 +175,9 @@ static void load_range(void *user, sn_index begin, sn_index end, sn_index chunk)
 
 /* In parallel: a whole skeleton is read for every muscle. The first bone that failed, in the order given, is the error. */
 static sn_status load_bones(const cli *c, bone_list *list, double meters_per_unit, sn_error *error) {
-    list->scale = bone_unit >= 0 ? unit_meters[bone_unit] / meters_per_unit : 1.0;
+    list->meters_per_unit = meters_per_unit;
+    list->own_unit = bone_unit >= 0 ? unit_meters[bone_unit] : 0.0;
+    list->up_given = cli_given(c, "bone-up");
     list->up_y = cli_given(c, "bone-up") ? bone_up == 1 : c->read.up_y;
     sn_pool *pool = sn_pool_create(c->threads);
     sn_parallel_for(pool, (sn_index)list->count, 2, load_range, list);
@@ -278,7 +283,7 @@ static int fitting_unit(const outcome *o, const bone *b) {
     sn_box muscle = sn_mesh_box(&o->muscle->mesh), now = sn_mesh_box(&b->mesh);
     if (box_gap(muscle, now) == 0.0) return -1;
     for (int unit = 0; unit_names[unit] != NULL; unit++) {
-        double factor = unit_meters[unit] / o->muscle->meters_per_unit / o->bones->scale;
+        double factor = unit_meters[unit] / o->muscle->meters_per_unit / b->scale;
         sn_box box = {sn_scale(now.low, factor), sn_scale(now.high, factor)};
         if (box_gap(muscle, box) == 0.0 && sn_box_diagonal(box) < 1e3 * sn_box_diagonal(muscle)) return unit;
     }

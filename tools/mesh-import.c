@@ -415,8 +415,7 @@ static sn_status import(const sn_blob *input, meshes *out, sn_error *error) {
     if (kind == NULL) return sn_fail(error, SN_ERROR_INPUT, "is in no format that can be imported; glTF, FBX, Collada and 3DS are some");
     folder f = {.input = input};
     const struct aiScene *scene = load(&f, kind);
-    if (scene == NULL)
-        return sn_fail(error, SN_ERROR_INPUT, "cannot be imported as %s: %s", sn_import_format_name(kind), aiGetErrorString());
+    if (scene == NULL) return fail_import(kind, aiGetErrorString(), error);
     static const transform world = {{{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}}};
     take_frame(scene, kind, &out->frame);
     sn_status status = add_node(out, scene, scene->mRootNode, &world, error);

@@ -218,6 +218,7 @@ typedef struct content {
 typedef struct bone {
     char *name;
     sn_mesh mesh;
+    double meters_per_unit; /* as its file says; 0 = it says nothing: the muscle's */
 } bone;
 
 typedef struct album {
@@ -269,7 +270,10 @@ static char *caption_of(const char *path) {
 /* Takes ownership of name; NULL = out of memory. */
 static sn_status load_bone(album *a, char *name, const char *file, sn_error *error) {
     bone loaded = {.name = name};
-    sn_status status = name ? sn_mesh_read(file, &loaded.mesh, error) : sn_fail_memory(error, "a bone");
+    sn_mesh_frame frame = {0};
+    sn_status status = name ? sn_mesh_read_frame(file, &loaded.mesh, &frame, error) : sn_fail_memory(error, "a bone");
+    loaded.meters_per_unit = frame.meters_per_unit;
+    if (!status) sn_mesh_convert(&loaded.mesh, 1.0, frame.up == SN_UP_Y);
     if (!status) status = sn_mesh_validate(&loaded.mesh, error);
     if (status) sn_error_set_file(error, file);
     if (!status && !sn_grow((void **)&a->bones, &a->bone_capacity, a->bone_count + 1, sizeof(bone)))
@@ -334,8 +338,10 @@ static sn_status add_muscle(album *a, const sn_blob *blob, const char *path, sn_
     if (!status && !item.caption) status = sn_fail_memory(error, "a caption");
     if (!status) status = sn_mesh_validate(&muscle.mesh, error);
     if (!status) status = sn_view_add_muscle(&item.view, &muscle, a->show, error);
-    for (size_t i = 0; i < a->bone_count && !status; i++)
-        status = sn_view_add_bone(&item.view, a->bones[i].name, &a->bones[i].mesh, muscle.meters_per_unit, NULL, error);
+    for (size_t i = 0; i < a->bone_count && !status; i++) {
+        double unit = a->bones[i].meters_per_unit > 0.0 ? a->bones[i].meters_per_unit : muscle.meters_per_unit;
+        status = sn_view_add_bone(&item.view, a->bones[i].name, &a->bones[i].mesh, unit, NULL, error);
+    }
     sn_muscle_free(&muscle);
     if (!status) return album_add(a, &item, error);
     sn_view_free(&item.view);

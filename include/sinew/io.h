@@ -75,6 +75,8 @@ typedef struct sn_mesh_frame {
 SN_MUST_CHECK sn_status sn_mesh_parse_frame(const sn_blob *blob, bool allow_nonfinite, sn_mesh *out, sn_mesh_frame *frame,
                                             sn_error *error);
 SN_MUST_CHECK sn_status sn_mesh_read_frame(const char *path, sn_mesh *out, sn_mesh_frame *frame, sn_error *error);
+/* Turn y up to z up, where up_y: (x, y, z) becomes (x, -z, y); and scale. */
+void sn_mesh_convert(sn_mesh *mesh, double scale, bool up_y);
 
 /* Which of the formats that mesh-import(1) reads this is ("glb", "fbx", "dae", ...), from content alone; NULL = none of them
  * (lib/io/import_detect.c). sn_mesh_parse has it read by that program, in a child with limits of memory and time (lib/io/import.c). */

@@ -328,10 +328,7 @@ static void warn_of_size(const char *name, const sn_mesh *mesh, double meters_pe
 /* The unit and the axis that were asked for, else those of the file, else metres and z. */
 static void take_frame(sn_mesh_frame frame, const sn_read_options *options, sn_muscle *out) {
     bool up_y = options->up_given || frame.up == SN_UP_UNKNOWN ? options->up_y : frame.up == SN_UP_Y;
-    for (sn_index v = 0; up_y && v < out->mesh.vertex_count; v++) {
-        sn_vec3 p = out->mesh.positions[v];
-        out->mesh.positions[v] = sn_v3(p.x, -p.z, p.y);
-    }
+    sn_mesh_convert(&out->mesh, 1.0, up_y);
     out->meters_per_unit = options->meters_per_unit > 0.0 ? options->meters_per_unit : frame.meters_per_unit;
     if (!(out->meters_per_unit > 0.0)) out->meters_per_unit = 1.0;
 }

@@ -205,6 +205,14 @@ sn_status sn_mesh_read_frame(const char *path, sn_mesh *out, sn_mesh_frame *fram
     return status;
 }
 
+void sn_mesh_convert(sn_mesh *mesh, double scale, bool up_y) {
+    for (sn_index v = 0; v < mesh->vertex_count; v++) {
+        sn_vec3 p = mesh->positions[v];
+        if (up_y) p = sn_v3(p.x, -p.z, p.y);
+        mesh->positions[v] = scale == 1.0 ? p : sn_scale(p, scale);
+    }
+}
+
 /* ---- writing -------------------------------------------------------------------------------------------------------- */
 
 void sn_write_number(sn_output *output, char separator, double value) {

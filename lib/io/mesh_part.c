@@ -67,8 +67,8 @@ static sn_index find_part(const sn_mesh_part *parts, sn_index count, const char 
     if (found != SN_NONE) return found;
     int64_t number;
     if (sn_parse_integer(which, 1, count, &number, NULL) == SN_OK) return (sn_index)number - 1;
-    sn_fail(error, SN_ERROR_INPUT, "has %d mesh%s, numbered from 1, and none is '%s'; --list shows them", (int)count, count == 1 ? "" : "es",
-            which);
+    sn_fail(error, SN_ERROR_INPUT, "has %d mesh%s, numbered from 1, and none is '%s'; --list shows them", (int)count,
+            count == 1 ? "" : "es", which);
     return SN_NONE;
 }
 

@@ -77,12 +77,17 @@ static sn_status parse_units(const sn_json_value *value, double *out, sn_error *
 
 /* ---- reading: bones --------------------------------------------------------------------------------------------------- */
 
-static sn_status load_bone(const sn_json_value *mesh, sn_scene_bone *out, sn_error *error) {
+/* What the file says of its unit holds where the scene says nothing; what it says of its axis always does. */
+static sn_status load_bone(const sn_json_value *mesh, bool has_units, sn_scene_bone *out, sn_error *error) {
     char *path = sn_path_beside(sn_json_name(mesh->tree), out->uri);
     if (path == NULL) return sn_fail_memory(error, "a path");
-    sn_status status = sn_mesh_read(path, &out->mesh, error);
+    sn_mesh_frame frame;
+    sn_status status = sn_mesh_read_frame(path, &out->mesh, &frame, error);
     free(path);
-    return status;
+    if (status != SN_OK) return status;
+    sn_mesh_convert(&out->mesh, 1.0, frame.up == SN_UP_Y);
+    if (!has_units && frame.meters_per_unit > 0.0) out->meters_per_unit = frame.meters_per_unit;
+    return SN_OK;
 }
 
 /* The joint that a bone hangs on, by name. */
@@ -112,7 +117,7 @@ static sn_status parse_bone(const sn_json_value *value, const reader *in, sn_sce
     if (status == SN_OK) status = parse_bone_joint(&joint, &in->scene->motion, &out->joint, error);
     if (status != SN_OK) return status;
     sn_json_warn_unknown(value, known);
-    return in->load_bones ? load_bone(&mesh, out, error) : SN_OK;
+    return in->load_bones ? load_bone(&mesh, sn_json_has(&units), out, error) : SN_OK;
 }
 
 static sn_status parse_bones(const sn_json_value *value, const reader *in, sn_error *error) {
