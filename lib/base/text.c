@@ -202,10 +202,12 @@ static int format_decimal(uint64_t digits, int places, bool negative, char *buff
     char reversed[40];
     int count = 0, length = 0;
     for (; places > 0 && digits % 10 == 0; places--) digits /= 10;
-    for (int place = 0; digits > 0 || place <= places; place++, digits /= 10) {
+    int place = 0;
+    do {
         if (place == places && places > 0) reversed[count++] = '.';
         reversed[count++] = (char)('0' + digits % 10);
-    }
+        digits /= 10;
+    } while (++place <= places || digits > 0);
     if (negative) buffer[length++] = '-';
     while (count > 0) buffer[length++] = reversed[--count];
     buffer[length] = '\0';

@@ -93,10 +93,9 @@ static size_t utf8_length(const unsigned char *text) {
 static void put_escaped(sn_json *json, unsigned char c) {
     static const char letters[] = "btnvfr"; /* 8 to 13 */
     char text[8];
-    if (c >= 8 && c <= 13 && c != 11)
-        put(json, text, (size_t)snprintf(text, sizeof text, "\\%c", letters[c - 8]));
-    else
-        put(json, text, (size_t)snprintf(text, sizeof text, "\\u%04x", c));
+    bool has_letter = c >= 8 && c <= 13 && c != 11;
+    int length = has_letter ? snprintf(text, sizeof text, "\\%c", letters[c - 8]) : snprintf(text, sizeof text, "\\u%04x", c);
+    put(json, text, (size_t)length);
 }
 
 static void put_text(sn_json *json, const char *text) {
