@@ -57,11 +57,9 @@ static void put_break(sn_json *json, size_t depth) {
 }
 
 static void put_number(sn_json *json, double value) {
-    char text[40];
-    if (isfinite(value))
-        put(json, text, (size_t)sn_format_number(value, text));
-    else
-        put(json, "null", 4);
+    char text[40] = "null";
+    int length = isfinite(value) ? sn_format_number(value, text) : 4;
+    put(json, text, (size_t)length);
 }
 
 static void put_integer(sn_json *json, int64_t value) {
