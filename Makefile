@@ -34,6 +34,7 @@ BRIDGE_FLAGS := -std=c++17 -O2 -DNDEBUG -ffp-contract=off -frounding-math -Iincl
 # ---- libraries, each named once; a tool links only what it lists ------------------------------------------------------------
 LINK_gsl     := -lgsl -lgslcblas
 LINK_json    := -ljansson -lmd
+LINK_mesh    := -lexpat -lz
 LINK_sparse  := -lcholmod -lamd -lcolamd -lsuitesparseconfig
 LINK_embree  := -lembree3
 LINK_cgal    := -lgmp -lmpfr -lstdc++
@@ -41,13 +42,13 @@ LINK_png     := -lpng -lz
 LINK_assimp  := -lassimp
 
 TOOLS := mesh-clean root-select build-structure fiber-flow attach-detect simulate rig-view
-LIBS_mesh-clean      := cgal embree json
-LIBS_root-select     := sparse json
-LIBS_build-structure := json
-LIBS_fiber-flow      := json
-LIBS_attach-detect   := embree json
-LIBS_simulate        := gsl json
-LIBS_rig-view        := embree gsl json png
+LIBS_mesh-clean      := cgal embree mesh json
+LIBS_root-select     := sparse mesh json
+LIBS_build-structure := mesh json
+LIBS_fiber-flow      := mesh json
+LIBS_attach-detect   := embree mesh json
+LIBS_simulate        := gsl mesh json
+LIBS_rig-view        := embree gsl mesh json png
 
 # run by the tools, not by hand: installed in libexec/sinew
 LIBEXEC_TOOLS := mesh-import
@@ -99,11 +100,11 @@ $(B)/libexec/sinew/%: $(B)/tools/%.o $(TOOL_SHARED) $(B)/libsinew.a
 
 $(B)/examples/%: $(B)/share/examples/%.o $(B)/libsinew.a
 	@mkdir -p $(@D)
-	$(call link,embree json gsl)
+	$(call link,embree mesh json gsl)
 
 $(B)/tests/%: $(B)/tests/%.o $(B)/libsinew.a
 	@mkdir -p $(@D)
-	$(call link,cgal embree sparse gsl json png) -lcmocka
+	$(call link,cgal embree sparse gsl mesh json png) -lcmocka
 
 tests: $(UNIT_TESTS) $(EXTRA_TESTS)
 

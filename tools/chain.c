@@ -142,13 +142,33 @@ static sn_status write_document(cli *c, const cli_muscle *muscle, unsigned chang
     return status;
 }
 
+/* Does a section still hold? What it was made from must not have changed since, unless it has been made anew. */
+static bool holds(unsigned changed, sn_section section, unsigned made_from) { return (changed & section) || !(changed & made_from); }
+
+/* The bare mesh; with the sections that hold painted on it where the format has attributes. */
+static sn_status write_mesh(const sn_muscle *muscle, unsigned changed, sn_mesh_format format, sn_output *output, sn_error *error) {
+    if (!sn_mesh_format_has_attributes(format)) return sn_mesh_write(&muscle->mesh, format, SN_ENCODING_DEFAULT, output, error);
+    const unsigned mesh = SN_SECTION_MESH, roots = mesh | SN_SECTION_ROOTS, structure = roots | SN_SECTION_STRUCTURE;
+    sn_muscle shown = *muscle; /* borrows everything */
+    if (!holds(changed, SN_SECTION_ROOTS, mesh)) shown.roots.count = 0;
+    if (!holds(changed, SN_SECTION_STRUCTURE, roots)) shown.structure.sample_count = 0;
+    if (!holds(changed, SN_SECTION_FIBERS, structure)) shown.fibers.directions = NULL;
+    if (!holds(changed, SN_SECTION_ATTACHMENTS, mesh)) shown.attachment_count = 0;
+    sn_mesh painted;
+    sn_status status = sn_muscle_paint(&shown, &painted, error);
+    if (status != SN_OK) return status;
+    status = sn_mesh_write(&painted, format, SN_ENCODING_DEFAULT, output, error);
+    sn_mesh_free(&painted);
+    return status;
+}
+
 sn_status cli_save(cli *c, const cli_muscle *muscle, unsigned changed, sn_error *error) {
     sn_mesh_format format = sn_mesh_format_from_name(c->output);
     sn_output *output = NULL;
     sn_status status = sn_output_open(c->output, false, &output, error);
     if (status != SN_OK) return status;
     if (format != SN_MESH_UNKNOWN)
-        status = sn_mesh_write(&muscle->muscle.mesh, format, SN_ENCODING_DEFAULT, output, error);
+        status = write_mesh(&muscle->muscle, changed, format, output, error);
     else
         status = write_document(c, muscle, changed, output, error);
     if (status == SN_OK) return sn_output_commit(output, error);

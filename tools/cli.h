@@ -115,7 +115,7 @@ typedef struct cli_muscle {
 /* Read inputs.items[0] (document or bare mesh), keeping its hash for the history. Under --list: cli_list_meshes instead. */
 SN_MUST_CHECK sn_status cli_load(cli *c, cli_muscle *out, sn_error *error);
 /* Write the document to the output: the sections in `changed` from muscle, history appended. An output whose extension is a mesh
- * format's (.ply .obj .stl .off) gets the bare mesh. */
+ * format's (.ply .vtp .obj .stl .off) gets the bare mesh; in .ply and .vtp with the sections painted on it (sn_muscle_paint). */
 SN_MUST_CHECK sn_status cli_save(cli *c, const cli_muscle *muscle, unsigned changed, sn_error *error);
 void cli_free(cli_muscle *muscle);
 /* What --list asks for: a line "number, name, vertices, triangles", parted by tabs, for each mesh of a bare mesh's file to stdout.

@@ -54,12 +54,17 @@ SN_MUST_CHECK sn_status sn_json_end(sn_json *json, sn_error *error);
 
 /* ---- meshes (lib/io/mesh_io.c and one file per format) ----------------------------------------------------------------- */
 
-typedef enum sn_mesh_format { SN_MESH_UNKNOWN, SN_MESH_OBJ, SN_MESH_PLY, SN_MESH_STL, SN_MESH_OFF } sn_mesh_format;
+typedef enum sn_mesh_format {
+    SN_MESH_UNKNOWN, SN_MESH_OBJ, SN_MESH_PLY, SN_MESH_STL, SN_MESH_OFF,
+    SN_MESH_VTK, /* legacy VTK PolyData: read only */
+    SN_MESH_VTP  /* VTK XML PolyData */
+} sn_mesh_format;
 typedef enum sn_mesh_encoding { SN_ENCODING_DEFAULT, SN_ENCODING_ASCII, SN_ENCODING_LITTLE, SN_ENCODING_BIG } sn_mesh_encoding;
 
 sn_mesh_format sn_mesh_detect(const sn_blob *blob);                  /* from content; the name decides only where content cannot */
 sn_mesh_format sn_mesh_format_from_name(const char *path);           /* from the extension */
 const char *sn_mesh_format_name(sn_mesh_format format);
+bool sn_mesh_format_has_attributes(sn_mesh_format format);           /* any: PLY and VTP. OBJ and OFF have colours alone */
 /* Parse any known format; *out is a mesh with indices in range (polygons fanned); coordinates may be non-finite only if
  * allow_nonfinite. Errors name line (text) or byte offset (binary). */
 SN_MUST_CHECK sn_status sn_mesh_parse(const sn_blob *blob, bool allow_nonfinite, sn_mesh *out, sn_error *error);
@@ -94,6 +99,8 @@ SN_MUST_CHECK sn_status sn_mesh_parts(const sn_mesh *mesh, sn_mesh_part **out, s
 /* Keep one part, by its name or its number from 1 (a name that is a number comes first), and the vertices that it uses, in their
  * order; it is the only group then. SN_ERROR_INPUT: there is none, or more than one of that name, or it is empty. */
 SN_MUST_CHECK sn_status sn_mesh_select(sn_mesh *mesh, const char *which, sn_error *error);
+/* Attributes that the format cannot hold are left out, said by one warning in the log. VTP in SN_ENCODING_LITTLE (the default) and
+ * SN_ENCODING_BIG has its numbers as appended raw bytes. */
 SN_MUST_CHECK sn_status sn_mesh_write(const sn_mesh *mesh, sn_mesh_format format, sn_mesh_encoding encoding, sn_output *output,
                                       sn_error *error);
 

@@ -14,6 +14,8 @@ typedef struct sn_attribute {
     sn_index components; /* >= 1 */
     bool integer;       /* written as unsigned char where all values fit 0..255 (colours), else as int */
     double *values;     /* (vertex_count x components); owned */
+    sn_index label_count;
+    char **labels;      /* (label_count) what the values 0, 1, ... stand for (bones); owned; NULL = nothing */
 } sn_attribute;
 
 /* Vertices keep the order of their file. Coordinates are in whatever unit the holder says (sn_muscle: document units). */
@@ -33,6 +35,9 @@ SN_MUST_CHECK sn_status sn_mesh_alloc(sn_mesh *mesh, sn_index vertex_count, sn_i
 SN_MUST_CHECK sn_status sn_mesh_copy(const sn_mesh *from, sn_mesh *to, sn_error *error);
 /* A new zeroed attribute; NULL = out of memory. name is copied. The pointer lives until the next one is added. */
 sn_attribute *sn_mesh_add_attribute(sn_mesh *mesh, const char *name, sn_index components);
+void sn_mesh_remove_attribute(sn_mesh *mesh, const char *name); /* nothing where there is none */
+/* A copy of text as the attribute's next label; false = out of memory. */
+bool sn_attribute_add_label(sn_attribute *attribute, const char *text);
 const sn_attribute *sn_mesh_attribute(const sn_mesh *mesh, const char *name); /* NULL = none of that name */
 void sn_mesh_free(sn_mesh *mesh); /* frees what it owns and zeroes it; an empty mesh is fine */
 /* Every index in range, every coordinate finite, at least one triangle: what every algorithm asks of its input.

@@ -68,6 +68,10 @@ void sn_fibers_free(sn_fibers *fibers);
 void sn_attachments_free(sn_attachment *attachments, sn_index count);
 void sn_muscle_free(sn_muscle *muscle); /* frees what it owns and zeroes it */
 unsigned sn_muscle_sections(const sn_muscle *muscle); /* the sections that are there: bits of sn_section */
+/* A copy of the mesh with the sections painted on it, for programs that know meshes only: "fiber" (3 numbers: the unit direction),
+ * "sample" (the structure's sample that the vertex hangs on, -1 = none), "attachment" (the index of its bone, -1 = none; the bones are
+ * its labels) and "root" (1 on roots). An attribute of the mesh that has one of these names gives way. */
+SN_MUST_CHECK sn_status sn_muscle_paint(const sn_muscle *muscle, sn_mesh *out, sn_error *error);
 /* Indices in range, arrays finite, the tree a tree (one root, parents before children), no vertex on two bones:
  * SN_ERROR_INPUT naming the section and the element. Sections may be absent. */
 SN_MUST_CHECK sn_status sn_muscle_validate(const sn_muscle *muscle, sn_error *error);

@@ -26,6 +26,9 @@ static bool copy_attributes(const sn_mesh *from, sn_mesh *to) {
         sn_attribute *copy = sn_mesh_add_attribute(to, source->name, source->components);
         if (copy == NULL) return false;
         copy->integer = source->integer;
+        for (sn_index k = 0; k < source->label_count; k++) {
+            if (!sn_attribute_add_label(copy, source->labels[k])) return false;
+        }
         memcpy(copy->values, source->values, (size_t)from->vertex_count * (size_t)source->components * sizeof(double));
     }
     return true;
@@ -73,6 +76,37 @@ sn_attribute *sn_mesh_add_attribute(sn_mesh *mesh, const char *name, sn_index co
     return &grown[count];
 }
 
+bool sn_attribute_add_label(sn_attribute *attribute, const char *text) {
+    char *copy = sn_strdup(text);
+    char **grown = copy != NULL ? sn_realloc(attribute->labels, (size_t)attribute->label_count + 1, sizeof *grown) : NULL;
+    if (grown == NULL) {
+        free(copy);
+        return false;
+    }
+    attribute->labels = grown;
+    grown[attribute->label_count++] = copy;
+    return true;
+}
+
+static void free_attribute(sn_attribute *attribute) {
+    for (sn_index i = 0; i < attribute->label_count; i++) free(attribute->labels[i]);
+    free(attribute->labels);
+    free(attribute->name);
+    free(attribute->values);
+}
+
+void sn_mesh_remove_attribute(sn_mesh *mesh, const char *name) {
+    sn_index kept = 0;
+    for (sn_index i = 0; i < mesh->attribute_count; i++) {
+        if (strcmp(mesh->attributes[i].name, name) == 0) {
+            free_attribute(&mesh->attributes[i]);
+        } else {
+            mesh->attributes[kept++] = mesh->attributes[i];
+        }
+    }
+    mesh->attribute_count = kept;
+}
+
 const sn_attribute *sn_mesh_attribute(const sn_mesh *mesh, const char *name) {
     for (sn_index i = 0; i < mesh->attribute_count; i++) {
         if (strcmp(mesh->attributes[i].name, name) == 0) return &mesh->attributes[i];
@@ -82,10 +116,7 @@ const sn_attribute *sn_mesh_attribute(const sn_mesh *mesh, const char *name) {
 
 void sn_mesh_free(sn_mesh *mesh) {
     if (mesh == NULL) return;
-    for (sn_index i = 0; i < mesh->attribute_count; i++) {
-        free(mesh->attributes[i].name);
-        free(mesh->attributes[i].values);
-    }
+    for (sn_index i = 0; i < mesh->attribute_count; i++) free_attribute(&mesh->attributes[i]);
     for (sn_index i = 0; i < mesh->group_count; i++) free(mesh->group_names[i]);
     free(mesh->attributes);
     free(mesh->group_names);

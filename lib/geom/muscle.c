@@ -59,6 +59,65 @@ unsigned sn_muscle_sections(const sn_muscle *muscle) {
     return sections;
 }
 
+/* ---- painting ------------------------------------------------------------------------------------------------------------ */
+
+/* An attribute of this name, all its values `value`; one that is there already is replaced. NULL = out of memory. */
+static sn_attribute *paint(sn_mesh *mesh, const char *name, sn_index components, double value) {
+    sn_mesh_remove_attribute(mesh, name);
+    sn_attribute *attribute = sn_mesh_add_attribute(mesh, name, components);
+    if (attribute == NULL) return NULL;
+    attribute->integer = components == 1;
+    size_t count = (size_t)mesh->vertex_count * (size_t)components;
+    for (size_t i = 0; i < count; i++) attribute->values[i] = value;
+    return attribute;
+}
+
+static bool paint_fibers(const sn_muscle *muscle, sn_mesh *mesh) {
+    if (muscle->fibers.directions == NULL) return true;
+    sn_attribute *attribute = paint(mesh, "fiber", 3, 0.0);
+    for (sn_index v = 0; attribute != NULL && v < mesh->vertex_count; v++) {
+        sn_vec3 d = muscle->fibers.directions[v];
+        double *value = &attribute->values[3 * (size_t)v];
+        value[0] = d.x, value[1] = d.y, value[2] = d.z;
+    }
+    return attribute != NULL;
+}
+
+static bool paint_samples(const sn_muscle *muscle, sn_mesh *mesh) {
+    if (muscle->structure.sample_count == 0) return true;
+    sn_attribute *attribute = paint(mesh, "sample", 1, -1.0);
+    for (sn_index v = 0; attribute != NULL && v < mesh->vertex_count; v++) {
+        attribute->values[v] = (double)muscle->structure.vertex_sample[v];
+    }
+    return attribute != NULL;
+}
+
+static bool paint_attachments(const sn_muscle *muscle, sn_mesh *mesh) {
+    if (muscle->attachment_count == 0) return true;
+    sn_attribute *attribute = paint(mesh, "attachment", 1, -1.0);
+    for (sn_index i = 0; attribute != NULL && i < muscle->attachment_count; i++) {
+        const sn_attachment *attachment = &muscle->attachments[i];
+        for (sn_index k = 0; k < attachment->count; k++) attribute->values[attachment->vertices[k]] = (double)i;
+        if (!sn_attribute_add_label(attribute, attachment->bone)) return false;
+    }
+    return attribute != NULL;
+}
+
+static bool paint_roots(const sn_muscle *muscle, sn_mesh *mesh) {
+    if (muscle->roots.count == 0) return true;
+    sn_attribute *attribute = paint(mesh, "root", 1, 0.0);
+    for (sn_index i = 0; attribute != NULL && i < muscle->roots.count; i++) attribute->values[muscle->roots.vertices[i]] = 1.0;
+    return attribute != NULL;
+}
+
+sn_status sn_muscle_paint(const sn_muscle *muscle, sn_mesh *out, sn_error *error) {
+    sn_status status = sn_mesh_copy(&muscle->mesh, out, error);
+    if (status != SN_OK) return status;
+    if (paint_fibers(muscle, out) && paint_samples(muscle, out) && paint_attachments(muscle, out) && paint_roots(muscle, out)) return SN_OK;
+    sn_mesh_free(out);
+    return sn_fail_memory(error, "a painted mesh");
+}
+
 /* ---- validation ------------------------------------------------------------------------------------------------------- */
 
 static sn_status fail_element(sn_error *error, sn_index element, const char *section, const char *what) {

@@ -16,10 +16,8 @@ typedef struct format_entry {
 } format_entry;
 
 static const format_entry formats[] = {
-    {SN_MESH_OBJ, "OBJ", ".obj", sn_obj_parse},
-    {SN_MESH_PLY, "PLY", ".ply", sn_ply_parse},
-    {SN_MESH_STL, "STL", ".stl", sn_stl_parse},
-    {SN_MESH_OFF, "OFF", ".off", sn_off_parse},
+    {SN_MESH_OBJ, "OBJ", ".obj", sn_obj_parse}, {SN_MESH_PLY, "PLY", ".ply", sn_ply_parse}, {SN_MESH_STL, "STL", ".stl", sn_stl_parse},
+    {SN_MESH_OFF, "OFF", ".off", sn_off_parse}, {SN_MESH_VTK, "VTK", ".vtk", sn_vtk_parse}, {SN_MESH_VTP, "VTP", ".vtp", sn_vtp_parse},
 };
 enum { FORMAT_COUNT = sizeof formats / sizeof *formats };
 
@@ -57,6 +55,8 @@ static sn_reader reader_of(const sn_blob *blob) {
 
 sn_mesh_format sn_mesh_detect(const sn_blob *blob) {
     if (blob->size == 0) return SN_MESH_UNKNOWN;
+    if (sn_vtk_is(blob)) return SN_MESH_VTK;
+    if (sn_vtp_is(blob)) return SN_MESH_VTP;
     if (sn_stl_is_binary(blob->data, blob->size)) return SN_MESH_STL;
     sn_reader reader = reader_of(blob);
     if (sn_reader_find_line(&reader)) {
@@ -186,7 +186,7 @@ sn_status sn_mesh_parse_frame(const sn_blob *blob, bool allow_nonfinite, sn_mesh
         if (formats[i].format == format) return parse_as(&formats[i], blob, allow_nonfinite, out, error);
     }
     return sn_fail_at(error, SN_ERROR_INPUT, blob->name, 0,
-                      "is in no known mesh format; OBJ, PLY, STL and OFF, glTF, FBX, Collada and 3DS are read");
+                      "is in no known mesh format; OBJ, PLY, STL, OFF, VTK and VTP, glTF, FBX, Collada and 3DS are read");
 }
 
 sn_status sn_mesh_read(const char *path, sn_mesh *out, sn_error *error) {
@@ -259,14 +259,35 @@ static sn_status check_coordinates(const sn_mesh *mesh, double limit, const char
     return SN_OK;
 }
 
+bool sn_mesh_format_has_attributes(sn_mesh_format format) { return format == SN_MESH_PLY || format == SN_MESH_VTP; }
+
+static bool is_colour(const char *name) { return strcmp(name, "red") == 0 || strcmp(name, "green") == 0 || strcmp(name, "blue") == 0; }
+
+/* One warning for a mesh whose attributes the format cannot hold; OBJ and OFF hold colours. */
+static void warn_of_losses(const sn_mesh *mesh, sn_mesh_format format) {
+    const sn_attribute *channels[3];
+    bool coloured = format != SN_MESH_STL && sn_mesh_colours(mesh, channels);
+    const char *first = NULL;
+    int lost = 0;
+    for (sn_index i = 0; i < mesh->attribute_count && !sn_mesh_format_has_attributes(format); i++) {
+        const char *name = mesh->attributes[i].name;
+        if (coloured && is_colour(name)) continue;
+        if (lost++ == 0) first = name;
+    }
+    if (lost == 0) return;
+    sn_log(SN_LOG_WARNING, "%s cannot hold vertex attributes: '%.64s'%s left out; PLY and VTP hold them", sn_mesh_format_name(format),
+           first, lost > 1 ? " and others are" : " is");
+}
+
 sn_status sn_mesh_write(const sn_mesh *mesh, sn_mesh_format format, sn_mesh_encoding encoding, sn_output *output, sn_error *error) {
     bool binary = encoding == SN_ENCODING_LITTLE || encoding == SN_ENCODING_BIG;
     if ((binary && (format == SN_MESH_OBJ || format == SN_MESH_OFF)) || (format == SN_MESH_STL && encoding == SN_ENCODING_BIG)) {
-        return sn_fail(error, SN_ERROR_USAGE, "%s has no such encoding; PLY has all of them", sn_mesh_format_name(format));
+        return sn_fail(error, SN_ERROR_USAGE, "%s has no such encoding; PLY and VTP have all of them", sn_mesh_format_name(format));
     }
     double limit = format == SN_MESH_STL && encoding != SN_ENCODING_ASCII ? 3.4028234663852886e38 : 1.7976931348623157e308;
     sn_status status = check_coordinates(mesh, limit, sn_mesh_format_name(format), error);
     if (status != SN_OK) return status;
+    warn_of_losses(mesh, format);
     switch (format) {
     case SN_MESH_OBJ:
         sn_obj_write(mesh, output);
@@ -280,8 +301,14 @@ sn_status sn_mesh_write(const sn_mesh *mesh, sn_mesh_format format, sn_mesh_enco
     case SN_MESH_OFF:
         sn_off_write(mesh, output);
         break;
+    case SN_MESH_VTP:
+        status = sn_vtp_write(mesh, encoding, output, error);
+        break;
+    case SN_MESH_VTK:
+        return sn_fail(error, SN_ERROR_USAGE,
+                       "legacy VTK is read but not written; name an output .vtp, which VTK and ParaView read as well");
     case SN_MESH_UNKNOWN:
-        return sn_fail(error, SN_ERROR_USAGE, "the mesh format is not known; name an output .ply, .obj, .stl or .off");
+        return sn_fail(error, SN_ERROR_USAGE, "the mesh format is not known; name an output .ply, .vtp, .obj, .stl or .off");
     }
     return status == SN_OK ? sn_output_write(output, "", 0, error) : status;
 }

@@ -74,7 +74,7 @@ bool sn_reader_next_line(sn_reader *reader) {
     }
     if (reader->at == reader->end) return false;
     reader->at += line_end_length(reader, reader->at);
-    reader->line++;
+    if (reader->line > 0) reader->line++;
     return reader->at < reader->end;
 }
 
@@ -287,6 +287,48 @@ sn_status sn_reader_add_face(sn_reader *reader, sn_index group) {
         return sn_fail_memory(reader->error, "polygons");
     }
     reader->polygons[reader->polygon_count++] = (sn_polygon){(sn_index)first, (sn_index)corners};
+    return SN_OK;
+}
+
+sn_status sn_reader_add_strip(sn_reader *reader) {
+    sn_mesh *mesh = &reader->mesh;
+    size_t corners = reader->corner_count;
+    reader->corner_count = 0;
+    if (corners < 3) {
+        reader->thin_faces++;
+        return SN_OK;
+    }
+    size_t count = (size_t)mesh->triangle_count + corners - 2;
+    if (count > reader->triangle_capacity && !reserve_triangles(reader, count)) return sn_fail_memory(reader->error, "triangles");
+    const sn_index *v = reader->corners;
+    for (size_t i = 0; i + 2 < corners; i++) {
+        size_t turned = i % 2;
+        mesh->triangles[mesh->triangle_count++] = (sn_triangle){{v[i + turned], v[i + 1 - turned], v[i + 2]}};
+    }
+    return SN_OK;
+}
+
+bool sn_reader_may_take(const sn_reader *reader, double more) {
+    enum { ALWAYS = 48 << 20, FACTOR = 10 };
+    double taken = (double)reader->blob->size + (double)reader->vertex_capacity * sizeof(sn_vec3) +
+                   (double)reader->triangle_capacity * sizeof(sn_triangle);
+    for (sn_index i = 0; i < reader->mesh.attribute_count; i++) {
+        taken += (double)reader->mesh.attributes[i].components * (double)reader->mesh.vertex_count * sizeof(double);
+    }
+    return taken + more <= FACTOR * (double)reader->blob->size + ALWAYS;
+}
+
+sn_status sn_reader_add_attribute(sn_reader *reader, const char *name, int64_t components, bool integer, sn_attribute **out) {
+    *out = NULL;
+    bool taken = sn_mesh_attribute(&reader->mesh, name) != NULL;
+    if (taken || !sn_reader_may_take(reader, (double)components * (double)reader->mesh.vertex_count * sizeof(double))) {
+        sn_log(SN_LOG_WARNING, "%s: the point data '%.64s' are left out: %s", reader->blob->name, name,
+               taken ? "others before have the same name" : "they would take more than their share of memory");
+        return SN_OK;
+    }
+    *out = sn_mesh_add_attribute(&reader->mesh, name, (sn_index)components);
+    if (*out == NULL) return sn_fail_memory(reader->error, "vertex attributes");
+    (*out)->integer = integer;
     return SN_OK;
 }
 

@@ -109,6 +109,14 @@ SN_MUST_CHECK sn_status sn_reader_add_colour(sn_reader *reader, const double *co
 SN_MUST_CHECK sn_status sn_reader_add_corner(sn_reader *reader, int64_t vertex);
 /* The corners read make a face of this group (SN_NONE = of none). */
 SN_MUST_CHECK sn_status sn_reader_add_face(sn_reader *reader, sn_index group);
+/* The corners read make a triangle strip: every other triangle is turned over. */
+SN_MUST_CHECK sn_status sn_reader_add_strip(sn_reader *reader);
+/* A new attribute of vertex_count rows, for the vertices of a mesh that are known. A name that is taken, or an attribute larger than the
+ * file's share of memory, is left out with a warning: then *out is NULL. */
+SN_MUST_CHECK sn_status sn_reader_add_attribute(sn_reader *reader, const char *name, int64_t components, bool integer, sn_attribute **out);
+/* May `more` bytes be taken beside the file and the mesh so far? 10 times the file and 48 MB are its share: what a packed file unpacks to
+ * must not fill the machine. */
+bool sn_reader_may_take(const sn_reader *reader, double more);
 /* The group of this name, a new one if need be. */
 SN_MUST_CHECK sn_status sn_reader_group(sn_reader *reader, sn_span name, sn_index *out);
 
@@ -121,20 +129,35 @@ SN_MUST_CHECK sn_status sn_obj_parse(sn_reader *reader);
 SN_MUST_CHECK sn_status sn_ply_parse(sn_reader *reader);
 SN_MUST_CHECK sn_status sn_stl_parse(sn_reader *reader);
 SN_MUST_CHECK sn_status sn_off_parse(sn_reader *reader);
+SN_MUST_CHECK sn_status sn_vtk_parse(sn_reader *reader);
+SN_MUST_CHECK sn_status sn_vtp_parse(sn_reader *reader);
 bool sn_stl_is_binary(const char *data, size_t size); /* by its size; "solid" at the front proves nothing */
 bool sn_off_keyword(sn_span word);
+bool sn_vtk_is(const sn_blob *blob);
+bool sn_vtp_is(const sn_blob *blob); /* any VTKFile, also of other data sets, which are refused with a clear word */
 
 /* Writers ignore the status of single writes: the output keeps the first failure, mesh_io.c asks for it. */
 void sn_obj_write(const sn_mesh *mesh, sn_output *output);
 SN_MUST_CHECK sn_status sn_ply_write(const sn_mesh *mesh, sn_mesh_encoding encoding, sn_output *output, sn_error *error);
 void sn_stl_write(const sn_mesh *mesh, sn_mesh_encoding encoding, sn_output *output);
 void sn_off_write(const sn_mesh *mesh, sn_output *output);
+SN_MUST_CHECK sn_status sn_vtp_write(const sn_mesh *mesh, sn_mesh_encoding encoding, sn_output *output, sn_error *error);
 
 /* " x y z" shortest and exact; separator is what stands before the first, 0 = nothing. */
 void sn_write_vec3(sn_output *output, char separator, sn_vec3 value);
 void sn_write_number(sn_output *output, char separator, double value);
 /* A name as one line of text: control characters and backslashes become '_', blanks too where spaces is false; "" becomes "_". */
 void sn_write_name(sn_output *output, const char *name, bool spaces);
+
+/* Names as a file holds them: clean as sn_write_name writes them, UTF-8, no two alike. All zeros is an empty list. */
+typedef struct sn_name_list {
+    char **items; /* (count), each owned */
+    size_t count, capacity;
+} sn_name_list;
+/* Add name; underscores behind it tell it from those before. false = out of memory. */
+bool sn_name_list_add(sn_name_list *list, const char *name, bool spaces);
+void sn_name_list_free(sn_name_list *list);
+
 /* red, green, blue of the mesh, if it has all three as single numbers. */
 bool sn_mesh_colours(const sn_mesh *mesh, const sn_attribute *channels[3]);
 

@@ -5,21 +5,20 @@
  * lists of vertices, and elements other than vertices and faces, are passed over.
  */
 #include "mesh_reader.h"
+#include "scalar.h"
 
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-typedef enum scalar_type { CHAR, UCHAR, SHORT, USHORT, INT, UINT, FLOAT, DOUBLE, TYPE_COUNT } scalar_type;
-
 static const struct {
     const char *name, *sized_name;
-    size_t size;
-    bool integer;
-} scalar_types[TYPE_COUNT] = {
-    [CHAR] = {"char", "int8", 1, true},       [UCHAR] = {"uchar", "uint8", 1, true},      [SHORT] = {"short", "int16", 2, true},
-    [USHORT] = {"ushort", "uint16", 2, true}, [INT] = {"int", "int32", 4, true},          [UINT] = {"uint", "uint32", 4, true},
-    [FLOAT] = {"float", "float32", 4, false}, [DOUBLE] = {"double", "float64", 8, false},
+    sn_scalar type;
+} scalar_types[] = {
+    {"char", "int8", SN_INT8},  {"uchar", "uint8", SN_UINT8},  {"short", "int16", SN_INT16},     {"ushort", "uint16", SN_UINT16},
+    {"int", "int32", SN_INT32}, {"uint", "uint32", SN_UINT32}, {"float", "float32", SN_FLOAT32}, {"double", "float64", SN_FLOAT64},
 };
+enum { TYPE_COUNT = sizeof scalar_types / sizeof *scalar_types };
 
 /* Where the values of a property go. */
 typedef enum target { SKIP, COORDINATE, ATTRIBUTE, CORNERS } target;
@@ -27,7 +26,7 @@ typedef enum target { SKIP, COORDINATE, ATTRIBUTE, CORNERS } target;
 typedef struct property {
     sn_span name;
     bool list;
-    scalar_type type, count_type;
+    sn_scalar type, count_type;
     target target;
     sn_index slot; /* 0..2 = x, y, z; or the attribute */
 } property;
@@ -52,10 +51,10 @@ typedef struct header {
 
 /* ---- the header ----------------------------------------------------------------------------------------------------- */
 
-static bool read_type(sn_span word, scalar_type *out) {
+static bool read_type(sn_span word, sn_scalar *out) {
     for (int i = 0; i < TYPE_COUNT; i++) {
         if (!sn_span_is(word, scalar_types[i].name) && !sn_span_is(word, scalar_types[i].sized_name)) continue;
-        *out = (scalar_type)i;
+        *out = scalar_types[i].type;
         return true;
     }
     return false;
@@ -93,7 +92,7 @@ static bool read_property_types(sn_reader *reader, property *p) {
     sn_span word = sn_reader_word(reader);
     p->list = sn_span_is(word, "list");
     if (!p->list) return read_type(word, &p->type);
-    return read_type(sn_reader_word(reader), &p->count_type) && scalar_types[p->count_type].integer &&
+    return read_type(sn_reader_word(reader), &p->count_type) && sn_scalar_is_integer(p->count_type) &&
            read_type(sn_reader_word(reader), &p->type);
 }
 
@@ -157,7 +156,7 @@ static uint64_t least_bytes(const header *h, const element *e) {
     uint64_t bytes = 0;
     for (size_t i = 0; i < e->property_count; i++) {
         const property *p = &h->properties[e->first + i];
-        bytes += h->encoding == SN_ENCODING_ASCII ? 2 : scalar_types[p->list ? p->count_type : p->type].size;
+        bytes += h->encoding == SN_ENCODING_ASCII ? 2 : sn_scalar_size(p->list ? p->count_type : p->type);
     }
     return bytes;
 }
@@ -194,7 +193,7 @@ static sn_status add_attribute(sn_reader *reader, property *p) {
     if (sn_mesh_attribute(&reader->mesh, name) != NULL) return sn_reader_fail(reader, SN_NONE, "the vertices have two properties %s", name);
     sn_attribute *attribute = sn_mesh_add_attribute(&reader->mesh, name, 1);
     if (attribute == NULL) return sn_fail_memory(reader->error, "vertex attributes");
-    attribute->integer = scalar_types[p->type].integer;
+    attribute->integer = sn_scalar_is_integer(p->type);
     p->target = ATTRIBUTE;
     p->slot = reader->mesh.attribute_count - 1;
     return SN_OK;
@@ -226,7 +225,7 @@ static sn_status plan_faces(sn_reader *reader, header *h, const element *faces) 
     for (size_t i = 0; i < faces->property_count; i++) {
         property *p = &h->properties[faces->first + i];
         if (!p->list || (!sn_span_is(p->name, "vertex_indices") && !sn_span_is(p->name, "vertex_index"))) continue;
-        if (!scalar_types[p->type].integer) return sn_reader_fail(reader, SN_NONE, "vertex_indices must be whole numbers, such as int");
+        if (!sn_scalar_is_integer(p->type)) return sn_reader_fail(reader, SN_NONE, "vertex_indices must be whole numbers, such as int");
         p->target = CORNERS;
         return SN_OK;
     }
@@ -248,42 +247,16 @@ static sn_status plan(sn_reader *reader, header *h) {
 
 /* ---- the data ------------------------------------------------------------------------------------------------------- */
 
-static double decode(const unsigned char *bytes, scalar_type type, bool big) {
-    size_t size = scalar_types[type].size;
-    uint64_t bits = 0;
-    for (size_t i = 0; i < size; i++) bits |= (uint64_t)bytes[i] << 8 * (big ? size - 1 - i : i);
-    float single;
-    double value;
-    switch (type) {
-    case CHAR:
-        return (double)(int8_t)bits;
-    case SHORT:
-        return (double)(int16_t)bits;
-    case INT:
-        return (double)(int32_t)bits;
-    case FLOAT: {
-        uint32_t half = (uint32_t)bits;
-        memcpy(&single, &half, sizeof single);
-        return (double)single;
-    }
-    case DOUBLE:
-        memcpy(&value, &bits, sizeof value);
-        return value;
-    default:
-        return (double)bits;
-    }
-}
-
 /* One value of a row. Text values stand on the row's line. */
-static sn_status read_value(sn_reader *reader, const header *h, scalar_type type, const property *p, double *out) {
+static sn_status read_value(sn_reader *reader, const header *h, sn_scalar type, const property *p, double *out) {
     if (h->encoding == SN_ENCODING_ASCII) {
         char found[48];
         if (sn_reader_number(reader, out)) return SN_OK;
         return sn_reader_fail(reader, SN_NONE, "expected a number for %.*s, found %s", SHOWN(p->name), sn_reader_found(reader, found));
     }
-    const unsigned char *bytes = sn_reader_take(reader, scalar_types[type].size);
+    const unsigned char *bytes = sn_reader_take(reader, sn_scalar_size(type));
     if (bytes == NULL) return sn_reader_fail(reader, SN_NONE, "the file ends within its data; it is cut short");
-    *out = decode(bytes, type, h->encoding == SN_ENCODING_BIG);
+    *out = sn_scalar_decode(bytes, type, h->encoding == SN_ENCODING_BIG);
     return SN_OK;
 }
 
@@ -370,69 +343,76 @@ sn_status sn_ply_parse(sn_reader *reader) {
 
 /* ---- writing -------------------------------------------------------------------------------------------------------- */
 
-/* The smallest type of uchar, int and double that holds every value exactly. */
-static scalar_type type_of(const sn_attribute *attribute, sn_index vertex_count) {
-    scalar_type type = attribute->integer ? UCHAR : DOUBLE;
-    for (size_t i = 0; i < (size_t)vertex_count * (size_t)attribute->components && type != DOUBLE; i++) {
-        double v = attribute->values[i];
-        if (!(v >= INT32_MIN && v <= INT32_MAX) || v != floor(v)) {
-            type = DOUBLE;
-        } else if (v < 0.0 || v > 255.0) {
-            type = INT;
+static const char *type_name(sn_scalar type) {
+    for (int i = 0; i < TYPE_COUNT; i++) {
+        if (scalar_types[i].type == type) return scalar_types[i].name;
+    }
+    return "double";
+}
+
+/* A property of its own for each component, behind x, y and z. */
+static bool name_properties(const sn_mesh *mesh, sn_name_list *names) {
+    bool good = sn_name_list_add(names, "x", false) && sn_name_list_add(names, "y", false) && sn_name_list_add(names, "z", false);
+    for (sn_index i = 0; i < mesh->attribute_count; i++) {
+        const sn_attribute *attribute = &mesh->attributes[i];
+        for (sn_index c = 0; good && c < attribute->components; c++) {
+            char *name = NULL;
+            int length =
+                attribute->components > 1 ? asprintf(&name, "%s_%d", attribute->name, (int)c) : asprintf(&name, "%s", attribute->name);
+            good = length >= 0 && sn_name_list_add(names, name, false);
+            if (length >= 0) free(name);
         }
     }
-    return type;
+    return good;
 }
 
-static void write_property(const sn_attribute *attribute, sn_index component, scalar_type type, sn_output *output) {
-    static const char *const taken[] = {"x", "y", "z"};
-    sn_output_print(output, "property %s ", scalar_types[type].name);
-    sn_write_name(output, attribute->name, false);
-    for (int c = 0; c < 3; c++) {
-        if (strcmp(attribute->name, taken[c]) == 0) sn_output_print(output, "_");
+/* What the values of an attribute stand for: "comment attachment 0 ulna". */
+static void write_labels(const sn_mesh *mesh, sn_output *output) {
+    for (sn_index i = 0; i < mesh->attribute_count; i++) {
+        const sn_attribute *attribute = &mesh->attributes[i];
+        for (sn_index k = 0; k < attribute->label_count; k++) {
+            sn_output_print(output, "comment ");
+            sn_write_name(output, attribute->name, false);
+            sn_output_print(output, " %d ", (int)k);
+            sn_write_name(output, attribute->labels[k], true);
+            sn_output_print(output, "\n");
+        }
     }
-    if (attribute->components > 1) sn_output_print(output, "_%d", (int)component);
-    sn_output_print(output, "\n");
 }
 
-static void write_header(const sn_mesh *mesh, sn_mesh_encoding encoding, const scalar_type *types, sn_output *output) {
+static void write_header(const sn_mesh *mesh, sn_mesh_encoding encoding, const sn_scalar *types, const sn_name_list *names,
+                         sn_output *output) {
     const char *format = encoding == SN_ENCODING_ASCII ? "ascii"
                          : encoding == SN_ENCODING_BIG ? "binary_big_endian"
                                                        : "binary_little_endian";
-    sn_output_print(output, "ply\nformat %s 1.0\nelement vertex %d\n", format, (int)mesh->vertex_count);
-    sn_output_print(output, "property double x\nproperty double y\nproperty double z\n");
+    sn_output_print(output, "ply\nformat %s 1.0\n", format);
+    write_labels(mesh, output);
+    sn_output_print(output, "element vertex %d\n", (int)mesh->vertex_count);
+    for (size_t i = 0; i < 3; i++) sn_output_print(output, "property double %s\n", names->items[i]);
+    size_t column = 3;
     for (sn_index i = 0; i < mesh->attribute_count; i++) {
-        for (sn_index c = 0; c < mesh->attributes[i].components; c++) write_property(&mesh->attributes[i], c, types[i], output);
+        for (sn_index c = 0; c < mesh->attributes[i].components; c++) {
+            sn_output_print(output, "property %s %s\n", type_name(types[i]), names->items[column++]);
+        }
     }
     sn_output_print(output, "element face %d\nproperty list uchar int vertex_indices\nend_header\n", (int)mesh->triangle_count);
 }
 
-static uint64_t encode(double value, scalar_type type) {
-    uint64_t bits;
-    if (type == DOUBLE) {
-        memcpy(&bits, &value, sizeof bits);
-        return bits;
-    }
-    return type == UCHAR ? (uint64_t)(uint8_t)value : (uint64_t)(uint32_t)(int32_t)value;
-}
-
-static void write_value(double value, scalar_type type, sn_mesh_encoding encoding, bool first, sn_output *output) {
+static void write_value(double value, sn_scalar type, sn_mesh_encoding encoding, bool first, sn_output *output) {
     if (encoding == SN_ENCODING_ASCII) {
         sn_write_number(output, first ? '\0' : ' ', value);
         return;
     }
     unsigned char bytes[8];
-    size_t size = scalar_types[type].size;
-    uint64_t bits = encode(value, type);
-    for (size_t i = 0; i < size; i++) bytes[i] = (unsigned char)(bits >> 8 * (encoding == SN_ENCODING_BIG ? size - 1 - i : i));
-    sn_output_write(output, bytes, size, NULL);
+    sn_scalar_encode(value, type, encoding == SN_ENCODING_BIG, bytes);
+    sn_output_write(output, bytes, sn_scalar_size(type), NULL);
 }
 
-static void write_vertex(const sn_mesh *mesh, sn_index vertex, sn_mesh_encoding encoding, const scalar_type *types, sn_output *output) {
+static void write_vertex(const sn_mesh *mesh, sn_index vertex, sn_mesh_encoding encoding, const sn_scalar *types, sn_output *output) {
     sn_vec3 p = mesh->positions[vertex];
-    write_value(p.x, DOUBLE, encoding, true, output);
-    write_value(p.y, DOUBLE, encoding, false, output);
-    write_value(p.z, DOUBLE, encoding, false, output);
+    write_value(p.x, SN_FLOAT64, encoding, true, output);
+    write_value(p.y, SN_FLOAT64, encoding, false, output);
+    write_value(p.z, SN_FLOAT64, encoding, false, output);
     for (sn_index i = 0; i < mesh->attribute_count; i++) {
         const sn_attribute *attribute = &mesh->attributes[i];
         for (sn_index c = 0; c < attribute->components; c++) {
@@ -442,17 +422,27 @@ static void write_vertex(const sn_mesh *mesh, sn_index vertex, sn_mesh_encoding 
     if (encoding == SN_ENCODING_ASCII) sn_output_write(output, "\n", 1, NULL);
 }
 
-sn_status sn_ply_write(const sn_mesh *mesh, sn_mesh_encoding encoding, sn_output *output, sn_error *error) {
-    scalar_type *types = SN_NEW(scalar_type, mesh->attribute_count);
-    if (types == NULL) return sn_fail_memory(error, "the types of attributes");
-    for (sn_index i = 0; i < mesh->attribute_count; i++) types[i] = type_of(&mesh->attributes[i], mesh->vertex_count);
-    write_header(mesh, encoding, types, output);
+static void write_data(const sn_mesh *mesh, sn_mesh_encoding encoding, const sn_scalar *types, sn_output *output) {
     for (sn_index i = 0; i < mesh->vertex_count; i++) write_vertex(mesh, i, encoding, types, output);
     for (sn_index i = 0; i < mesh->triangle_count; i++) {
-        write_value(3.0, UCHAR, encoding, true, output);
-        for (int j = 0; j < 3; j++) write_value((double)mesh->triangles[i].v[j], INT, encoding, false, output);
+        write_value(3.0, SN_UINT8, encoding, true, output);
+        for (int j = 0; j < 3; j++) write_value((double)mesh->triangles[i].v[j], SN_INT32, encoding, false, output);
         if (encoding == SN_ENCODING_ASCII) sn_output_write(output, "\n", 1, NULL);
     }
+}
+
+sn_status sn_ply_write(const sn_mesh *mesh, sn_mesh_encoding encoding, sn_output *output, sn_error *error) {
+    sn_name_list names = {0};
+    sn_scalar *types = SN_NEW(sn_scalar, mesh->attribute_count);
+    bool good = types != NULL && name_properties(mesh, &names);
+    for (sn_index i = 0; good && i < mesh->attribute_count; i++) {
+        types[i] = sn_scalar_of_attribute(&mesh->attributes[i], mesh->vertex_count);
+    }
+    if (good) {
+        write_header(mesh, encoding, types, &names, output);
+        write_data(mesh, encoding, types, output);
+    }
     free(types);
-    return SN_OK;
+    sn_name_list_free(&names);
+    return good ? SN_OK : sn_fail_memory(error, "the names of attributes");
 }

@@ -1,0 +1,73 @@
+/* scalar.c -- the numbers of binary mesh files, read and written byte by byte: no alignment and no byte order of the machine matters. */
+#include "scalar.h"
+
+#include <string.h>
+
+size_t sn_scalar_size(sn_scalar type) {
+    static const unsigned char sizes[] = {1, 1, 2, 2, 4, 4, 8, 8, 4, 8};
+    return sizes[type];
+}
+
+bool sn_scalar_is_integer(sn_scalar type) { return type < SN_FLOAT32; }
+
+static double decode_float(uint32_t bits) {
+    float value;
+    memcpy(&value, &bits, sizeof value);
+    return (double)value;
+}
+
+static double decode_double(uint64_t bits) {
+    double value;
+    memcpy(&value, &bits, sizeof value);
+    return value;
+}
+
+double sn_scalar_decode(const unsigned char *bytes, sn_scalar type, bool big_endian) {
+    size_t size = sn_scalar_size(type);
+    uint64_t bits = 0;
+    for (size_t i = 0; i < size; i++) bits |= (uint64_t)bytes[i] << 8 * (big_endian ? size - 1 - i : i);
+    switch (type) {
+    case SN_INT8:
+        return (double)(int8_t)bits;
+    case SN_INT16:
+        return (double)(int16_t)bits;
+    case SN_INT32:
+        return (double)(int32_t)bits;
+    case SN_INT64:
+        return (double)(int64_t)bits;
+    case SN_FLOAT32:
+        return decode_float((uint32_t)bits);
+    case SN_FLOAT64:
+        return decode_double(bits);
+    default:
+        return (double)bits;
+    }
+}
+
+static uint64_t bits_of(double value, sn_scalar type) {
+    uint64_t bits = 0;
+    if (type == SN_UINT8) return (uint64_t)(uint8_t)value;
+    if (type == SN_INT32) return (uint64_t)(uint32_t)(int32_t)value;
+    if (type == SN_INT64) return (uint64_t)(int64_t)value;
+    memcpy(&bits, &value, sizeof bits);
+    return bits;
+}
+
+void sn_scalar_encode(double value, sn_scalar type, bool big_endian, unsigned char *bytes) {
+    size_t size = sn_scalar_size(type);
+    uint64_t bits = bits_of(value, type);
+    for (size_t i = 0; i < size; i++) bytes[i] = (unsigned char)(bits >> 8 * (big_endian ? size - 1 - i : i));
+}
+
+sn_scalar sn_scalar_of_attribute(const sn_attribute *attribute, sn_index vertex_count) {
+    sn_scalar type = attribute->integer ? SN_UINT8 : SN_FLOAT64;
+    for (size_t i = 0; i < (size_t)vertex_count * (size_t)attribute->components && type != SN_FLOAT64; i++) {
+        double v = attribute->values[i];
+        if (!(v >= INT32_MIN && v <= INT32_MAX) || v != floor(v)) {
+            type = SN_FLOAT64;
+        } else if (v < 0.0 || v > 255.0) {
+            type = SN_INT32;
+        }
+    }
+    return type;
+}
