@@ -52,7 +52,7 @@ LIBS_rig-view        := embree gsl mesh json png
 
 # run by the tools, not by hand: installed in libexec/sinew
 LIBEXEC_TOOLS := mesh-import
-LIBS_mesh-import     := assimp json
+LIBS_mesh-import     := assimp mesh json
 
 # ---- sources ----------------------------------------------------------------------------------------------------------------
 LIB_SOURCES := $(sort $(wildcard lib/*/*.c))

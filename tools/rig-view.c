@@ -50,7 +50,7 @@ static const cli_tool tool = {
     .shared = CLI_TAKES_INPUTS | CLI_HAS_OUTPUT | CLI_HAS_UNITS | CLI_HAS_THREADS,
     .options = options,
     .option_count = sizeof options / sizeof *options,
-    .notes = "INPUT is a muscle document, a bare mesh (OBJ, PLY, STL, OFF) or a scene; nothing or \"-\" is standard input.\n"
+    .notes = "INPUT is a muscle document, a bare mesh (OBJ, PLY, STL, OFF, VTK, VTP) or a scene; nothing or \"-\" is standard input.\n"
              "Several inputs, views or frames make a contact sheet.",
 };
 
@@ -259,7 +259,7 @@ static void album_free(album *a) {
 /* File name without folder and extensions. */
 static char *caption_of(const char *path) {
     const char *slash = strrchr(path, '/'), *name = slash ? slash + 1 : path;
-    const char *ends[] = {".muscle.json", ".scene.json", ".json", ".ply", ".obj", ".stl", ".off"};
+    const char *ends[] = {".muscle.json", ".scene.json", ".json", ".ply", ".obj", ".stl", ".off", ".vtk", ".vtp"};
     size_t length = strlen(name);
     for (size_t i = 0; i < sizeof ends / sizeof *ends; i++)
         if (length > strlen(ends[i]) && strcmp(name + length - strlen(ends[i]), ends[i]) == 0)
