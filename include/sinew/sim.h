@@ -163,10 +163,10 @@ static inline sn_vec3 sn_point_position(const sn_point *p) { return sn_v3(p->x, 
 #define SN_STATE_ARRAYS(X)                                                                                                                 \
     X(sn_point, points, m->point_count, true)                                                                                              \
     X(sn_vec3, velocities, m->point_count, true)                                                                                           \
-    X(sn_vec3, previous, m->point_count, false)                                                                                            \
+    X(sn_vec3, previous, m->point_count, true)                                                                                             \
     X(double, goals, m->distance_start[SN_DISTANCE_KINDS], false)                                                                          \
-    X(double, distance_lambda, m->distance_start[SN_DISTANCE_KINDS], false)                                                                \
-    X(double, hinge_lambda, m->hinge_count, false)                                                                                         \
+    X(double, distance_lambda, m->distance_start[SN_DISTANCE_KINDS], true)                                                                 \
+    X(double, hinge_lambda, m->hinge_count, true)                                                                                          \
     X(sn_vec3, volume_gradient, m->keeps_volume ? m->vertex_count : 0, false)
 
 typedef struct sn_muscle_state {
@@ -180,7 +180,9 @@ typedef struct sn_muscle_state {
 } sn_muscle_state;
 
 typedef struct sn_state {
-    sn_index frame;           /* the frame that the state has reached */
+    sn_index frame;           /* the frame that the state has reached, or is in the middle of */
+    sn_index substep;         /* where it was stopped in the middle of `frame`: substeps done; 0 = all of them */
+    sn_index iteration;       /* and iterations of the substep after those; 0 = none */
     sn_muscle_state *muscles; /* (model.muscle_count) */
     sn_rigid *poses;          /* (substeps x joints) of the frame being stepped */
 } sn_state;
@@ -204,8 +206,8 @@ typedef struct sn_step_options {
 
 /* The scene's pre-roll: whole substeps, rounded up, with the bones and activations of the first frame. */
 SN_MUST_CHECK sn_status sn_settle(const sn_model *model, sn_state *state, const sn_step_options *options, sn_error *error);
-/* From frame state->frame to the next. SN_STOPPED: stopped on the way (by the options or the trace): the state is that of the stop, and
- * can be looked at but not stepped on. options NULL = none. */
+/* From frame state->frame to the next; or, from a state that was stopped in the middle of its frame, to the end of that frame, with the
+ * bits of a run that was not stopped. SN_STOPPED: stopped on the way, by the options or the trace. options NULL = none. */
 SN_MUST_CHECK sn_status sn_step(const sn_model *model, sn_state *state, const sn_step_options *options, sn_error *error);
 
 /* ---- single constraints: value and gradients, for tests, pictures and other back ends ------------------------------------- */

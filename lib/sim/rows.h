@@ -15,6 +15,24 @@ typedef struct sn_build {
     sn_plan_muscle *plan;
 } sn_build;
 
+/* ---- the back ends: which of them steps is decided by sn_backend_of (step.c) and nowhere else ---- */
+
+/* One substep of one muscle, or a part of its iterations: those from `begin` to before `end`. The inputs are up to date. */
+typedef struct sn_substep {
+    double h;              /* s */
+    sn_vec3 gravity;       /* m/s^2 */
+    const sn_rigid *poses; /* (joints) at the substep's end */
+    sn_index begin, end;   /* iterations; the substep starts with 0 and ends with m->iterations */
+} sn_substep;
+
+typedef struct sn_backend {
+    const char *name;
+    void (*substep)(const sn_model_muscle *m, sn_muscle_state *s, const sn_substep *substep);
+} sn_backend;
+
+extern const sn_backend sn_backend_xpbd; /* xpbd.c */
+const sn_backend *sn_backend_of(const sn_scene *scene);
+
 /* ---- plan.c ---- */
 /* Which groups run: reasons only, before a row exists. */
 void sn_plan_decide(const sn_build *build);

@@ -63,6 +63,7 @@ static void reset_muscle(const sn_model_muscle *m, sn_muscle_state *s, const sn_
 void sn_state_reset(const sn_model *model, sn_state *state) {
     double time = model->scene->first_frame / model->scene->rate;
     state->frame = model->scene->first_frame;
+    state->substep = state->iteration = 0;
     sn_motion_poses(&model->scene->motion, time, state->poses);
     for (sn_index i = 0; i < model->muscle_count; i++) reset_muscle(&model->muscles[i], &state->muscles[i], state->poses, time);
 }

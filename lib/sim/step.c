@@ -1,20 +1,35 @@
 /*
- * step.c -- one frame, substep by substep, muscle by muscle: back end `xpbd`.   [R18] alg. 1, methods.md 8.7, numerics.md 2
+ * step.c -- one frame, substep by substep, muscle by muscle; the back end does the rest.   [R18] alg. 1, methods.md 8.7
  *
- * Substep: inputs; v <- (v + h g) e^(-c h), x <- x + h v; attached vertices to their bones; per iteration every group of rows in order,
- * volume last; v <- (x - x_before) / h. Lambda starts at 0 in each substep (never in each iteration).
+ * Muscles run side by side, each through all substeps of the frame in one thread; where somebody watches, all of them through one
+ * iteration after the other. Both give the same bits, and so does a run that stops anywhere and goes on.
  */
 #include "rows.h"
+
+const sn_backend *sn_backend_of(const sn_scene *scene) {
+    switch (scene->solver.method) {
+    case SN_SOLVER_XPBD:
+        return &sn_backend_xpbd;
+    }
+    return &sn_backend_xpbd;
+}
+
+/* How far into a frame: substeps done, and iterations of the next one. */
+typedef struct moment {
+    sn_index substep, iteration;
+} moment;
+
+static bool before(moment a, moment b) { return a.substep < b.substep || (a.substep == b.substep && a.iteration < b.iteration); }
 
 /* What the substeps of one frame (or of the pre-roll) share; the muscles only read it. */
 typedef struct run {
     const sn_model *model;
     sn_state *state;
-    double begin;             /* frame number, as a time in frames, at which the first substep starts */
-    bool frozen;              /* time stands still: inputs and poses stay those of `begin` */
-    sn_index substep, end;    /* which to do now */
-    sn_index last_iterations; /* iterations of substep end - 1; 0 = all */
-    bool measure;             /* statistics after the last one */
+    const sn_backend *backend;
+    double begin;    /* frame number, as a time in frames, at which the first substep starts */
+    bool frozen;     /* time stands still: inputs and poses stay those of `begin` */
+    moment from, to; /* what to do now */
+    bool measure;    /* statistics at the end */
 } run;
 
 static double substep_time(const run *r, sn_index substep) {
@@ -28,53 +43,34 @@ static const sn_rigid *substep_poses(const run *r, sn_index substep) {
     return r->state->poses + slot * (size_t)r->model->scene->motion.joint_count;
 }
 
-/* Where each point would be without constraints. Damping is a rate: exact for any h. */
-static void predict(const sn_model_muscle *m, sn_muscle_state *s, sn_vec3 gravity, double h) {
-    double keep = exp(-m->source->damping * h);
-    for (sn_index i = 0; i < m->point_count; i++) {
-        sn_point *p = &s->points[i];
-        s->previous[i] = sn_point_position(p);
-        if (p->w == 0.0) continue;
-        sn_vec3 v = s->velocities[i] = sn_scale(sn_add_scaled(s->velocities[i], gravity, h), keep);
-        p->x += h * v.x, p->y += h * v.y, p->z += h * v.z;
-    }
-}
-
-static void project(const sn_model_muscle *m, sn_muscle_state *s, double h, sn_index iterations) {
-    double compliance[SN_ROW_KINDS];
-    for (int kind = 0; kind < SN_ROW_KINDS; kind++) compliance[kind] = sn_row_compliance(m, s, (sn_row_kind)kind, h);
-    for (sn_index i = 0; i < iterations; i++) {
-        bool first = i == 0;
-        for (int kind = 0; kind < SN_DISTANCE_KINDS; kind++)
-            if (compliance[kind] >= 0.0) sn_distance_sweep(m, s, (sn_row_kind)kind, compliance[kind], first);
-        if (compliance[SN_ROWS_DIHEDRAL] >= 0.0) sn_hinge_sweep(m, s, compliance[SN_ROWS_DIHEDRAL], first);
-        if (m->keeps_volume && compliance[SN_ROWS_VOLUME] >= 0.0) sn_volume_sweep(m, s, compliance[SN_ROWS_VOLUME], first);
-    }
-}
-
-static void update_velocities(const sn_model_muscle *m, sn_muscle_state *s, double h) {
-    for (sn_index i = 0; i < m->point_count; i++)
-        s->velocities[i] = sn_scale(sn_sub(sn_point_position(&s->points[i]), s->previous[i]), 1.0 / h);
-}
-
-static void do_substep(const run *r, sn_index muscle, sn_index substep) {
+/* Iterations [begin, end) of one substep; a muscle with fewer iterations than that has nothing left to do. */
+static void do_substep(const run *r, sn_index muscle, sn_index substep, sn_index begin, sn_index end) {
     const sn_model_muscle *m = &r->model->muscles[muscle];
     sn_muscle_state *s = &r->state->muscles[muscle];
-    double h = r->model->substep_duration;
-    bool partial = r->last_iterations > 0 && substep == r->end - 1;
-    sn_index iterations = partial && r->last_iterations < m->iterations ? r->last_iterations : m->iterations;
+    if (end > m->iterations) end = m->iterations;
+    if (begin >= end) return;
+    const sn_substep part = {.h = r->model->substep_duration,
+                             .gravity = r->model->scene->gravity,
+                             .poses = substep_poses(r, substep),
+                             .begin = begin,
+                             .end = end};
     sn_inputs_update(m, s, substep_time(r, substep));
-    predict(m, s, r->model->scene->gravity, h);
-    sn_kinematics_place(m, s, substep_poses(r, substep));
-    project(m, s, h, iterations);
-    update_velocities(m, s, h);
+    r->backend->substep(m, s, &part);
+}
+
+static void do_muscle(const run *r, sn_index muscle) {
+    for (sn_index substep = r->from.substep; substep <= r->to.substep; substep++) {
+        sn_index begin = substep == r->from.substep ? r->from.iteration : 0;
+        sn_index end = substep == r->to.substep ? r->to.iteration : SN_INDEX_MAX;
+        do_substep(r, muscle, substep, begin, end);
+    }
 }
 
 static void do_muscles(void *user, sn_index begin, sn_index end, sn_index chunk) {
     const run *r = user;
     (void)chunk;
     for (sn_index muscle = begin; muscle < end; muscle++) {
-        for (sn_index substep = r->substep; substep < r->end; substep++) do_substep(r, muscle, substep);
+        do_muscle(r, muscle);
         if (r->measure) sn_statistics_measure(&r->model->muscles[muscle], &r->state->muscles[muscle]);
     }
 }
@@ -94,43 +90,68 @@ static void clear_counters(sn_state *state, sn_index muscle_count) {
     }
 }
 
-/* One record per muscle for the substep just done; true = stop. */
-static bool trace_substep(const run *r, sn_trace *trace) {
+/* One record per muscle for the iteration just done; true = stop. */
+static bool trace_iteration(const run *r, moment done, sn_trace *trace) {
     for (sn_index i = 0; i < r->model->muscle_count; i++) {
         const sn_statistics *st = &r->state->muscles[i].statistics;
-        if (SN_TRACE(
-                trace, "substep", sn_trace_number("frame", r->state->frame), sn_trace_number("substep", r->end),
-                sn_trace_text("muscle", r->model->muscles[i].source->name), sn_trace_number("activation", st->activation),
-                sn_trace_number("volume_error", st->volume_error), sn_trace_number("internal_rms", st->residuals[SN_ROWS_INTERNAL].rms),
-                sn_trace_number("radial_rms", st->residuals[SN_ROWS_RADIAL].rms),
-                sn_trace_number("mesh_rms", st->residuals[SN_ROWS_MESH].rms), sn_trace_number("mesh_max", st->residuals[SN_ROWS_MESH].max),
-                sn_trace_number("dihedral_rms", st->residuals[SN_ROWS_DIHEDRAL].rms),
-                sn_trace_number("dihedral_max", st->residuals[SN_ROWS_DIHEDRAL].max),
-                sn_trace_number("smallest_triangle", st->smallest_triangle), sn_trace_number("kinetic_energy", st->kinetic_energy),
-                sn_trace_number("nan", st->nan_points)))
+        if (done.iteration > r->model->muscles[i].iterations) continue;
+        if (SN_TRACE(trace, "iteration", sn_trace_number("frame", r->state->frame), sn_trace_number("substep", done.substep + 1),
+                     sn_trace_number("iteration", done.iteration), sn_trace_text("muscle", r->model->muscles[i].source->name),
+                     sn_trace_number("activation", st->activation), sn_trace_number("volume_error", st->volume_error),
+                     sn_trace_number("internal_rms", st->residuals[SN_ROWS_INTERNAL].rms),
+                     sn_trace_number("radial_rms", st->residuals[SN_ROWS_RADIAL].rms),
+                     sn_trace_number("mesh_rms", st->residuals[SN_ROWS_MESH].rms),
+                     sn_trace_number("mesh_max", st->residuals[SN_ROWS_MESH].max),
+                     sn_trace_number("dihedral_rms", st->residuals[SN_ROWS_DIHEDRAL].rms),
+                     sn_trace_number("dihedral_max", st->residuals[SN_ROWS_DIHEDRAL].max),
+                     sn_trace_number("smallest_triangle", st->smallest_triangle), sn_trace_number("kinetic_energy", st->kinetic_energy),
+                     sn_trace_number("nan", st->nan_points)))
             return true;
     }
     return false;
 }
 
-/* Do `substeps` substeps: all in one go, or one after the other where somebody watches. */
-static sn_status do_run(run *r, sn_index substeps, const sn_step_options *options) {
+static sn_index most_iterations(const sn_model *model) {
+    sn_index most = 1;
+    for (sn_index i = 0; i < model->muscle_count; i++)
+        if (model->muscles[i].iterations > most) most = model->muscles[i].iterations;
+    return most;
+}
+
+/* The moment one iteration later; the last iteration of a substep is the start of the next one. */
+static moment next_iteration(moment now, sn_index iterations) {
+    if (now.iteration + 1 < iterations) return (moment){now.substep, now.iteration + 1};
+    return (moment){now.substep + 1, 0};
+}
+
+/* Iteration after iteration, with a record of each; where it stops, the state says how far it came. */
+static sn_status do_watched(run *r, moment last, sn_pool *pool, sn_trace *trace) {
+    sn_index iterations = most_iterations(r->model);
+    r->measure = true;
+    while (before(r->from, last)) {
+        r->to = (moment){r->from.substep, r->from.iteration + 1};
+        sn_parallel_for(pool, r->model->muscle_count, 1, do_muscles, r);
+        moment done = r->to;
+        r->from = next_iteration(r->from, iterations);
+        r->state->substep = r->from.substep;
+        r->state->iteration = r->from.iteration;
+        if (trace_iteration(r, done, trace)) return SN_STOPPED;
+    }
+    return SN_OK;
+}
+
+/* From r->from to `last`: in one go, or step by step where somebody watches. */
+static sn_status do_run(run *r, moment last, const sn_step_options *options) {
     sn_pool *pool = options != NULL ? options->pool : NULL;
     sn_trace *trace = options != NULL ? options->trace : NULL;
-    bool watched = trace != NULL && (trace->receive != NULL || trace->stop_after >= 0);
     if (sn_trace_stopped(trace)) return SN_STOPPED;
+    r->backend = sn_backend_of(r->model->scene);
     prepare_poses(r);
-    clear_counters(r->state, r->model->muscle_count);
-    for (sn_index done = 0; done < substeps; done = r->end) {
-        r->substep = done;
-        r->end = watched ? done + 1 : substeps;
-        r->measure = watched || r->end == substeps;
-        sn_index keep = r->last_iterations;
-        if (r->end < substeps) r->last_iterations = 0;
-        sn_parallel_for(pool, r->model->muscle_count, 1, do_muscles, r);
-        r->last_iterations = keep;
-        if (watched && trace_substep(r, trace)) return SN_STOPPED;
-    }
+    if (r->from.substep == 0 && r->from.iteration == 0) clear_counters(r->state, r->model->muscle_count);
+    if (trace != NULL && (trace->receive != NULL || trace->stop_after >= 0)) return do_watched(r, last, pool, trace);
+    r->to = last;
+    r->measure = true;
+    sn_parallel_for(pool, r->model->muscle_count, 1, do_muscles, r);
     return SN_OK;
 }
 
@@ -141,17 +162,33 @@ sn_status sn_settle(const sn_model *model, sn_state *state, const sn_step_option
     if (substeps > SN_INDEX_MAX)
         return sn_fail(error, SN_ERROR_USAGE, "a pre-roll of %g s is more than %d substeps; shorten it", scene->preroll, (int)SN_INDEX_MAX);
     run r = {.model = model, .state = state, .begin = scene->first_frame, .frozen = true};
-    return do_run(&r, (sn_index)substeps, options);
+    sn_status status = do_run(&r, (moment){(sn_index)substeps, 0}, options);
+    if (status == SN_OK) state->substep = state->iteration = 0;
+    return status;
+}
+
+/* Where the options stop within a frame; the frame's end where they do not. */
+static moment stop_of(const sn_model *model, const sn_step_options *options) {
+    sn_index substeps = model->scene->solver.substeps;
+    if (options == NULL || options->stop_substep == 0) return (moment){substeps, 0};
+    sn_index iteration = options->stop_iteration;
+    if (iteration == 0 || iteration >= most_iterations(model)) return (moment){options->stop_substep, 0};
+    return (moment){options->stop_substep - 1, iteration};
 }
 
 sn_status sn_step(const sn_model *model, sn_state *state, const sn_step_options *options, sn_error *error) {
     sn_index substeps = model->scene->solver.substeps;
-    sn_index stop = options != NULL ? options->stop_substep : 0;
-    if (stop < 0 || stop > substeps)
-        return sn_fail(error, SN_ERROR_USAGE, "cannot stop after substep %d: a frame has %d", (int)stop, (int)substeps);
-    run r = {.model = model, .state = state, .begin = state->frame};
-    r.last_iterations = stop > 0 ? options->stop_iteration : 0;
-    state->frame++;
-    sn_status status = do_run(&r, stop > 0 ? stop : substeps, options);
-    return status == SN_OK && stop > 0 && (stop < substeps || r.last_iterations > 0) ? SN_STOPPED : status;
+    if (options != NULL && (options->stop_substep < 0 || options->stop_substep > substeps || options->stop_iteration < 0))
+        return sn_fail(error, SN_ERROR_USAGE, "cannot stop after substep %d: a frame has %d", (int)options->stop_substep, (int)substeps);
+    moment from = {state->substep, state->iteration}, stop = stop_of(model, options), end = {substeps, 0};
+    bool fresh = from.substep == 0 && from.iteration == 0;
+    if (before(stop, from)) return sn_fail(error, SN_ERROR_USAGE, "cannot stop there: the state is beyond it already");
+    run r = {.model = model, .state = state, .begin = fresh ? state->frame : state->frame - 1, .from = from};
+    if (fresh) state->frame++;
+    sn_status status = do_run(&r, stop, options);
+    if (status != SN_OK) return status;
+    bool whole = !before(stop, end);
+    state->substep = whole ? 0 : stop.substep;
+    state->iteration = whole ? 0 : stop.iteration;
+    return options != NULL && options->stop_substep > 0 && !whole ? SN_STOPPED : SN_OK;
 }

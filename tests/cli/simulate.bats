@@ -69,8 +69,9 @@ END
         cmp a.jsonl $other.jsonl
         for muscle in biceps brachialis triceps; do cmp a/$muscle.pc2 $other/$muscle.pc2; done
     done
-    [ "$(grep -c '"stage":"substep"' steps.jsonl)" -eq "$(wc -l < steps.jsonl)" ]
-    [ "$(wc -l < steps.jsonl)" -eq $((3 * 3 * $(simulate --plan arm.scene.json | grep -o '"substeps": *[0-9]*' | head -n 1 | grep -o '[0-9]*$'))) ]
+    [ "$(grep -c '"stage":"iteration"' steps.jsonl)" -eq "$(wc -l < steps.jsonl)" ]
+    each=$(simulate --plan arm.scene.json | python3 -c 'import json,sys; s=json.load(sys.stdin)["scene"]["solver"]; print(s["substeps"]*s["iterations"])')
+    [ "$(wc -l < steps.jsonl)" -eq $((3 * 3 * each)) ]
 }
 
 @test "the overrides do what they say" {

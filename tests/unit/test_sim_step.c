@@ -350,7 +350,7 @@ typedef struct counter {
 static void count_record(void *user, int64_t number, const char *stage, const sn_trace_value *values, int value_count) {
     counter *c = user;
     (void)number;
-    assert_string_equal(stage, "substep");
+    assert_string_equal(stage, "iteration");
     c->records++;
     for (int i = 0; i < value_count; i++) c->volumes += strcmp(values[i].name, "volume_error") == 0 && fabs(values[i].number) < 0.01;
 }
@@ -367,7 +367,7 @@ static void watching_changes_nothing(void **state) {
     step_frames(&a, 3, &options);
     step_frames(&b, 3, NULL);
     assert_true(same_points(&a, &b, 0));
-    assert_int_equal(c.records, 3 * watched.solver.substeps);
+    assert_int_equal(c.records, 3 * watched.solver.substeps * watched.solver.iterations);
     assert_int_equal(c.volumes, c.records);
     finish(&a);
     finish(&b);
@@ -390,6 +390,33 @@ static void a_step_stops_where_it_is_told(void **state) {
     sn_step_options beyond = {.stop_substep = scenes[3].solver.substeps + 1};
     assert_int_equal(sn_step(runs[3].model, runs[3].state, &beyond, &error), SN_ERROR_USAGE);
     for (int k = 0; k < 4; k++) finish(&runs[k]);
+}
+
+/* Stopped at odd places and gone on from there, the same bits as a run in one go; also where the muscles have different iterations. */
+static void a_stopped_step_goes_on_to_the_same_bits(void **state) {
+    (void)state;
+    static const sn_index stops[][2] = {{3, 1}, {3, 2}, {5, 0}, {5, 1}, {16, 2}};
+    sn_scene scenes[2];
+    simulation runs[2];
+    for (int k = 0; k < 2; k++) {
+        make_usual(&scenes[k], &FUSIFORM);
+        scenes[k].solver.iterations = 3;
+        add_muscle(&scenes[k], "second", &FUSIFORM);
+        scenes[k].muscles[1].iterations = 1;
+        runs[k] = start(&scenes[k]);
+        step_frames(&runs[k], 1, NULL);
+    }
+    for (int i = 0; i < 5; i++) {
+        sn_step_options options = {.stop_substep = stops[i][0], .stop_iteration = stops[i][1]};
+        if (i == 2) options.stop_iteration = 0; /* where a whole substep ends */
+        sn_status status = sn_step(runs[0].model, runs[0].state, &options, NULL);
+        assert_int_equal(status, i == 3 ? SN_ERROR_USAGE : SN_STOPPED);
+    }
+    step_frames(&runs[0], 2, NULL);
+    step_frames(&runs[1], 2, NULL);
+    assert_int_equal(runs[0].state->frame, runs[1].state->frame);
+    assert_true(same_points(&runs[0], &runs[1], 0) && same_points(&runs[0], &runs[1], 1));
+    for (int k = 0; k < 2; k++) finish(&runs[k]);
 }
 
 /* ---- refusals and plans ------------------------------------------------------------------------------------------------------ */
@@ -478,6 +505,7 @@ int main(void) {
         cmocka_unit_test(settling_is_a_run_with_constant_inputs),
         cmocka_unit_test(watching_changes_nothing),
         cmocka_unit_test(a_step_stops_where_it_is_told),
+        cmocka_unit_test(a_stopped_step_goes_on_to_the_same_bits),
         cmocka_unit_test(a_bone_that_is_missing_is_named),
         cmocka_unit_test(an_open_surface_keeps_no_volume),
         cmocka_unit_test(the_plan_tells_where_a_stiffness_is_felt),
