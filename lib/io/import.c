@@ -271,6 +271,7 @@ static sn_status judge(child *c, int wait_status, sn_error *error) {
     if (WIFEXITED(wait_status) && WEXITSTATUS(wait_status) == 0) return SN_OK;
     const char *words = last_words(c);
     if (WIFSIGNALED(wait_status)) return judge_signal(c, WTERMSIG(wait_status), error);
+    if (strstr(words, "bad_alloc") != NULL || strstr(words, "out of memory") != NULL) return out_of_memory(c, error);
     if (WEXITSTATUS(wait_status) == 1 && *words != '\0') return sn_fail_at(error, SN_ERROR_INPUT, c->blob->name, 0, "%s", words);
     return sn_fail_at(error, SN_ERROR_INTERNAL, c->blob->name, 0, "cannot be imported as %s: %s failed with status %d", c->name, c->path,
                       WEXITSTATUS(wait_status));

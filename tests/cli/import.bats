@@ -1,0 +1,346 @@
+# Files of glTF, FBX, Collada and 3DS through mesh-import; one of several meshes; what a child that dies, hangs or lies does to a tool.
+
+bats_require_minimum_version 1.5.0
+
+# a && b and ! a do not end a test under bats: state every condition by itself, and what must not hold with `refute`
+refute() { if "$@"; then echo "held: $*"; return 1; fi; }
+
+setup() {
+    cd "$BATS_TEST_TMPDIR" || exit 1
+    clean="$BIN/mesh-clean"
+    import="$BIN/../libexec/sinew/mesh-import"
+    scene="$BATS_TEST_DIRNAME/../write-scene"
+    man="$BATS_TEST_DIRNAME/../../share/man/mesh-import.1"
+}
+
+# "N vertices, low corner, high corner, unit" of a document
+extent() {
+    /usr/bin/python3 - "$1" <<'END'
+import json, sys
+document = json.load(open(sys.argv[1]))
+values = document['mesh']['vertices']
+axes = [values[k::3] for k in range(3)]
+print(len(axes[0]), *('%g' % min(a) for a in axes), *('%g' % max(a) for a in axes), '%g' % document['metersPerUnit'])
+END
+}
+
+expect_extent() { # FILE WANTED
+    local found
+    found=$(extent "$1")
+    [ "$found" = "$2" ] || { echo "$1: $found, not $2"; return 1; }
+}
+
+# Run with a status of 1 and exactly one line on stderr, which matches the pattern; no output.
+refused() {
+    local pattern=$1 code=0
+    shift
+    rm -f refused.ply
+    "$@" -o refused.ply > out 2> err || code=$?
+    [ "$code" -eq 1 ] || { echo "status $code: $*"; cat err; return 1; }
+    [ ! -s out ] || { echo "stdout is not empty: $*"; return 1; }
+    [ ! -e refused.ply ] || { echo "there is an output: $*"; return 1; }
+    [ "$(wc -l < err)" -eq 1 ] || { cat err; return 1; }
+    grep -Eq "^[a-z-]+: $pattern" err || { cat err; return 1; }
+}
+
+# A shell script in place of mesh-import: its lines.
+pretend() {
+    mkdir -p fake
+    { echo '#!/bin/sh'; printf '%s\n' "$@"; } > fake/mesh-import
+    chmod +x fake/mesh-import
+    export SINEW_LIBEXEC=$PWD/fake
+}
+
+@test "glTF, GLB and its side file: meshes, names, transforms, metres, y up turned to z" {
+    for format in gltf glb bin; do
+        "$scene" $format ./a.$format
+        "$clean" --keep all a.$format -o a.json
+        # biceps 0.5..0.6 x 0..0.2 x 0..0.3; triceps -1..0 x 2..3 x 0..1, y up
+        expect_extent a.json "16 -1 -1 0 0.6 0 3 1"
+        "$clean" --list a.$format > list
+        printf '1\tbiceps\t8\t12\n2\ttriceps\t8\t12\n' | cmp - list
+    done
+}
+
+@test "a mesh that a transform mirrors is not inside out" {
+    "$scene" glb a.glb
+    "$clean" --check --mesh triceps a.glb
+    "$clean" --check --mesh biceps a.glb
+}
+
+@test "one of several meshes, by name and by number; it gives the document its name" {
+    "$scene" glb a.glb
+    "$clean" --mesh triceps a.glb -o name.json
+    "$clean" --mesh 2 --no-history a.glb -o number.json
+    expect_extent name.json "8 -1 -1 2 0 0 3 1"
+    expect_extent number.json "8 -1 -1 2 0 0 3 1"
+    grep -q '"name": *"triceps"' name.json
+    grep -q '"--mesh"' name.json
+    refused "a.glb: .*none is '3'" "$clean" --mesh 3 a.glb
+    refused "a.glb: .*none is '0'" "$clean" --mesh 0 a.glb
+    refused "a.glb: .*none is 'bic'" "$clean" --mesh bic a.glb
+    "$clean" name.json -o again.json
+    run -2 "$clean" --mesh 1 name.json
+}
+
+@test "--mesh and --list know the groups of an OBJ file, and triangles of none" {
+    printf 'v 0 0 0\nv .1 0 0\nv 0 .1 0\nv 0 0 .1\nv 1 0 0\nv 1.1 0 0\nv 1 .1 0\nv 1 0 .1\n' > two.obj
+    printf 'f 5 7 6\nf 5 6 8\nf 6 7 8\nf 7 5 8\ng one\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\ng empty\n' >> two.obj
+    "$clean" --list two.obj > list
+    printf '1\tone\t4\t4\n2\tempty\t0\t0\n3\t\t4\t4\n' | cmp - list
+    "$clean" --mesh one two.obj -o one.json
+    expect_extent one.json "4 0 0 0 0.1 0.1 0.1 1"
+    "$clean" --mesh 3 two.obj -o three.json
+    expect_extent three.json "4 1 0 0 1.1 0.1 0.1 1"
+    refused "two.obj: mesh 'empty' has no faces" "$clean" --mesh empty two.obj
+    sed 's/^g .*//' two.obj > bare.obj
+    "$clean" --list bare.obj > list
+    printf '1\t\t8\t8\n' | cmp - list
+}
+
+@test "--list belongs to every tool of the chain, and a full disk is an error" {
+    "$scene" glb a.glb
+    for tool in mesh-clean root-select build-structure fiber-flow; do
+        "$BIN/$tool" --list a.glb > list
+        [ "$(wc -l < list)" -eq 2 ]
+    done
+    run -1 sh -c "'$clean' --list a.glb > /dev/full"
+}
+
+@test "Collada: its unit, its axis and its transforms; coordinates stay the file's" {
+    "$scene" dae z.dae
+    "$clean" z.dae -o z.json
+    expect_extent z.json "8 1 2 3 2 3 4 0.01"
+    "$scene" dae y.dae Y_UP 0.0254
+    "$clean" y.dae -o y.json
+    expect_extent y.json "8 1 -4 2 2 -3 3 0.0254"
+    "$scene" dae x.dae X_UP 1
+    "$clean" x.dae -o x.json
+    expect_extent x.json "8 -3 -4 1 -2 -3 2 1"
+    "$clean" --list z.dae > list
+    printf '1\tdeltoid\t8\t12\n' | cmp - list
+}
+
+@test "FBX, text and binary: centimetres times its factor, its axis, its transforms" {
+    "$scene" fbx a.fbx
+    "$clean" a.fbx -o a.json
+    expect_extent a.json "8 10 -34 20 12 -30 23 0.01"
+    "$scene" fbx-binary b.fbx
+    "$clean" b.fbx -o b.json
+    expect_extent b.json "8 10 -34 20 12 -30 23 0.01"
+    "$scene" fbx c.fbx 2.54 2
+    "$clean" c.fbx -o c.json
+    expect_extent c.json "8 10 20 30 12 23 34 0.0254"
+    "$clean" --list b.fbx > list
+    printf '1\tsoleus\t8\t12\n' | cmp - list
+}
+
+@test "3DS has no unit and z up" {
+    "$scene" 3ds a.3ds
+    "$clean" a.3ds -o a.json
+    expect_extent a.json "8 0 0 0 1 1 1 1"
+}
+
+@test "--units and --up overrule what a file says" {
+    "$scene" glb a.glb
+    "$clean" --mesh biceps --units mm --up z a.glb -o a.json
+    expect_extent a.json "8 0.5 0 0 0.6 0.2 0.3 0.001"
+    "$scene" dae z.dae
+    "$clean" --units m --up y z.dae -o z.json
+    expect_extent z.json "8 1 -4 2 2 -3 3 1"
+}
+
+@test "a format is known by its content: stdin, pipes, wrong extensions; the same bytes each time" {
+    for format in gltf glb dae fbx fbx-binary 3ds; do
+        "$scene" $format a.$format
+        "$clean" a.$format -o file.ply
+        "$clean" < a.$format -o stdin.ply
+        cmp file.ply stdin.ply
+        cat a.$format | "$clean" - -o pipe.ply
+        cmp file.ply pipe.ply
+        cp a.$format wrong.mot
+        "$clean" wrong.mot -o wrong.ply
+        cmp file.ply wrong.ply
+    done
+    head -c 3000 /dev/urandom > noise.fbx
+    refused "noise.fbx: is in no known mesh format" "$clean" noise.fbx
+}
+
+@test "buffers are read beside the named file only" {
+    mkdir folder other
+    "$scene" bin folder/a.gltf
+    "$clean" folder/a.gltf -o a.ply
+    refused "<stdin>: cannot be imported as glTF: .*side.bin" sh -c "'$clean' \"\$@\" < folder/a.gltf" sh
+    mv folder/side.bin other
+    refused "folder/a.gltf: cannot be imported as glTF: .*side.bin" "$clean" folder/a.gltf
+    for uri in ../other/side.bin "$PWD/other/side.bin"; do
+        sed "s|side.bin|$uri|" folder/a.gltf > folder/b.gltf
+        refused "folder/b.gltf: cannot be imported" "$clean" folder/b.gltf
+    done
+    mkfifo folder/side.bin
+    refused "folder/a.gltf: cannot be imported" timeout 5 "$clean" folder/a.gltf
+}
+
+@test "vertex colours are kept, and a number that is none is dropped on request" {
+    "$scene" colours a.glb
+    "$clean" --mesh biceps a.glb -o a.ply
+    grep -a -q '^property uchar red' a.ply
+    "$scene" nan n.glb
+    refused "n.glb: vertex 0 has a coordinate that is not" "$clean" n.glb
+    "$clean" -q --keep all --repair-nonfinite n.glb -o n.json
+    [ "$(extent n.json)" != "" ]
+}
+
+@test "bones come in their own unit and axis" {
+    "$scene" glb bone.glb
+    "$clean" --mesh triceps --units mm bone.glb -o muscle.ply # 1 m as a cube of 1 mm ...
+    printf '{"format": "sinew-muscle", "version": 1, "metersPerUnit": 0.001, "mesh": {"vertices": [%s], "triangles": [0,2,1, 0,1,3, 1,2,3, 2,0,3]}}' \
+        "-500,-500,2500, -400,-500,2500, -500,-400,2500, -500,-500,2600" > inside.json # ... and a muscle of millimetres in the middle of that metre
+    "$BIN/attach-detect" --bone b=bone.glb inside.json --report all.json -o all.muscle.json
+    grep -q '"attached": 4' all.json
+    "$BIN/attach-detect" -q --bone b=bone.glb --bone-units mm inside.json --report none.json -o none.muscle.json
+    grep -q '"attached": 0' none.json
+}
+
+@test "mesh-import by hand: a PLY file that says unit, axis and meshes; help, errors, its man page" {
+    "$scene" fbx a.fbx
+    "$import" a.fbx -o a.ply
+    [ "$(sed -n 's/^comment //p' a.ply | head -n 3 | tr '\n' '|')" = "metersPerUnit 0.01|up y|mesh 12 soleus|" ]
+    "$import" < a.fbx | cmp - a.ply
+    "$clean" --list a.ply | grep -q "12$"
+    "$import" --version | grep -qx "mesh-import (sinew) [0-9]*\.[0-9]*\.[0-9]*"
+    run -2 "$import" --no-such-option
+    refused "none.fbx: cannot be opened" "$import" none.fbx
+    echo "hello" > text
+    refused "text: is in no format that can be imported" "$import" text
+    run -1 sh -c "'$import' a.fbx > /dev/full"
+    mandoc -Tutf8 "$man" | col -b > page
+    for option in $("$import" --help | grep -o -e '^ *\(-.,\)\? *--[a-z-]*' | grep -o -e '--[a-z-]*'); do
+        grep -q -e "$option" page || { echo "no $option"; false; }
+    done
+    mandoc -Tlint -Wwarning "$man"
+}
+
+@test "only mesh-import is linked with assimp" {
+    for tool in "$BIN"/*; do
+        readelf -d "$tool" > needed
+        refute grep -q assimp needed
+    done
+    readelf -d "$import" > needed
+    grep -q assimp needed
+}
+
+@test "an importer that is not there, crashes or lies is one sentence, and nothing of it stays" {
+    "$scene" glb a.glb
+    export SINEW_LIBEXEC=$PWD/nowhere
+    refused "a.glb: is a glTF file, and what reads these, .*/nowhere/mesh-import, is not there" "$clean" a.glb
+    pretend 'kill -SEGV $$'
+    refused "a.glb: makes the importer of glTF crash \(Segmentation fault\)" "$clean" a.glb
+    pretend 'echo "terminate called after std::bad_alloc" >&2' 'kill -ABRT $$'
+    refused "a.glb: needs more than [0-9]+ MB of memory" "$clean" a.glb
+    pretend 'echo hello'
+    refused "a.glb: .*answers with something that is no mesh" "$clean" a.glb
+    pretend 'exit 0'
+    refused "a.glb: .*answers with something that is no mesh" "$clean" a.glb
+    pretend 'exit 7'
+    refused "a.glb: .*failed with status 7" "$clean" a.glb
+    pretend 'echo one >&2' 'echo "mesh-import: a.glb: it is too green" >&2' 'exit 1'
+    refused "a.glb: it is too green$" "$clean" a.glb
+    pretend 'sleep 4711.0815 &' 'echo hello' 'sleep 4711.0815'
+    refused "a.glb: .*answers with something that is no mesh" timeout 5 "$clean" a.glb
+    refute pgrep -f 'sleep 4711.0815'
+    [ "$(ls | tr '\n' ' ')" = "a.glb err fake out " ]
+}
+
+@test "an answer is parsed like any file: cut short, indices out of range, counts that do not fit, no end" {
+    "$scene" glb a.glb
+    "$import" a.glb -o good.ply
+    pretend "cat '$PWD/good.ply'"
+    "$clean" --mesh biceps a.glb -o a.ply
+    lie() { # what the header says differently
+        sed -i "$1" answer.ply
+        pretend "cat '$PWD/answer.ply'"
+        refused "a.glb: .*answers with something that is no mesh" "$clean" a.glb
+        cp good.ply answer.ply
+    }
+    head -c 700 good.ply > answer.ply
+    lie ''
+    lie 's/^comment mesh 12 biceps/comment mesh 13 biceps/'
+    lie 's/^comment mesh 12 biceps/comment mesh -1 biceps/'
+    lie 's/^comment mesh 12 biceps/comment mesh 1/'
+    lie 's/^comment metersPerUnit 1/comment metersPerUnit 0/'
+    lie 's/^element vertex 16/element vertex 15/'
+    lie 's/^element face 24/element face 2000000000/'
+    lie 's/^end_header/end_footer/'
+    lie 's/^comment up y/\x00/'
+    pretend 'echo ply' 'exec cat /dev/zero'
+    refused "a.glb: holds more than 256 MB of meshes" "$clean" a.glb
+}
+
+@test "the child has limits of memory and of files" {
+    [ "${CONFIG:-release}" != sanitize ] || skip "sanitizers reserve terabytes"
+    "$scene" glb a.glb
+    pretend 'echo "mesh-import: kilobytes $(ulimit -v), seconds $(ulimit -t), file $(ulimit -f)" >&2' 'exit 1'
+    size=$(wc -c < a.glb)
+    refused "a.glb: kilobytes $((2097152 + 16 * size / 1024)), seconds 20, file 0$" "$clean" a.glb
+    pretend 'exec /usr/bin/python3 -c "bytearray(3 << 30)"'
+    refused "a.glb: MemoryError" "$clean" a.glb
+}
+
+@test "an importer that hangs is killed after 20 s, whatever it does meanwhile" {
+    "$scene" glb a.glb
+    hang() { # NAME COMMANDS
+        mkdir "$1"
+        printf '#!/bin/sh\n%s\n' "$2" > "$1/mesh-import"
+        chmod +x "$1/mesh-import"
+        SINEW_LIBEXEC=$PWD/$1 timeout 40 "$clean" a.glb > "$1/out" 2> "$1/err" || echo $? > "$1/code"
+    }
+    start=$(date +%s)
+    hang asleep 'sleep 4711.0816' &
+    hang silent 'exec > /dev/null 2>&1; sleep 4711.0816' &
+    hang slow 'echo ply; while :; do echo comment; sleep 0.5; done' &
+    wait
+    [ $(($(date +%s) - start)) -lt 30 ]
+    for name in asleep silent slow; do
+        [ "$(cat $name/code)" -eq 1 ]
+        [ ! -s $name/out ]
+        [ "$(wc -l < $name/err)" -eq 1 ]
+        grep -q "^mesh-clean: a.glb: takes longer than 20 s to be imported as glTF" $name/err
+    done
+    refute pgrep -f 'sleep 4711.0816'
+}
+
+@test "the child dies with the tool" {
+    "$scene" glb a.glb
+    pretend 'exec sleep 4711.0817'
+    "$clean" a.glb > out 2>&1 &
+    tool=$!
+    for i in 1 2 3 4 5 6 7 8 9 10; do
+        if pgrep -f 'sleep 4711.0817' > found; then break; fi
+        sleep 0.2
+    done
+    [ -s found ]
+    kill -KILL $tool
+    sleep 0.5
+    refute pgrep -f 'sleep 4711.0817'
+}
+
+@test "mutated files: a mesh or one sentence, status 0, 1 or 3, in seconds" {
+    for format in glb gltf dae fbx fbx-binary 3ds; do
+        "$scene" $format a.$format
+        for seed in $(seq 60); do
+            "$scene" mutate a.$format "$seed" "mutant.$format"
+            code=0
+            timeout 25 "$clean" -q "mutant.$format" -o mutant.ply > out 2> err || code=$?
+            case $code in
+                0) [ ! -s err ] ;;
+                1) [ "$(wc -l < err)" -eq 1 ] && grep -q "^mesh-clean: mutant.$format: ." err ;;
+                3) [ "$(wc -l < err)" -eq 1 ] ;;
+                *) false ;;
+            esac || { echo "$format $seed: status $code"; cat err; false; }
+            [ ! -s out ]
+            rm -f mutant.ply
+        done
+    done
+    [ "$(ls -A | wc -l)" -eq 14 ]
+}
