@@ -11,6 +11,8 @@ setup() {
     import="$BIN/../libexec/sinew/mesh-import"
     scene="$BATS_TEST_DIRNAME/../write-scene"
     man="$BATS_TEST_DIRNAME/../../share/man/mesh-import.1"
+    # sanitizers reserve terabytes, so that the tool's limit of memory is off: theirs instead
+    export ASAN_OPTIONS="${ASAN_OPTIONS:+$ASAN_OPTIONS:}hard_rss_limit_mb=2048:max_allocation_size_mb=2048"
 }
 
 # "N vertices, low corner, high corner, unit" of a document
