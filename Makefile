@@ -3,7 +3,7 @@
 #   make            build everything                 make demo      install what is missing, build, run the sample arm, draw it
 #   make check      install what is missing, build, pass every test
 #   make deps       install the Debian packages of share/debian-packages.txt that are missing
-#   make install    PREFIX=/usr/local DESTDIR=
+#   make install    PREFIX=/usr/local DESTDIR=       make fuzz      coverage-guided fuzzing of every reader (FUZZ_SECONDS=60 each)
 #   CONFIG=release (default) | debug | sanitize | thread | scalar | coverage: each builds in build/$(CONFIG)
 
 CONFIG ?= release
@@ -109,6 +109,7 @@ $(B)/tests/%: $(B)/tests/%.o $(B)/libsinew.a
 tests: $(UNIT_TESTS) $(EXTRA_TESTS)
 
 include share/make/project.mk
+include share/make/fuzz.mk
 
 -include $(LIB_OBJECTS:.o=.d) $(BRIDGE_OBJECTS:.o=.d) $(BUILT_TOOLS:$(B)/bin/%=$(B)/tools/%.d) $(LIBEXEC_TOOLS:%=$(B)/tools/%.d) $(TOOL_SHARED:.o=.d)
 -include $(UNIT_TESTS:=.d) $(EXTRA_TESTS:=.d) $(EXAMPLES:$(B)/examples/%=$(B)/share/examples/%.d)

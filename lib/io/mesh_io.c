@@ -140,10 +140,12 @@ static void shrink(sn_reader *reader) {
 
 static sn_status finish(sn_reader *reader) {
     sn_status status = check_faces(reader);
-    if (status == SN_OK) status = add_colours(reader);
+    if (status == SN_OK) {
+        shrink(reader); /* before colours take their room */
+        status = add_colours(reader);
+    }
     if (status != SN_OK) return status;
     sn_reader_cut_polygons(reader);
-    shrink(reader);
     if (reader->thin_faces > 0) {
         sn_log(SN_LOG_WARNING, "%s: %lld faces of fewer than three corners were left out", reader->blob->name,
                (long long)reader->thin_faces);
@@ -179,8 +181,9 @@ sn_status sn_mesh_parse_frame(const sn_blob *blob, bool allow_nonfinite, sn_mesh
     *out = (sn_mesh){0};
     *frame = (sn_mesh_frame){0};
     if (blob->size == 0) return sn_fail_at(error, SN_ERROR_INPUT, blob->name, 0, "is empty; a mesh is needed");
-    bool stl = sn_stl_is_binary(blob->data, blob->size); /* its header may say anything */
-    if (!stl && sn_import_detect(blob) != NULL) return sn_import_parse(blob, allow_nonfinite, out, frame, error);
+    /* their headers and raw bytes may say anything */
+    bool ours = sn_stl_is_binary(blob->data, blob->size) || sn_vtk_is(blob) || sn_vtp_is(blob);
+    if (!ours && sn_import_detect(blob) != NULL) return sn_import_parse(blob, allow_nonfinite, out, frame, error);
     sn_mesh_format format = sn_mesh_detect(blob);
     for (int i = 0; i < FORMAT_COUNT; i++) {
         if (formats[i].format == format) return parse_as(&formats[i], blob, allow_nonfinite, out, error);

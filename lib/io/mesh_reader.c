@@ -268,6 +268,27 @@ static bool mark_group(sn_reader *reader, sn_index first, sn_index group) {
     return true;
 }
 
+bool sn_reader_may_take(const sn_reader *reader, double more) {
+    enum { ALWAYS = 48 << 20, FACTOR = 10 };
+    double taken = (double)reader->blob->size + (double)reader->vertex_capacity * sizeof(sn_vec3) +
+                   (double)reader->triangle_capacity * sizeof(sn_triangle);
+    for (sn_index i = 0; i < reader->mesh.attribute_count; i++) {
+        taken += (double)reader->mesh.attributes[i].components * (double)reader->mesh.vertex_count * sizeof(double);
+    }
+    return taken + more <= FACTOR * (double)reader->blob->size + ALWAYS;
+}
+
+/* Room for `count` triangles, within the file's share of memory: a byte a corner can make a triangle each. */
+static sn_status grow_triangles(sn_reader *reader, size_t count) {
+    if (count <= reader->triangle_capacity) return SN_OK;
+    double doubled = 2.0 * (double)reader->triangle_capacity;
+    double more = fmax((double)count, doubled) - (double)reader->triangle_capacity;
+    if (!sn_reader_may_take(reader, more * sizeof(sn_triangle))) {
+        return sn_reader_fail(reader, SN_NONE, "the faces so far need more than ten times the memory of the file; it is damaged");
+    }
+    return reserve_triangles(reader, count) ? SN_OK : sn_fail_memory(reader->error, "triangles");
+}
+
 sn_status sn_reader_add_face(sn_reader *reader, sn_index group) {
     sn_mesh *mesh = &reader->mesh;
     size_t corners = reader->corner_count;
@@ -277,7 +298,8 @@ sn_status sn_reader_add_face(sn_reader *reader, sn_index group) {
         return SN_OK;
     }
     size_t first = (size_t)mesh->triangle_count, count = first + corners - 2;
-    if (count > reader->triangle_capacity && !reserve_triangles(reader, count)) return sn_fail_memory(reader->error, "triangles");
+    sn_status status = grow_triangles(reader, count);
+    if (status != SN_OK) return status;
     const sn_index *v = reader->corners;
     for (size_t i = 2; i < corners; i++) mesh->triangles[first + i - 2] = (sn_triangle){{v[0], v[i - 1], v[i]}};
     mesh->triangle_count = (sn_index)count;
@@ -299,23 +321,14 @@ sn_status sn_reader_add_strip(sn_reader *reader) {
         return SN_OK;
     }
     size_t count = (size_t)mesh->triangle_count + corners - 2;
-    if (count > reader->triangle_capacity && !reserve_triangles(reader, count)) return sn_fail_memory(reader->error, "triangles");
+    sn_status status = grow_triangles(reader, count);
+    if (status != SN_OK) return status;
     const sn_index *v = reader->corners;
     for (size_t i = 0; i + 2 < corners; i++) {
         size_t turned = i % 2;
         mesh->triangles[mesh->triangle_count++] = (sn_triangle){{v[i + turned], v[i + 1 - turned], v[i + 2]}};
     }
     return SN_OK;
-}
-
-bool sn_reader_may_take(const sn_reader *reader, double more) {
-    enum { ALWAYS = 48 << 20, FACTOR = 10 };
-    double taken = (double)reader->blob->size + (double)reader->vertex_capacity * sizeof(sn_vec3) +
-                   (double)reader->triangle_capacity * sizeof(sn_triangle);
-    for (sn_index i = 0; i < reader->mesh.attribute_count; i++) {
-        taken += (double)reader->mesh.attributes[i].components * (double)reader->mesh.vertex_count * sizeof(double);
-    }
-    return taken + more <= FACTOR * (double)reader->blob->size + ALWAYS;
 }
 
 sn_status sn_reader_add_attribute(sn_reader *reader, const char *name, int64_t components, bool integer, sn_attribute **out) {

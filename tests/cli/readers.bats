@@ -25,7 +25,7 @@ refused() {
 
 @test "the same surface comes out of every format the same" {
     "$clean" eight.obj -o first.ply
-    for format in off stl obj ply; do
+    for format in off stl obj ply vtp; do
         "$clean" eight.obj -o eight.$format.$format
         "$clean" eight.$format.$format -o again.ply
         if [ $format = stl ]; then # single precision, vertices in order of appearance
@@ -38,7 +38,7 @@ refused() {
 }
 
 @test "the format is found from content: stdin, pipes and wrong extensions" {
-    for format in off stl obj ply; do
+    for format in off stl obj ply vtp; do
         "$clean" eight.obj -o a.$format
         "$clean" a.$format -o expected.ply
         "$clean" -o stdin.ply < a.$format

@@ -1,23 +1,27 @@
 /*
- * mutate_readers.c -- every reader against broken files: mutate_readers [COUNT [FIRST]]
+ * mutate_readers.c -- every reader against broken files: mutate_readers [COUNT [FIRST]], or mutate_readers --seeds FOLDER
  *
  * Small good files of every format and both documents are truncated, flipped, spliced and given other numbers, from seeds: case n is always
- * the same file. Each must be read as a valid mesh, muscle or scene, or be refused with one line that names the file, within two seconds.
+ * the same file. Each must be read as a valid mesh, muscle, scene or cache, or be refused with one line that names the file, within two
+ * seconds and with no more memory than ten times the file and 64 MB. Files that once found a fault (tests/data/broken) are read as well.
+ * --seeds writes the good files to FOLDER, a folder for each format in it: where the programs of tests/fuzz/targets begin.
  */
 #include "sinew/io.h"
 
 #include <dirent.h>
+#include <malloc.h>
 #include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/resource.h>
 #include <sys/stat.h>
 #include <time.h>
 #include <unistd.h>
 
-enum { SECONDS_A_FILE = 2, SECONDS_UNTIL_HANGING = 30, SEED_LIMIT = 32, GROWTH = 4096 };
+enum { SECONDS_A_FILE = 2, SECONDS_UNTIL_HANGING = 30, SEED_LIMIT = 64, GROWTH = 4096 };
 
-typedef enum kind { MESH, MUSCLE, SCENE } kind;
+typedef enum kind { MESH, MUSCLE, SCENE, CACHE } kind;
 
 typedef struct bytes {
     char *data;
@@ -121,6 +125,37 @@ static void add_cube(const sn_mesh *cube, const char *name, sn_mesh_encoding enc
     sn_blob_free(&blob);
 }
 
+/* What VTK wrote: forms that only it writes. */
+static void add_vtk_files(void) {
+    static const char *const names[] = {"text-42.vtk", "text-51.vtk",     "binary-42.vtk",   "binary-51.vtk", "text.vtp",
+                                        "raw.vtp",     "inline-zlib.vtp", "base64-zlib.vtp", "raw-zlib.vtp",  "inline-big.vtp"};
+    for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
+        char path[512];
+        sn_error error = {0};
+        sn_blob blob;
+        snprintf(path, sizeof path, "tests/data/vtk/%s", names[i]);
+        if (sn_blob_read(path, &blob, &error) != SN_OK) give_up("tests/data is not there: run this in the root of the sources");
+        add_seed(MESH, names[i], blob.data, blob.size);
+        sn_blob_free(&blob);
+    }
+}
+
+static void add_cache(void) {
+    static const sn_vec3 positions[] = {{0, 0, 0}, {1, 2, 3}, {-1, 0.5, 1e-3}};
+    char path[512];
+    sn_error error = {0};
+    sn_pc2 *cache;
+    sn_blob blob;
+    path_of("cache.pc2", path, sizeof path);
+    if (sn_pc2_create(path, 3, 0.0, 1.0, &cache, &error) != SN_OK || sn_pc2_append(cache, positions, &error) != SN_OK ||
+        sn_pc2_append(cache, positions, &error) != SN_OK || sn_pc2_commit(cache, &error) != SN_OK ||
+        sn_blob_read(path, &blob, &error) != SN_OK) {
+        give_up(error.text);
+    }
+    add_seed(CACHE, "cache.pc2", blob.data, blob.size);
+    sn_blob_free(&blob);
+}
+
 static void make_seeds(void) {
     add_text(MESH, "cube.obj", cube_obj);
     add_text(MESH, "notch.off", notch_off);
@@ -136,10 +171,36 @@ static void make_seeds(void) {
     add_cube(&cube, "cube.stl", SN_ENCODING_LITTLE);
     add_cube(&cube, "cube-text.stl", SN_ENCODING_ASCII);
     add_cube(&cube, "cube.off", SN_ENCODING_ASCII);
+    add_cube(&cube, "cube-text.vtp", SN_ENCODING_ASCII);
+    add_cube(&cube, "cube-little.vtp", SN_ENCODING_LITTLE);
+    add_cube(&cube, "cube-big.vtp", SN_ENCODING_BIG);
     sn_mesh_free(&cube);
     add_text(MUSCLE, "rig.muscle.json", muscle_json);
     add_text(MUSCLE, "reference.muscle.json", reference_json);
     add_text(SCENE, "arm.scene.json", scene_json);
+    add_vtk_files();
+    add_cache();
+}
+
+/* Each good file in a folder of its format. */
+static void write_seeds(const char *target) {
+    static const char *const formats[] = {"obj", "ply", "stl", "off", "vtk", "vtp", "muscle", "scene", "pc2"};
+    mkdir(target, 0777);
+    for (size_t k = 0; k < sizeof formats / sizeof *formats; k++) {
+        char path[1024], part[16];
+        snprintf(path, sizeof path, "%s/%s", target, formats[k]);
+        snprintf(part, sizeof part, ".%s", formats[k]);
+        mkdir(path, 0777);
+        for (int i = 0; i < seed_count; i++) {
+            if (strstr(seeds[i].name, part) == NULL) continue;
+            snprintf(path, sizeof path, "%s/%s/%s", target, formats[k], seeds[i].name);
+            FILE *file = fopen(path, "wb");
+            if (file == NULL || fwrite(seeds[i].content.data, 1, seeds[i].content.size, file) != seeds[i].content.size ||
+                fclose(file) != 0) {
+                give_up("cannot write the seeds");
+            }
+        }
+    }
 }
 
 /* ---- mutations ------------------------------------------------------------------------------------------------------ */
@@ -301,7 +362,29 @@ static const char *judge(sn_status status, const sn_error *error) {
     if (strpbrk(error->text, "\n\r") != NULL) return "the error is more than one line";
     if (error->file[0] == '\0') return "the error names no file";
     if (error->code != status) return "the error's code is not the status";
-    return status == SN_ERROR_INPUT || status == SN_ERROR_IO || status == SN_ERROR_MEMORY ? NULL : "the status is none of a reader's";
+    if (status == SN_ERROR_MEMORY) return "it takes more memory than ten times the file and 64 MB";
+    return status == SN_ERROR_INPUT || status == SN_ERROR_IO ? NULL : "the status is none of a reader's";
+}
+
+/* Ten times the file, which is in memory already, and 64 MB beside what is taken now; 0 = no limit. Sanitizers reserve too much for that.
+ */
+static void limit_memory(size_t file_size) {
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+    struct rlimit limit = {RLIM_INFINITY, RLIM_INFINITY};
+    unsigned long pages = 0;
+    getrlimit(RLIMIT_AS, &limit);
+    limit.rlim_cur = limit.rlim_max;
+    if (file_size > 0) {
+        malloc_trim(0);
+        FILE *file = fopen("/proc/self/statm", "r");
+        if (file == NULL || fscanf(file, "%lu", &pages) != 1) give_up("cannot read /proc/self/statm");
+        fclose(file);
+        limit.rlim_cur = pages * (rlim_t)sysconf(_SC_PAGESIZE) + (64UL << 20) + 9 * file_size;
+    }
+    setrlimit(RLIMIT_AS, &limit);
+#else
+    (void)file_size;
+#endif
 }
 
 static const char *try_mesh(const sn_blob *blob, bool nonfinite, sn_status *status, sn_error *error) {
@@ -343,6 +426,15 @@ static const char *try_scene(const sn_blob *blob, sn_status *status, sn_error *e
     return fault;
 }
 
+static const char *try_cache(const sn_blob *blob, sn_status *status, sn_error *error) {
+    FILE *file = fopen(blob->name, "wb");
+    if (file == NULL || fwrite(blob->data, 1, blob->size, file) != blob->size || fclose(file) != 0) give_up("cannot write a cache");
+    sn_pc2_data data;
+    *status = sn_pc2_read(blob->name, &data, error);
+    if (*status == SN_OK) sn_pc2_free(&data);
+    return NULL;
+}
+
 static void report(const char *name, const char *fault, const sn_error *error) {
     failed++;
     printf("case %ld (%s): %s; '%s' %s:%lld\n", current_case, name, fault, error->text, error->file, (long long)error->line);
@@ -359,13 +451,16 @@ static void try_file(kind k, const char *name, const char *data, size_t size, bo
     memcpy(blob.data, data, size);
     blob.data[size] = '\0';
     alarm(SECONDS_UNTIL_HANGING);
+    limit_memory(size + 1);
     double start = seconds();
     sn_scene_detect(&blob);
     const char *fault = k == MESH     ? try_mesh(&blob, nonfinite, &status, &error)
                         : k == MUSCLE ? try_muscle(&blob, &status, &error)
-                                      : try_scene(&blob, &status, &error);
+                        : k == SCENE  ? try_scene(&blob, &status, &error)
+                                      : try_cache(&blob, &status, &error);
     double taken = seconds() - start;
     alarm(0);
+    limit_memory(0);
     free(blob.data);
     last_error = error;
     if (fault == NULL) fault = judge(status, &error);
@@ -414,6 +509,42 @@ static void try_rows(kind k, const char *name, const char *start, const char *ro
     free(data);
 }
 
+/* A header and one byte again and again. */
+static void try_block(const char *name, const char *start, size_t start_size, int byte, size_t size) {
+    char *data = malloc(start_size + size);
+    if (data == NULL) give_up("out of memory");
+    memcpy(data, start, start_size);
+    memset(data + start_size, byte, size);
+    current_case = -1;
+    try_file(MESH, name, data, start_size + size, false);
+    free(data);
+}
+
+/* Files of some MB: ten times the file is then the limit, not the 64 MB. */
+static void try_large_files(void) {
+    enum { MANY = 2000000, BLOCK = 30 << 20 };
+    static const char bytes_ply[] = "ply\nformat binary_little_endian 1.0\nelement vertex 9\nproperty uchar x\nproperty uchar y\n"
+                                    "property uchar z\nelement face 110000\nproperty list uchar uchar vertex_indices\nend_header\n";
+    static const char points_ply[] = "ply\nformat binary_little_endian 1.0\nelement vertex 6000000\nproperty uchar x\nproperty uchar y\n"
+                                     "property uchar z\nproperty uchar a\nelement face 3\nproperty list uchar uchar vertex_indices\n"
+                                     "end_header\n";
+    static const char legacy[] = "# vtk DataFile Version 3.0\nx\nBINARY\nDATASET POLYDATA\n";
+    try_rows(MESH, "colours.obj", "v 0 0 0\n", "v 0 0 0 1 1 1\n", MANY, "f 1 2 3\n", false);
+    try_rows(MESH, "corners.obj", "v 0 0 0\nf", " 1", 4 * MANY, "\n", false);
+    try_rows(MESH, "points.off", "OFF\n2000000 1 0\n", "0 0 0\n", MANY, "3 0 1 2\n", false);
+    try_rows(MESH, "text.vtk", "# vtk DataFile Version 3.0\nx\nASCII\nDATASET POLYDATA\nPOINTS 2000000 float\n", "0 0 0\n", MANY,
+             "POLYGONS 1 4\n3 0 1 2\n", false);
+    try_rows(MESH, "text.vtp",
+             "<VTKFile type='PolyData'><PolyData><Piece NumberOfPoints='2000000' NumberOfPolys='1'><Points><DataArray type='Int8'>",
+             "0 0 0\n", MANY, "</DataArray></Points></Piece></PolyData></VTKFile>", false);
+    try_rows(MESH, "arrays.vtp", "<VTKFile type='PolyData'><PolyData>", "<Piece NumberOfPoints='3'><Points><DataArray/></Points></Piece>",
+             MANY / 10, "", false);
+    try_block("corners.ply", bytes_ply, sizeof bytes_ply - 1, 0xff, BLOCK);
+    try_block("bytes.ply", points_ply, sizeof points_ply - 1, 0, BLOCK);
+    try_block("zeros.vtk", legacy, sizeof legacy - 1, 0, BLOCK);
+    try_block("zeros.stl", "", 0, 0, 84); /* no triangles */
+}
+
 static void try_hostile_files(void) {
     enum { MANY = 100000 };
     static const char triangle[] = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0.2 0.2 0\n";
@@ -427,6 +558,16 @@ static void try_hostile_files(void) {
              "endsolid\n", true);
     try_rows(MESH, "properties.ply", "ply\nformat ascii 1.0\nelement vertex 1\n", "property float p@\n", MANY, "end_header\n", false);
     try_rows(MESH, "elements.ply", "ply\nformat ascii 1.0\n", "element e@ 4000000000\n", MANY, "end_header\n", false);
+    try_rows(MESH, "deep.vtp", "<VTKFile type='PolyData'>", "<PolyData>", MANY, "", false);
+    try_rows(MESH, "attributes.vtp", "<VTKFile type='PolyData' ", "a@='x' ", MANY, "/>", false);
+    try_rows(MESH, "laughs.vtp", "<!DOCTYPE VTKFile [<!ENTITY e0 'ha'>", "<!ENTITY e1@ '&e@;&e@;'>", MANY / 10, "]><VTKFile>&e1;</VTKFile>",
+             false);
+    try_rows(MESH, "names.vtp", "<VTKFile type='PolyData'><PolyData><Piece NumberOfPoints='0'><PointData>", "<DataArray Name='x@'/>", MANY,
+             "</PointData></Piece></PolyData></VTKFile>", false);
+    try_rows(MESH, "fields.vtk", "# vtk DataFile Version 3.0\nx\nASCII\nDATASET POLYDATA\nFIELD f 100000\n", "a@ 1 0 int\n", MANY, "",
+             false);
+    try_rows(MESH, "metadata.vtk", "# vtk DataFile Version 3.0\nx\nASCII\nDATASET POLYDATA\n", "METADATA\nCOMPONENT_NAMES\n\n", MANY, "",
+             false);
     try_rows(MUSCLE, "deep.muscle.json", "{\"format\":\"sinew-muscle\",\"version\":1,\"x\":", "[", MANY, "", false);
     try_rows(MUSCLE, "samples.muscle.json", "{\"format\":\"sinew-muscle\",\"version\":1,\"structure\":{\"samples\":[", "{\"parent\":@},",
              MANY / 2, "{}]}}", false);
@@ -435,6 +576,26 @@ static void try_hostile_files(void) {
     try_rows(SCENE, "muscles.scene.json", "{\"format\":\"sinew-scene\",\"version\":1,\"muscles\":[",
              "{\"name\":\"m@\",\"rig\":\"none\",\"enabled\":false},", MANY / 20, "{\"name\":\"m0\",\"rig\":\"x\",\"enabled\":false}]}",
              false);
+}
+
+/* Files that found a fault once: all are refused or read, as any other. */
+static void try_kept_files(void) {
+    struct dirent **entries;
+    int count = scandir("tests/data/broken", &entries, NULL, alphasort);
+    for (int i = 0; i < count; i++) {
+        const char *name = entries[i]->d_name;
+        char path[512];
+        sn_error error = {0};
+        sn_blob blob;
+        snprintf(path, sizeof path, "tests/data/broken/%s", name);
+        if (name[0] != '.' && sn_blob_read(path, &blob, &error) == SN_OK) {
+            kind k = strstr(name, ".muscle.") ? MUSCLE : strstr(name, ".scene.") ? SCENE : strstr(name, ".pc2") ? CACHE : MESH;
+            try_file(k, name, blob.data, blob.size, false);
+            sn_blob_free(&blob);
+        }
+        free(entries[i]);
+    }
+    if (count >= 0) free(entries);
 }
 
 /* ---- main ----------------------------------------------------------------------------------------------------------- */
@@ -459,19 +620,27 @@ static void remove_folder(void) {
 }
 
 int main(int argc, char **argv) {
-    long count = argc > 1 ? strtol(argv[1], NULL, 10) : 2000, first = argc > 2 ? strtol(argv[2], NULL, 10) : 0;
+    bool seeds_only = argc > 2 && strcmp(argv[1], "--seeds") == 0;
+    long count = argc > 1 ? strtol(argv[1], NULL, 10) : 20000, first = argc > 2 ? strtol(argv[2], NULL, 10) : 0;
     const char *base = getenv("TMPDIR");
     snprintf(folder, sizeof folder, "%s/sinew-mutate-XXXXXX", base != NULL ? base : "/tmp");
     if (mkdtemp(folder) == NULL) give_up("cannot make a folder");
     atexit(remove_folder);
     signal(SIGALRM, on_alarm);
     setvbuf(stdout, NULL, _IOLBF, 0);
+    mallopt(M_MMAP_THRESHOLD, 1 << 20); /* so that what is freed does not count */
     make_seeds();
+    if (seeds_only) {
+        write_seeds(argv[2]);
+        return 0;
+    }
     for (int i = 0; i < seed_count; i++) {
         try_file(seeds[i].kind, seeds[i].name, seeds[i].content.data, seeds[i].content.size, false);
         if (accepted != i + 1) report(seeds[i].name, "a good file was refused", &last_error);
     }
+    try_kept_files();
     try_hostile_files();
+    try_large_files();
     accepted = 0;
     for (long i = 0; i < count; i++) try_case(first + i);
     printf("%ld mutated files, of which %ld were still good\n", count, accepted);

@@ -629,6 +629,46 @@ static void colours_survive_in_every_format_that_has_them(void **state) {
     }
 }
 
+static void ply_names_properties_apart(void **state) {
+    (void)state;
+    static const char *const names[] = {"a b", "a_b", "a\nb", "x", "", "fiber_1"};
+    sn_mesh mesh = awkward_mesh(false);
+    for (int i = 0; i < 6; i++) add_values(&mesh, names[i], true, 256.0);
+    sn_attribute *wide = sn_mesh_add_attribute(&mesh, "fiber", 2);
+    assert_non_null(wide);
+    assert_true(sn_attribute_add_label(wide, "ul\nna"));
+    sn_blob blob = write_mesh(&mesh, SN_MESH_PLY, SN_ENCODING_ASCII);
+    assert_non_null(strstr(blob.data, "uchar a_b\nproperty uchar a_b_\nproperty uchar a_b__\nproperty uchar x_\nproperty uchar _\n"
+                                      "property uchar fiber_1\nproperty double fiber_0\nproperty double fiber_1_\n"));
+    assert_non_null(strstr(blob.data, "comment fiber 0 ul_na\n"));
+    sn_blob_free(&blob);
+    sn_mesh back = round_trip(&mesh, SN_MESH_PLY, SN_ENCODING_LITTLE);
+    assert_int_equal(back.attribute_count, 8);
+    sn_mesh_free(&back);
+    sn_mesh_free(&mesh);
+}
+
+static void count_warning(void *count, sn_log_level level, const char *text) {
+    if (level == SN_LOG_WARNING && strstr(text, "cannot hold vertex attributes: 'painted' and others") != NULL) ++*(int *)count;
+}
+
+static void formats_without_attributes_say_so_once(void **state) {
+    (void)state;
+    static const sn_mesh_format formats[] = {SN_MESH_OBJ, SN_MESH_OFF, SN_MESH_STL, SN_MESH_PLY, SN_MESH_VTP};
+    for (int f = 0; f < 5; f++) {
+        sn_mesh mesh = awkward_mesh(false);
+        add_values(&mesh, "painted", true, 256.0);
+        add_values(&mesh, "other", true, 256.0);
+        int warnings = 0;
+        sn_log_set(count_warning, &warnings);
+        sn_blob blob = write_mesh(&mesh, formats[f], SN_ENCODING_DEFAULT);
+        sn_log_set(NULL, NULL);
+        assert_int_equal(warnings, f < 3 ? 1 : 0);
+        sn_blob_free(&blob);
+        sn_mesh_free(&mesh);
+    }
+}
+
 static void what_a_format_cannot_hold_is_not_written(void **state) {
     (void)state;
     sn_mesh mesh = awkward_mesh(false);
@@ -717,6 +757,8 @@ int main(void) {
         cmocka_unit_test(every_format_and_encoding_gives_the_same_mesh_back),
         cmocka_unit_test(ply_gives_attributes_back),
         cmocka_unit_test(colours_survive_in_every_format_that_has_them),
+        cmocka_unit_test(ply_names_properties_apart),
+        cmocka_unit_test(formats_without_attributes_say_so_once),
         cmocka_unit_test(what_a_format_cannot_hold_is_not_written),
         cmocka_unit_test(real_ply_files_have_their_counts),
         cmocka_unit_test(real_stl_files_have_their_counts),

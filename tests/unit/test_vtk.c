@@ -254,6 +254,8 @@ static void xml_appended_bytes_are_read_and_checked(void **state) {
     mesh = read_text(APPENDED("", "base64") "CQAAAA==AAAAAQAAAAEA"); /* the count encoded by itself */
     assert_true(mesh.positions[2].y == 1.0);
     sn_mesh_free(&mesh);
+    mesh = read_text("<!-- <X3D> -->" APPENDED("", "base64") "CQAAAAAAAAEAAAABAA=="); /* other formats' words prove nothing */
+    sn_mesh_free(&mesh);
     refuse(APPENDED("", "base64") "CQAAAAAAAAEAAAA", 0, "damaged or cut short");
     refuse(APPENDED("", "base64") "CQAAAAAAAAE?AAABAA==", 0, "damaged or cut short");
     refuse(APPENDED("", "hex") "09", 2, "encoding");

@@ -1,0 +1,137 @@
+/*
+ * reader.c -- one reader under libFuzzer, coverage-guided: built once for each format, with -DTARGET_obj, _ply, _stl, _off, _vtk, _vtp,
+ * _muscle, _scene or _pc2 (make fuzz).
+ *
+ * Whatever the bytes, the reader must give a valid result or one line that names the file; the sanitizers and libFuzzer's limits of time
+ * and memory watch over the rest.
+ */
+#include "sinew/io.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/mman.h>
+#include <unistd.h>
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
+
+/* A fault of the reader's: libFuzzer keeps the input. */
+static void demand(bool held, const char *what) {
+    if (held) return;
+    fprintf(stderr, "reader: %s\n", what);
+    abort();
+}
+
+static void judge(sn_status status, const sn_error *error) {
+    if (status == SN_OK) return;
+    demand(status == SN_ERROR_INPUT || status == SN_ERROR_IO, "the status is none of bad input");
+    demand(error->text[0] != '\0' && error->file[0] != '\0', "the error names no file or says nothing");
+    demand(strpbrk(error->text, "\r\n") == NULL, "the error is more than one line");
+}
+
+#if defined(TARGET_muscle)
+
+static int try_bytes(const sn_blob *blob, sn_error *error) {
+    const sn_read_options options = {.meters_per_unit = 1.0};
+    sn_muscle muscle;
+    sn_document *document = NULL;
+    if (sn_import_detect(blob) != NULL || sn_mesh_detect(blob) != SN_MESH_UNKNOWN) return -1; /* other readers' business */
+    sn_status status = sn_muscle_parse(blob, &options, &muscle, &document, error);
+    judge(status, error);
+    if (status != SN_OK) return 0;
+    demand(sn_muscle_validate(&muscle, error) == SN_OK, "the muscle is not valid");
+    sn_output *output;
+    demand(sn_output_open("/dev/null", false, &output, error) == SN_OK, "/dev/null cannot be opened");
+    demand(sn_muscle_write(&muscle, document, 0, NULL, true, output, error) == SN_OK, "the muscle cannot be written");
+    sn_output_abort(output);
+    sn_document_free(document);
+    sn_muscle_free(&muscle);
+    return 0;
+}
+
+#elif defined(TARGET_scene)
+
+static int try_bytes(const sn_blob *blob, sn_error *error) {
+    sn_scene scene;
+    sn_scene_detect(blob);
+    sn_status status = sn_scene_parse(blob, false, &scene, error);
+    judge(status, error);
+    if (status != SN_OK) return 0;
+    demand(sn_scene_validate(&scene, error) == SN_OK, "the scene is not valid");
+    sn_scene_free(&scene);
+    return 0;
+}
+
+#elif defined(TARGET_pc2)
+
+static int try_bytes(const sn_blob *blob, sn_error *error) {
+    int fd = memfd_create("cache", MFD_CLOEXEC);
+    char path[64];
+    sn_pc2_data cache;
+    demand(fd >= 0 && write(fd, blob->data, blob->size) == (ssize_t)blob->size, "no file in memory");
+    snprintf(path, sizeof path, "/proc/self/fd/%d", fd);
+    sn_status status = sn_pc2_read(path, &cache, error);
+    close(fd);
+    judge(status, error);
+    if (status == SN_OK) sn_pc2_free(&cache);
+    return 0;
+}
+
+#else
+
+#if defined(TARGET_obj)
+enum { FORMAT = SN_MESH_OBJ };
+#elif defined(TARGET_ply)
+enum { FORMAT = SN_MESH_PLY };
+#elif defined(TARGET_stl)
+enum { FORMAT = SN_MESH_STL };
+#elif defined(TARGET_off)
+enum { FORMAT = SN_MESH_OFF };
+#elif defined(TARGET_vtk)
+enum { FORMAT = SN_MESH_VTK };
+#elif defined(TARGET_vtp)
+enum { FORMAT = SN_MESH_VTP };
+#endif
+
+/* What was read can be written as VTP and comes back the same. */
+static void demand_round_trip(const sn_mesh *mesh, sn_error *error) {
+    char path[64];
+    int fd = memfd_create("mesh", MFD_CLOEXEC);
+    sn_output *output;
+    sn_mesh back;
+    snprintf(path, sizeof path, "/proc/self/fd/%d", fd);
+    demand(fd >= 0 && sn_output_open(path, true, &output, error) == SN_OK, "no file in memory");
+    demand(sn_mesh_write(mesh, SN_MESH_VTP, SN_ENCODING_DEFAULT, output, error) == SN_OK, "the mesh cannot be written");
+    demand(sn_output_commit(output, error) == SN_OK && sn_mesh_read(path, &back, error) == SN_OK, "what is written cannot be read");
+    demand(back.vertex_count == mesh->vertex_count && back.triangle_count == mesh->triangle_count, "the mesh that comes back is another");
+    demand(back.attribute_count == mesh->attribute_count, "the mesh comes back with other attributes");
+    close(fd);
+    sn_mesh_free(&back);
+}
+
+static int try_bytes(const sn_blob *blob, sn_error *error) {
+    sn_mesh mesh;
+    bool imported = FORMAT != SN_MESH_VTK && FORMAT != SN_MESH_VTP && sn_import_detect(blob) != NULL;
+    if (imported || sn_mesh_detect(blob) != FORMAT) return -1; /* other readers' business */
+    sn_status status = sn_mesh_parse(blob, false, &mesh, error);
+    judge(status, error);
+    if (status != SN_OK) return 0;
+    demand(sn_mesh_validate(&mesh, error) == SN_OK, "the mesh is not valid");
+    demand_round_trip(&mesh, error);
+    sn_mesh_free(&mesh);
+    return 0;
+}
+
+#endif
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
+    static char name[] = "input";
+    sn_error error = {0};
+    sn_blob blob = {.name = name, .data = malloc(size + 1), .size = size};
+    if (blob.data == NULL) return 0;
+    if (size > 0) memcpy(blob.data, data, size);
+    blob.data[size] = '\0';
+    int kept = try_bytes(&blob, &error);
+    free(blob.data);
+    return kept;
+}
