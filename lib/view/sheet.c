@@ -28,15 +28,30 @@ static void draw_text(sn_image *image, typography t, double x, double y, double 
     sn_text_draw(image, x, y, size, weight, color, text);
 }
 
-/* Text in at most `width` pixels: cut with dots where it is longer. */
+enum { TEXT_ROOM = 512 };
+
+/* The start of the character that byte `at` of UTF-8 text belongs to. */
+static size_t character_start(const char *text, size_t at) {
+    while (at > 0 && ((unsigned char)text[at] & 0xC0) == 0x80) at--;
+    return at;
+}
+
+/* Text in at most `width` pixels: dots stand for what is left out of its middle, as names often differ at their ends alone. */
+static void fit_text(const char *text, double size, double width, char cut[TEXT_ROOM]) {
+    size_t length = strlen(text), kept = length < TEXT_ROOM - 5 ? length : TEXT_ROOM - 5;
+    snprintf(cut, TEXT_ROOM, "%s", text);
+    while (kept > 2 && (kept < length || sn_text_width(size, cut) > width)) {
+        kept--;
+        size_t head = character_start(text, (kept + 1) / 2), tail = character_start(text, length - kept / 2);
+        snprintf(cut, TEXT_ROOM, "%.*s...%s", (int)head, text, text + tail);
+        if (sn_text_width(size, cut) <= width) break;
+    }
+}
+
 static void draw_fitted(sn_image *image, typography t, double x, double y, double size, double weight, sn_color color, const char *text,
                         double width) {
-    char cut[512];
-    snprintf(cut, sizeof cut, "%s", text);
-    for (size_t length = strlen(cut); length > 4 && sn_text_width(size, cut) > width; length--) {
-        cut[length - 1] = 0;
-        memset(cut + length - 4, '.', 3);
-    }
+    char cut[TEXT_ROOM];
+    fit_text(text, size, width, cut);
     draw_text(image, t, x, y, size, weight, color, cut);
 }
 
@@ -89,6 +104,8 @@ static double legend_rows(sn_image *image, typography t, size_t count, const sn_
     return count ? y - top : 0.0;
 }
 
+static bool is_same_entry(const sn_view_entry *a, const sn_view_entry *b) { return strcmp(a->text, b->text) == 0; }
+
 /* The entries of all tiles, each text once. Returns how many; they are borrowed. */
 static size_t collect_entries(sn_index tile_count, const sn_tile *tiles, size_t room, const sn_view_entry **entries) {
     size_t count = 0;
@@ -96,10 +113,31 @@ static size_t collect_entries(sn_index tile_count, const sn_tile *tiles, size_t 
         for (size_t e = 0; e < tiles[i].view->entry_count && count < room; e++) {
             const sn_view_entry *entry = &tiles[i].view->entries[e];
             bool known = false;
-            for (size_t k = 0; k < count; k++) known = known || strcmp(entries[k]->text, entry->text) == 0;
+            for (size_t k = 0; k < count; k++) known = known || is_same_entry(entries[k], entry);
             if (!known) entries[count++] = entry;
         }
     return count;
+}
+
+static sn_index tiles_with(sn_index tile_count, const sn_tile *tiles, const sn_view_entry *entry) {
+    sn_index count = 0;
+    for (sn_index i = 0; i < tile_count; i++)
+        for (size_t e = 0; e < tiles[i].view->entry_count; e++)
+            if (is_same_entry(&tiles[i].view->entries[e], entry)) {
+                count++;
+                break;
+            }
+    return count;
+}
+
+/* Keep the entries that hold for half of the tiles or more; where others go, `rest` says so. Returns how many are left. */
+static size_t keep_common_entries(sn_index tile_count, const sn_tile *tiles, size_t count, const sn_view_entry **entries,
+                                  const sn_view_entry *rest) {
+    size_t kept = 0;
+    for (size_t i = 0; i < count; i++)
+        if (2 * tiles_with(tile_count, tiles, entries[i]) >= tile_count) entries[kept++] = entries[i];
+    if (kept < count) entries[kept++] = rest;
+    return kept;
 }
 
 /* ---- scale bar ------------------------------------------------------------------------------------------------------------------ */
@@ -123,7 +161,8 @@ static void draw_scale_bar(sn_image *image, typography t, const frame *f, double
 
 /* ---- pages ------------------------------------------------------------------------------------------------------------------------ */
 
-enum { ENTRIES_MAX = 64 };
+/* Most entries looked at, and most that the legend of a sheet may list before it is cut down to the common ones. */
+enum { ENTRIES_MAX = 64, SHEET_ENTRIES_MAX = 12 };
 
 typedef struct page {
     sn_index count, columns, rows;
@@ -224,7 +263,11 @@ sn_status sn_sheet_render(sn_index tile_count, const sn_tile *tiles, const char 
     g.columns =
         options->columns > 0 ? (options->columns < tile_count ? options->columns : tile_count) : automatic_columns(tile_count, options);
     g.rows = (tile_count - 1) / g.columns + 1;
+    char rest_text[] = "other colours differ from tile to tile";
+    const sn_view_entry rest = {.mark = SN_MARK_AREA, .color = {0.75, 0.75, 0.75}, .text = rest_text};
     g.entry_count = options->legend ? collect_entries(tile_count, tiles, ENTRIES_MAX, g.entries) : 0;
+    if (tile_count > 1 && g.entry_count > SHEET_ENTRIES_MAX)
+        g.entry_count = keep_common_entries(tile_count, tiles, g.entry_count, g.entries, &rest);
     g.type = tile_count == 1 ? typography_for(options, options->width, options->height)
                              : typography_for(options, 0.6 * g.columns * options->width + 120.0, 0.6 * g.rows * options->height + 240.0);
     g.pool = sn_pool_create(options->threads);

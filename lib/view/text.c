@@ -8,6 +8,7 @@
 #include "image.h"
 
 #include <ctype.h>
+#include <string.h>
 
 enum { STROKE_POINTS = 24, GLYPH_LINES = 256, CURVE_STEPS = 8 };
 static const double UNITS_PER_SIZE = 8.0, LETTER_SPACE = 2.3, WORD_SPACE = 3.4, PEN = 0.56;
@@ -110,6 +111,9 @@ static const char *const GLYPHS[95] = {
     ['~' - 32] = "0G1i3f4H",
 };
 static const char *const BOX_GLYPH = "0D4D4L0L0D";
+/* Letters of Latin-1 from U+00C0 without their accents; a diaeresis is drawn. */
+static const char LATIN_BASE[65] = "AAAAAAACEEEEIIIIDNOOOOOxOUUUUYPsaaaaaaaceeeeiiiidnooooo:ouuuuypy";
+static const char *const SMALL_DIAERESIS = "1K1K 3K3K", *const CAPITAL_DIAERESIS = "2N2N 4N4N";
 
 typedef struct pen_point {
     double x, y;
@@ -179,20 +183,33 @@ static void glyph_stroke(glyph *g, int count, const pen_point *points, bool clos
     }
 }
 
-/* The glyph of the character at *text, which moves on behind it. */
-static glyph glyph_of(const char **text) {
-    unsigned char c = (unsigned char)*(*text)++;
-    if (c >= 0x80)
-        while (((unsigned char)**text & 0xC0) == 0x80) (*text)++;
-    const char *strokes = c >= 32 && c < 127 ? GLYPHS[c - 32] : BOX_GLYPH;
-    glyph g = {0};
-    if (c == ' ') g.width = WORD_SPACE - LETTER_SPACE;
+static void glyph_strokes(glyph *g, const char *strokes) {
     pen_point points[STROKE_POINTS];
     while (*strokes) {
         bool closed;
         int count = read_stroke(strokes, &strokes, points, &closed);
-        glyph_stroke(&g, count, points, closed);
+        glyph_stroke(g, count, points, closed);
     }
+}
+
+/* U+00C0 to U+00FF. */
+static void glyph_latin(glyph *g, int offset) {
+    bool diaeresis = offset > 0 && strchr("\x04\x0B\x0F\x16\x1C\x24\x2B\x2F\x36\x3C\x3F", offset) != NULL;
+    glyph_strokes(g, GLYPHS[LATIN_BASE[offset] - 32]);
+    if (diaeresis) glyph_strokes(g, offset < 32 ? CAPITAL_DIAERESIS : SMALL_DIAERESIS);
+}
+
+/* The glyph of the character at *text, which moves on behind it. */
+static glyph glyph_of(const char **text) {
+    unsigned char c = (unsigned char)*(*text)++, next = (unsigned char)**text;
+    glyph g = {0};
+    if (c >= 0x80)
+        while (((unsigned char)**text & 0xC0) == 0x80) (*text)++;
+    if (c == 0xC3 && (next & 0xC0) == 0x80)
+        glyph_latin(&g, next & 0x3F);
+    else
+        glyph_strokes(&g, c >= 32 && c < 127 ? GLYPHS[c - 32] : BOX_GLYPH);
+    if (c == ' ') g.width = WORD_SPACE - LETTER_SPACE;
     return g;
 }
 

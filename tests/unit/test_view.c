@@ -332,6 +332,66 @@ static void a_sheet_holds_all_its_tiles(void **state) {
     for (int i = 0; i < 3; i++) sn_view_free(&views[i]);
 }
 
+/* A row of empty-looking tiles with captions and legend entries; the caller frees the image. */
+static sn_image captioned_sheet(sn_index count, const char *const *captions, const char *const *entries) {
+    sn_view views[16] = {{0}};
+    sn_tile tiles[16];
+    sn_camera camera = sn_camera_from(0, 0);
+    for (sn_index i = 0; i < count; i++) {
+        add_ball(&views[i], 0.1, sn_v3(0, 0, 0), RED);
+        assert_int_equal(sn_view_add_entry(&views[i], SN_MARK_AREA, RED, entries[i], NULL), SN_OK);
+        tiles[i] = (sn_tile){&views[i], &camera, captions[i]};
+    }
+    sn_camera_include(&camera, &views[0]);
+    sn_view_options o = small_options();
+    o.columns = 4;
+    sn_image image;
+    assert_int_equal(sn_sheet_render(count, tiles, NULL, NULL, &o, &image, NULL), SN_OK);
+    for (sn_index i = 0; i < count; i++) sn_view_free(&views[i]);
+    return image;
+}
+
+static bool same_images(const sn_image *a, const sn_image *b) {
+    return a->width == b->width && a->height == b->height && memcmp(a->rgb, b->rgb, 3 * (size_t)a->width * (size_t)a->height) == 0;
+}
+
+/* Left and right, first and second: names of muscles differ in their last letters, and stay apart where they are too long for a tile. */
+static void long_captions_keep_their_ends(void **state) {
+    (void)state;
+    static const char *const names[] = {
+        "musculus_flexor_digitorum_profundus_caput_humerale_L", "musculus_flexor_digitorum_prefundus_caput_humerale_L",
+        "musculus_flexor_digitorum_profundus_caput_humerale_R", "pusculus_flexor_digitorum_profundus_caput_humerale_L"};
+    const char *entries[] = {"a", "a"};
+    sn_image images[4];
+    for (int i = 0; i < 4; i++) images[i] = captioned_sheet(2, (const char *[]){names[i], names[i]}, entries);
+    assert_true(same_images(&images[0], &images[1])); /* they differ in the middle, which is left out */
+    assert_false(same_images(&images[0], &images[2]));
+    assert_false(same_images(&images[0], &images[3]));
+    for (int i = 0; i < 4; i++) sn_image_free(&images[i]);
+}
+
+/* Colours that mean something else in every tile would fill the page. */
+static void a_sheet_lists_common_entries_only(void **state) {
+    (void)state;
+    const char *captions[16], *apart[16], *few[16];
+    char texts[16][24];
+    for (int i = 0; i < 16; i++) {
+        snprintf(texts[i], sizeof texts[i], "on bone number %d", i);
+        captions[i] = "tile";
+        apart[i] = texts[i];
+        few[i] = "other colours differ from tile to tile";
+    }
+    sn_image many = captioned_sheet(16, captions, apart), one = captioned_sheet(16, captions, few);
+    assert_int_equal(many.height, one.height);
+    assert_false(same_images(&many, &one)); /* the swatch of what differs is grey */
+    sn_image twelve = captioned_sheet(12, captions, apart), twelve_alike = captioned_sheet(12, captions, few);
+    assert_true(twelve.height > twelve_alike.height); /* twelve are still listed */
+    sn_image_free(&many);
+    sn_image_free(&one);
+    sn_image_free(&twelve);
+    sn_image_free(&twelve_alike);
+}
+
 static void libpng_reads_back_the_same_pixels(void **state) {
     (void)state;
     sn_image image;
@@ -487,6 +547,8 @@ int main(void) {
         cmocka_unit_test(text_outside_the_picture_is_cut),
         cmocka_unit_test(the_legend_names_what_is_drawn),
         cmocka_unit_test(a_sheet_holds_all_its_tiles),
+        cmocka_unit_test(long_captions_keep_their_ends),
+        cmocka_unit_test(a_sheet_lists_common_entries_only),
         cmocka_unit_test(libpng_reads_back_the_same_pixels),
         cmocka_unit_test(partial_documents_are_drawn),
         cmocka_unit_test(odd_shapes_are_drawn),
