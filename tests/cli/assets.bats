@@ -1,0 +1,272 @@
+# sinew.mk: from folders of surfaces and a table of options to rigs. What is rebuilt is counted from what make says it does.
+
+bats_require_minimum_version 1.5.0
+
+refute() { if "$@"; then echo "held: $*"; return 1; fi; }
+
+setup_file() {
+    command -v make > /dev/null || skip "make is not there"
+    "$EXAMPLES/arm/arm" --out "$BATS_FILE_TMPDIR/arm" --triangles 1000 --dirty
+}
+
+setup() {
+    cd "$BATS_TEST_TMPDIR" || exit 1
+    unset MAKEFLAGS MFLAGS MAKELEVEL
+    share=$(cd "$BATS_TEST_DIRNAME/../../share" && pwd)
+    mkdir muscles bones
+    cp "$BATS_FILE_TMPDIR"/arm/{biceps,brachialis,triceps}.ply muscles
+    cp "$BATS_FILE_TMPDIR"/arm/{humerus,radius,scapula,ulna}.ply bones
+    printf 'muscle\ttool\toptions\n' > options.tsv
+    printf 'SINEW_BIN = %s\nSINEW_BONES = bones\nSINEW_TABLE = options.tsv\nSINEW_PIXELS = 64x48\ninclude %s/make/sinew.mk\n' "$BIN" "$share" > Makefile
+}
+
+# the stages that ran, a line each as "NAME: TOOL", sorted
+build() { make -j2 "$@" > said 2> complaints || return; stages_run; }
+stages_run() { grep -E ': (mesh-clean|root-select|build-structure|fiber-flow|attach-detect)$' said | sort > ran || true; }
+row() { printf '%s\t%s\t%s\n' "$@" >> options.tsv; }
+refused() { # WORDS [MAKE ARGUMENT...]: one sentence, no work
+    words=$1
+    shift
+    if make "$@" > said 2> complaints; then echo "was not refused"; return 1; fi
+    stages_run
+    cat complaints
+    [ ! -s ran ] && grep -q "^sinew.mk: .*$words" complaints
+}
+
+@test "every muscle becomes a rig, the same as by hand; summary and contact sheet come with it" {
+    build
+    [ "$(wc -l < ran)" -eq 15 ]
+    for name in biceps brachialis triceps; do
+        [ -s "rigs/$name.muscle.json" ]
+    done
+    "$BIN/mesh-clean" muscles/biceps.ply | "$BIN/root-select" | "$BIN/build-structure" | "$BIN/fiber-flow" |
+        "$BIN/attach-detect" --bone humerus=bones/humerus.ply --bone radius=bones/radius.ply --bone scapula=bones/scapula.ply \
+            --bone ulna=bones/ulna.ply --no-history -o hand.muscle.json
+    "$BIN/attach-detect" rigs/biceps.muscle.json --bones rigs/state/all.bones --no-history -o rig.muscle.json
+    cmp hand.muscle.json rig.muscle.json
+    [ "$(wc -l < rigs/summary.tsv)" -eq 4 ]
+    awk -F '\t' 'NR == 1 { n = NF; next } NF != n || $3 != "ok" || !($8 > 100) || !($13 > 3) || !($15 > 0) || $16 < 2 || !($NF > 0) { exit 1 }' rigs/summary.tsv
+    file rigs/sheet-1.png | grep -q PNG
+    [ ! -e rigs/sheet-2.png ]
+}
+
+@test "a second run does nothing, and leaves every file alone" {
+    build
+    find rigs -type f ! -path '*/state/*' -printf '%p %T@\n' | sort > before
+    build
+    [ ! -s ran ]
+    find rigs -type f ! -path '*/state/*' -printf '%p %T@\n' | sort > after
+    diff before after
+}
+
+@test "a changed surface rebuilds its muscle, a touched one stops after cleaning" {
+    build
+    touch muscles/biceps.ply
+    build
+    [ "$(cat ran)" = "biceps: mesh-clean" ]
+    "$BIN/mesh-clean" muscles/biceps.ply --triangles 900 -o muscles/new.ply
+    mv muscles/new.ply muscles/biceps.ply
+    build
+    [ "$(wc -l < ran)" -eq 5 ]
+    [ "$(cut -d : -f 1 ran | uniq)" = biceps ]
+    build
+    [ ! -s ran ]
+}
+
+@test "a line of the table rebuilds that muscle from that stage; one that changes no byte stops there" {
+    build
+    row brachialis build-structure "--prune 0.2"
+    build
+    [ "$(cat ran)" = "$(printf 'brachialis: %s\n' attach-detect build-structure fiber-flow)" ]
+    row "tric*" root-select -v
+    build
+    [ "$(cat ran)" = "triceps: root-select" ]
+    grep -q "closed ring" rigs/logs/triceps.root-select.log
+    build
+    [ ! -s ran ]
+    sed -i '/prune/d' options.tsv
+    build
+    [ "$(cat ran)" = "$(printf 'brachialis: %s\n' attach-detect build-structure fiber-flow)" ]
+}
+
+@test "options are quoted as in a shell, and nothing in them is run" {
+    row biceps attach-detect "--pin 'my bone=near:0,0,0,3' --pin \"other=\$(touch owned)near:0,0,0\""
+    if build; then false; fi
+    grep -q '^biceps: attach-detect failed: ' complaints
+    [ ! -e owned ]
+    sed -i 's/ --pin "other.*//' options.tsv
+    build
+    grep -q '"my bone"' rigs/biceps.muscle.json
+    [ ! -e owned ]
+}
+
+@test "a file that options name is a dependency" {
+    printf 'ulna2\tulna.ply\n' > bones/more.txt
+    row biceps attach-detect "--bones bones/more.txt"
+    build
+    touch bones/more.txt
+    build
+    [ "$(cat ran)" = "biceps: attach-detect" ]
+}
+
+@test "a changed bone rebuilds attachments only; a touched one nothing; a chosen one only who chose it" {
+    row biceps bones "scapula rad*"
+    build
+    refute grep -q '"bone": *"ulna"' rigs/biceps.muscle.json
+    touch bones/ulna.ply
+    build
+    [ ! -s ran ]
+    "$BIN/mesh-clean" bones/ulna.ply --triangles 200 -o bones/new.ply
+    mv bones/new.ply bones/ulna.ply
+    build
+    [ "$(cat ran)" = "$(printf '%s: attach-detect\n' brachialis triceps)" ]
+    rm bones/ulna.ply
+    build
+    [ "$(cat ran)" = "$(printf '%s: attach-detect\n' brachialis triceps)" ]
+}
+
+@test "a broken muscle fails alone, is named, leaves no stale rig, and heals" {
+    build
+    cp muscles/triceps.ply good.ply
+    head -c 300 good.ply > muscles/triceps.ply
+    if build; then false; fi
+    grep -q '^triceps: mesh-clean failed: .*; log: rigs/logs/triceps.mesh-clean.log$' complaints
+    grep -q '1 of 3 failed: triceps (mesh-clean)' said
+    [ -s rigs/logs/triceps.mesh-clean.log ]
+    [ ! -e rigs/triceps.muscle.json ]
+    [ -s rigs/biceps.muscle.json ]
+    [ "$(awk -F '\t' '$3 == "failed" { print $1, $4 }' rigs/summary.tsv)" = "triceps mesh-clean" ]
+    row biceps build-structure "--prune 0.2" # the others are still built beside it
+    if build; then false; fi
+    stages_run
+    grep -q 'biceps: attach-detect' ran
+    cp good.ply muscles/triceps.ply
+    build
+    [ "$(wc -l < ran)" -eq 5 ]
+    [ -s rigs/triceps.muscle.json ]
+}
+
+@test "a stage deleted by hand is made again, and nothing after it where it comes out the same" {
+    build
+    rm rigs/stages/biceps.roots.json
+    build
+    [ "$(cat ran)" = "$(printf 'biceps: %s\n' build-structure root-select)" ]
+    rm rigs/biceps.muscle.json
+    build
+    [ "$(cat ran)" = "biceps: attach-detect" ]
+    [ -s rigs/biceps.muscle.json ]
+}
+
+@test "names with spaces, brackets, umlauts and worse; every format in one folder" {
+    mv muscles/biceps.ply "muscles/m. bíceps (links) Ärmel.ply"
+    mv muscles/brachialis.ply 'muscles/$(touch owned) & "b"; #1 %x: y.ply'
+    for format in stl obj off; do "$BIN/mesh-clean" muscles/triceps.ply -o "muscles/the $format.$format"; done
+    mv muscles/triceps.ply "muscles/it's [one].ply"
+    mv bones/ulna.ply "bones/ulna (2) .ply"
+    row "m. b*Ärmel" build-structure "--prune 0.2"
+    row "it's [one].ply" build-structure "--prune 0.1"
+    row "it's *" bones "ulna* scapula"
+    build
+    [ "$(ls rigs/*.muscle.json | wc -l)" -eq 6 ]
+    [ -s rigs/the_obj.muscle.json ]
+    [ -s "rigs/m._bíceps_links_Ärmel.muscle.json" ]
+    [ -s "rigs/it_s_one.muscle.json" ]
+    grep -q -e '--prune 0.2' "rigs/state/options/m._bíceps_links_Ärmel.build-structure"
+    [ ! -e owned ]
+    build
+    [ ! -s ran ]
+    touch "muscles/it's [one].ply"
+    build
+    [ "$(cat ran)" = "it_s_one: mesh-clean" ]
+}
+
+@test "surfaces by pattern and by list, with names; a moved file is a new one" {
+    mkdir mixed
+    cp muscles/* bones/* mixed
+    build SINEW_SURFACES='mixed/b*.ply'
+    [ "$(ls rigs/*.muscle.json | wc -l)" -eq 2 ]
+    printf '# chosen\nmixed/triceps.ply\nlong head\tmixed/biceps.ply\n' > list.txt
+    build SINEW_SURFACES=list.txt SINEW_OUT=other
+    [ "$(ls other/*.muscle.json)" = "$(printf 'other/%s.muscle.json\n' long_head triceps)" ]
+    mv mixed/biceps.ply elsewhere.ply
+    sed -i 's,mixed/biceps.ply,elsewhere.ply,' list.txt
+    build SINEW_SURFACES=list.txt SINEW_OUT=other
+    [ "$(cat ran)" = "long_head: mesh-clean" ]
+}
+
+@test "without bones the rigs have no attachments" {
+    build SINEW_BONES=
+    [ -s rigs/biceps.muscle.json ]
+    cmp rigs/biceps.muscle.json rigs/stages/biceps.fibers.json
+}
+
+@test "what cannot be dealt with is refused in one sentence" {
+    cp muscles/biceps.ply "muscles/biceps .ply"
+    refused "would both be called 'biceps'; rename one"
+    rm "muscles/biceps .ply"
+    refused "SINEW_SURFACES = 'nowhere': no surface there" SINEW_SURFACES=nowhere
+    refused "SINEW_BONES = 'nowhere/\*.stl': no surface there" SINEW_BONES='nowhere/*.stl'
+    refused "SINEW_TABLE = 'none.tsv': no such file" SINEW_TABLE=none.tsv
+    refused "letters, digits" SINEW_OUT='my rigs'
+    refused "no mesh-clean in /nowhere" SINEW_BIN=/nowhere
+    printf 'bicepss\tbuild-structure\t--prune 0.1\n' > t.tsv
+    refused "t.tsv:1: there is no muscle 'bicepss'" SINEW_TABLE=t.tsv
+    printf 'biceps\tbuild-strukture\t--prune 0.1\n' > t.tsv
+    refused "t.tsv:1: 'build-strukture' is none of" SINEW_TABLE=t.tsv
+    printf '\nbiceps build-structure --prune 0.1\n' > t.tsv
+    refused "t.tsv:2: a line needs a muscle, a tool and options" SINEW_TABLE=t.tsv
+    printf 'biceps\tbones\thumeri\n' > t.tsv
+    refused "t.tsv:1: there is no bone 'humeri'" SINEW_TABLE=t.tsv
+    printf 'biceps\tmesh-clean\t-o x.ply\n' > t.tsv
+    refused "given by sinew.mk" SINEW_TABLE=t.tsv
+    newline=$(printf 'muscles/a\nb.ply')
+    cp muscles/biceps.ply "$newline"
+    refused "a tab or a line end"
+}
+
+@test "lint: a line of counts for every surface, a sheet of the defective ones, and an exit status" {
+    make lint > said
+    grep -q '^0 of 7 surfaces have defects' said
+    cp "$BATS_FILE_TMPDIR/arm/biceps-dirty.obj" "muscles/biceps (dirty).obj"
+    echo nonsense > muscles/empty.stl
+    if make lint > said 2> complaints; then false; fi
+    grep -q '^2 of 9 surfaces have defects, 1 of them cannot be read' said
+    awk -F '\t' 'NR == 1 { for (i = 1; i <= NF; i++) at[$i] = i; n = NF; next }
+        NF != n { exit 1 }
+        $2 == "biceps_dirty" { if ($4 != "defective" || $at["boundaryEdges"] != 24 || $at["components"] != 3) exit 1; seen++ }
+        $2 == "empty" { if ($4 != "unreadable" || $5 == "") exit 1; seen++ }
+        $2 == "humerus" { if ($4 != "sound" || $1 != "bone" || $at["genus"] != 0) exit 1; seen++ }
+        END { exit seen != 3 }' rigs/lint.tsv
+    file rigs/lint-1.png | grep -q PNG
+    if make lint > said 2>&1; then false; fi
+    touch before
+    if make lint > said 2>&1; then false; fi
+    [ -z "$(find rigs/state/lint rigs/lint-1.png rigs/lint.tsv -newer before)" ]
+}
+
+@test "pages of the contact sheet follow the rigs" {
+    build SINEW_PAGE=2
+    [ -s rigs/sheet-2.png ]
+    [ ! -e rigs/sheet-3.png ]
+    touch -d '1 hour ago' rigs/*.png rigs/*.json
+    row triceps build-structure "--prune 0.2"
+    touch before
+    build SINEW_PAGE=2
+    [ -z "$(find rigs/sheet-1.png -newer before)" ]
+    [ -n "$(find rigs/sheet-2.png -newer before)" ]
+    build
+    [ ! -e rigs/sheet-2.png ]
+}
+
+@test "the example builds" {
+    ARM=$EXAMPLES/arm/arm TOOLS=$BIN sh "$share/examples/assets/generate.sh" x
+    cd x
+    make -j2 -f "$share/examples/assets/Makefile" SINEW_BIN="$BIN" SINEW_PIXELS=64x48 > said
+    grep -q '^11 rigs; see rigs/summary.tsv$' said
+    refute grep -q '"bone": *"humerus"' rigs/biceps_fine.muscle.json
+}
+
+@test "its shell is clean" {
+    command -v shellcheck > /dev/null || skip "shellcheck is not installed"
+    shellcheck "$share/make/assets" "$share/examples/assets/generate.sh"
+}
