@@ -17,7 +17,8 @@ CLI_STAMPS := $(CLI_SUITES:tests/cli/%.bats=$(STAMPS)/cli-%)
 PROGRAM_STAMPS := $(patsubst tests/%.c,$(STAMPS)/program-%,$(sort $(wildcard tests/fuzz/*.c tests/numerics/*.c)))
 SHORT_STAMPS := $(STAMPS)/layering $(UNIT_STAMPS) $(CLI_STAMPS)
 ALL_STAMPS := $(SHORT_STAMPS) $(PROGRAM_STAMPS) $(STAMPS)/examples $(STAMPS)/anatomy $(STAMPS)/install
-EVERYTHING := $(BUILT_TOOLS) $(BUILT_LIBEXEC) $(EXAMPLES) $(wildcard share/schema/*.json) tests/suite
+ASSETS := $(wildcard share/make/sinew.mk share/make/assets share/make/*.awk)
+EVERYTHING := $(ASSETS) $(wildcard share/examples/assets/* share/completions/*) $(BUILT_TOOLS) $(BUILT_LIBEXEC) $(EXAMPLES) $(wildcard share/schema/*.json) tests/suite
 
 # the first make may install the compiler's libraries: build in a second one
 check: deps
@@ -41,7 +42,7 @@ $(PROGRAM_STAMPS): $(STAMPS)/program-%: $(B)/tests/%
 	@DATA=$(DATA) tests/suite $@ $* $<
 $(CLI_STAMPS): $(STAMPS)/cli-%: tests/cli/%.bats $(EVERYTHING)
 	@BIN=$(CURDIR)/$(B)/bin EXAMPLES=$(CURDIR)/$(B)/examples DATA=$(abspath $(DATA)) CONFIG=$(CONFIG) tests/suite $@ cli/$* bats --tap $<
-$(STAMPS)/examples: tests/run-man-examples tests/sample-folder README.md $(wildcard share/man/*.1) $(EVERYTHING)
+$(STAMPS)/examples: tests/run-man-examples tests/sample-folder README.md $(wildcard share/man/*.[17]) $(EVERYTHING)
 	@tests/suite $@ examples tests/run-man-examples $(B)/bin $(B)/examples
 $(STAMPS)/anatomy: tests/anatomy $(EVERYTHING)
 	@tests/suite $@ anatomy tests/anatomy $(B)/bin $(DATA) $(B)/anatomy
@@ -63,11 +64,24 @@ lint:
 	clang-tidy --quiet $(LIB_SOURCES) $(wildcard tools/*.c) -- $(CPPFLAGS_ALL) -std=c17
 	cppcheck --quiet --enable=warning,performance,portability --inline-suppr --error-exitcode=1 -Iinclude -Itools lib tools
 
+# ---- completions: made from what each tool's --help says ------------------------------------------------------------------------
+COMPLETIONS := $(foreach s,bash zsh fish,$(BUILT_TOOLS:$(B)/bin/%=$(B)/completions/$s/%))
+.PHONY: completions
+all: completions
+completions: $(COMPLETIONS)
+define completion_rule
+$(B)/completions/$1/%: $(B)/bin/% share/completions/generate share/completions/generate.awk
+	@mkdir -p $$(@D)
+	$$< --help | share/completions/generate $1 $$* > $$@
+endef
+$(foreach s,bash zsh fish,$(eval $(call completion_rule,$s)))
+
 # ---- installation ---------------------------------------------------------------------------------------------------------------
 define PKG_CONFIG
 prefix=$(PREFIX)
 libdir=$${prefix}/lib
 includedir=$${prefix}/include
+makefile=$${prefix}/share/sinew/make/sinew.mk
 
 Name: sinew
 Description: Muscle rigs from surface meshes, and their simulation
@@ -78,17 +92,29 @@ Libs.private: $(sort $(foreach l,cgal embree sparse gsl mesh json png,$(LINK_$l)
 endef
 export PKG_CONFIG
 
-install: programs
-	install -d $(DESTDIR)$(PREFIX)/bin $(DESTDIR)$(PREFIX)/libexec/sinew $(DESTDIR)$(PREFIX)/lib/pkgconfig $(DESTDIR)$(PREFIX)/include/sinew \
-	    $(DESTDIR)$(PREFIX)/share/man/man1 $(DESTDIR)$(PREFIX)/share/sinew/schema
-	install -m 755 $(BUILT_TOOLS) $(DESTDIR)$(PREFIX)/bin
-	install -m 755 $(BUILT_LIBEXEC) $(DESTDIR)$(PREFIX)/libexec/sinew
-	install -m 644 $(B)/libsinew.a $(DESTDIR)$(PREFIX)/lib
-	install -m 644 $(wildcard include/sinew/*.h) $(DESTDIR)$(PREFIX)/include/sinew
-	install -m 644 $(wildcard share/man/*.1) $(DESTDIR)$(PREFIX)/share/man/man1
-	install -m 644 $(wildcard share/schema/*.json) $(DESTDIR)$(PREFIX)/share/sinew/schema
-	@echo "$$PKG_CONFIG" > $(DESTDIR)$(PREFIX)/lib/pkgconfig/sinew.pc
+D = $(DESTDIR)$(PREFIX)
+COMPLETION_FOLDERS := bash-completion/completions zsh/site-functions fish/vendor_completions.d
+install: programs examples completions
+	install -d $D/bin $D/libexec/sinew $D/lib/pkgconfig $D/include/sinew $D/share/man/man1 $D/share/man/man7 $(COMPLETION_FOLDERS:%=$D/share/%)
+	install -d $D/share/sinew/schema $D/share/sinew/make $D/share/sinew/examples/arm $D/share/sinew/examples/assets
+	install -m 755 $(BUILT_TOOLS) $D/bin
+	install -m 755 $(BUILT_LIBEXEC) $(B)/examples/arm/arm $D/libexec/sinew
+	install -m 644 $(B)/libsinew.a $D/lib
+	install -m 644 $(wildcard include/sinew/*.h) $D/include/sinew
+	install -m 644 $(wildcard share/man/*.1) $D/share/man/man1
+	install -m 644 $(wildcard share/man/*.7) $D/share/man/man7
+	install -m 644 $(wildcard share/schema/*.json) $D/share/sinew/schema
+	install -m 644 $(ASSETS) $D/share/sinew/make
+	cp share/examples/arm/* $D/share/sinew/examples/arm
+	cp share/examples/assets/* $D/share/sinew/examples/assets
+	install -m 644 $(B)/completions/bash/* $D/share/bash-completion/completions
+	for t in $(notdir $(BUILT_TOOLS)); do \
+	    install -m 644 $(B)/completions/zsh/$$t $D/share/zsh/site-functions/_$$t && \
+	    install -m 644 $(B)/completions/fish/$$t $D/share/fish/vendor_completions.d/$$t.fish || exit 1; done
+	@echo "$$PKG_CONFIG" > $D/lib/pkgconfig/sinew.pc
 uninstall:
-	rm -f $(BUILT_TOOLS:$(B)/bin/%=$(DESTDIR)$(PREFIX)/bin/%) $(DESTDIR)$(PREFIX)/lib/libsinew.a $(DESTDIR)$(PREFIX)/lib/pkgconfig/sinew.pc
-	rm -rf $(DESTDIR)$(PREFIX)/libexec/sinew $(DESTDIR)$(PREFIX)/include/sinew $(DESTDIR)$(PREFIX)/share/sinew
-	rm -f $(patsubst share/man/%,$(DESTDIR)$(PREFIX)/share/man/man1/%,$(wildcard share/man/*.1))
+	rm -f $(BUILT_TOOLS:$(B)/bin/%=$D/bin/%) $D/lib/libsinew.a $D/lib/pkgconfig/sinew.pc
+	rm -rf $D/libexec/sinew $D/include/sinew $D/share/sinew
+	rm -f $(patsubst share/man/%,$D/share/man/man1/%,$(wildcard share/man/*.1)) $(patsubst share/man/%,$D/share/man/man7/%,$(wildcard share/man/*.7))
+	rm -f $(foreach t,$(notdir $(BUILT_TOOLS)),$D/share/bash-completion/completions/$t $D/share/zsh/site-functions/_$t \
+	    $D/share/fish/vendor_completions.d/$t.fish)
