@@ -5,10 +5,18 @@
 
 static sn_length spacing = {-1.0, 0.0};
 static sn_structure_params params;
+static int metric;
+
+static const char *const metric_names[] = {"slabs", "hops", NULL}; /* in the order of sn_structure_metric */
 
 static const cli_option options[] = {
     {0, "spacing", "LENGTH", CLI_LENGTH, &spacing, CLI_RESULT, 0, 0, NULL,
      "largest distance between neighbouring samples, such as 6mm (default: twice the mean edge length)"},
+    {0, "metric", "NAME", CLI_CHOICE, &metric, CLI_RESULT, 0, 0, metric_names,
+     "how the surface is traversed: slabs of equal distance from the roots (default), the same at any mesh density; or hops from vertex to "
+     "vertex, as in the paper"},
+    {0, "no-inside", NULL, CLI_FLAG, &params.keep_outside, CLI_RESULT, 0, 0, NULL,
+     "leave samples that lie outside the volume, as happens on arched muscles, where they are"},
     {0, "prune", "SHARE", CLI_NUMBER, &params.prune, CLI_RESULT, 0.0, 1.0, NULL,
      "take away branches lower than this share of the muscle's length, or than the radius at their split (default 0.03; 0 = keep all)"},
 };
@@ -31,6 +39,7 @@ static void write_report(sn_json *json, const void *data) {
     sn_json_integer(json, "vertices", r->vertices);
     sn_json_integer(json, "unconnected", r->unconnected);
     if (r->outside >= 0) sn_json_integer(json, "outside", r->outside);
+    sn_json_integer(json, "moved", r->moved);
     sn_json_number(json, "spacing", r->spacing);
     sn_json_number(json, "longestLink", r->longest_link);
     sn_json_number(json, "length", r->length);
@@ -41,7 +50,8 @@ static void comment(const cli *c, const sn_structure_report *r) {
     cli_say(c, "%d samples on %d branches, %d leaves, %d branches pruned, longest link %g", r->samples, r->branches, r->leaves, r->pruned,
             r->longest_link);
     if (r->genus > 0.0) cli_warn(c, "the surface has handles (genus %g): its branches are not to be trusted", r->genus);
-    if (r->outside > 0) cli_say(c, "%d of %d samples are outside the volume, as happens on arched muscles", r->outside, r->samples);
+    if (r->moved > 0) cli_say(c, "%d times a sample was outside the volume, as happens on arched muscles, and moved inside", r->moved);
+    if (r->outside > 0) cli_say(c, "%d of %d samples are outside the volume", r->outside, r->samples);
 }
 
 /* ---- work ----------------------------------------------------------------------------------------------------------------- */
@@ -69,6 +79,7 @@ int main(int argc, char **argv) {
     sn_error error = {0};
     params = sn_structure_defaults();
     cli_start(&c, &tool, argc, argv);
+    params.metric = (sn_structure_metric)metric;
     if (cli_given(&c, "spacing") && !(spacing.value > 0.0)) cli_usage_error(&c, "--spacing must be greater than 0");
     sn_status status = cli_load(&c, &muscle, &error);
     if (status == SN_OK) status = build(&c, &muscle, &error);

@@ -82,7 +82,7 @@ double sn_winding_number(const sn_mesh *mesh, sn_vec3 point);
 /* Closest point on a triangle. */
 sn_vec3 sn_closest_on_triangle(sn_vec3 point, sn_vec3 a, sn_vec3 b, sn_vec3 c, double barycentric[3]);
 
-/* ---- fields on a surface (lib/geom/field.c distance.c) -------------------------------------------------------------- */
+/* ---- fields on a surface (lib/geom/field.c distance.c geodesic.c) -------------------------------------------------------------- */
 
 /* Harmonic field u (vertex_count) with u = value at the fixed vertices: cotangent Laplacian, weights clamped below at 1e-3.
  * Vertices of components without a fixed vertex get NaN. */
@@ -91,5 +91,10 @@ SN_MUST_CHECK sn_status sn_harmonic_field(const sn_mesh *mesh, const sn_topology
 /* Shortest path along edges from a set of source vertices (Dijkstra); unreached = INFINITY. from (nullable): previous vertex. */
 SN_MUST_CHECK sn_status sn_edge_distance(const sn_mesh *mesh, const sn_topology *topology, sn_index source_count, const sn_index *sources,
                                          double *distance, sn_index *from, sn_error *error);
+/* Distance along the surface from a set of source vertices by fast marching (Kimmel, Sethian 1998): exact on flat pieces from a straight
+ * line of sources; unlike edge distance it hardly depends on the mesh. distance (vertex_count), unreached = INFINITY. No vertex but a source
+ * lies lower than all its neighbours. */
+SN_MUST_CHECK sn_status sn_geodesic_distance(const sn_mesh *mesh, const sn_topology *topology, sn_index source_count,
+                                             const sn_index *sources, double *distance, sn_error *error);
 
 #endif

@@ -92,14 +92,22 @@ SN_MUST_CHECK sn_status sn_roots_select(const sn_muscle *muscle, const sn_roots_
 
 /* ---- structure (methods.md 3; lib/rig/structure.c) ------------------------------------------------------------------- */
 
+typedef enum sn_structure_metric {
+    SN_METRIC_SLABS, /* distance along the surface: the same tree at any mesh density */
+    SN_METRIC_HOPS   /* [R18]: edges from the roots */
+} sn_structure_metric;
+
 typedef struct sn_structure_params {
     double spacing; /* largest distance of neighbouring samples; 0 = twice the mean edge length */
     double prune;   /* branches lower than this share of L go (and lower than the radius at their split); default 0.03; 0 = keep all */
+    sn_structure_metric metric; /* of the traversal; default slabs */
+    bool keep_outside;          /* leave samples that lie outside the volume where they are; default false */
 } sn_structure_params;
 
 typedef struct sn_structure_report {
     sn_index samples, branches, leaves, pruned, vertices, unconnected;
     sn_index outside; /* samples outside the volume; -1 = not known: the surface is open */
+    sn_index moved;   /* how often a sample was moved inside */
     double spacing, longest_link, length;
     double genus; /* > 0: branches of a mesh with handles are not to be trusted */
 } sn_structure_report;

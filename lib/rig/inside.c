@@ -1,72 +1,129 @@
 /*
- * inside.c -- winding numbers of many points at once: for each point, the signed count of triangles above it. Points are sorted by x and
- * each triangle looks only at those in its range: near linear, unlike solid angles. Exact on closed surfaces save for points within
- * rounding of a projected edge: each shared edge is evaluated in one fixed order, so that neighbours agree on which of them covers a point.
+ * inside.c -- bring samples that lie outside the volume back to its middle. The centre of a slab of an arched sheet lies under the arch.
+ *
+ * The way in starts at the closest surface point and goes on straight through it; half-way to the other side is mid-thickness. Where that
+ * is outside too (the surface crosses itself, a ray grazes an edge), half of it is tried, and so on: just behind the surface is inside.
  */
 #include <stdlib.h>
 
 #include "tree.h"
 
-typedef struct query {
-    double x;
-    sn_index point;
-} query;
+#define ON_SURFACE 1e-9  /* from a point this near to the surface, as a share of the box diagonal, the way to it has no direction */
+#define JUST_BEHIND 1e-3 /* of the diagonal */
+enum { MAX_HALVINGS = 24 };
 
-static int compare_queries(const void *left, const void *right) {
-    const query *a = left, *b = right;
-    if (a->x != b->x) return a->x < b->x ? -1 : 1;
-    return (a->point > b->point) - (a->point < b->point);
+typedef struct way_in {
+    sn_index point; /* which of the points */
+    sn_closest closest;
+    sn_vec3 to; /* mid-thickness */
+} way_in;
+
+/* ---- one way in ------------------------------------------------------------------------------------------------------------- */
+
+static sn_vec3 face_normal(const sn_mesh *mesh, sn_index triangle) {
+    const sn_index *v = mesh->triangles[triangle].v;
+    return sn_normalize(sn_area_vector(mesh->positions[v[0]], mesh->positions[v[1]], mesh->positions[v[2]]));
 }
 
-static sn_index first_not_below(const query *queries, sn_index count, double x) {
-    sn_index low = 0, high = count;
-    while (low < high) {
-        sn_index middle = low + (high - low) / 2;
-        if (queries[middle].x < x)
-            low = middle + 1;
-        else
-            high = middle;
+static bool is_on_surface(const way_in *way, double diagonal) { return way->closest.distance <= ON_SURFACE * diagonal; }
+
+/* Half the way from a surface point to the surface beyond, but no farther than the reach: from a tip the other side is the other tip. 0
+ * where the ray meets none. */
+static double half_thickness(const inside_step *step, sn_vec3 from, sn_vec3 direction, double diagonal) {
+    sn_ray_hit hit = sn_surface_ray(step->surface, from, direction, 1e-6 * diagonal, 2.0 * diagonal);
+    return hit.triangle == SN_NONE ? 0.0 : fmin(0.5 * hit.distance, step->reach);
+}
+
+/* A point on the surface, such as the centre of the last slab at a tip, only goes behind it. */
+static void aim(const inside_step *step, way_in *way, sn_vec3 onwards, double diagonal) {
+    double half = half_thickness(step, way->closest.point, onwards, diagonal);
+    if (half == 0.0) {
+        onwards = sn_neg(face_normal(step->mesh, way->closest.triangle));
+        half = half_thickness(step, way->closest.point, onwards, diagonal);
     }
-    return low;
+    if (half == 0.0 || is_on_surface(way, diagonal)) half = JUST_BEHIND * diagonal;
+    way->to = sn_add_scaled(way->closest.point, onwards, half);
 }
 
-/* On which side of the edge a -> b, seen along z, does q lie? Opposite for b -> a, also where the cross product vanishes. */
-static bool is_left(const sn_mesh *mesh, sn_index a, sn_index b, sn_vec3 q) {
-    bool swap = a > b;
-    sn_vec3 from = mesh->positions[swap ? b : a], to = mesh->positions[swap ? a : b];
-    bool left = (to.x - from.x) * (q.y - from.y) - (to.y - from.y) * (q.x - from.x) >= 0.0;
-    return left != swap;
+static sn_vec3 smooth_normal(const sn_mesh *mesh, const sn_vec3 *normals, const sn_closest *c) {
+    const sn_index *v = mesh->triangles[c->triangle].v;
+    sn_vec3 sum = {0, 0, 0};
+    for (int k = 0; k < 3; k++) sum = sn_add_scaled(sum, normals[v[k]], c->barycentric[k]);
+    return sn_normalize(sum);
 }
 
-/* +1 or -1 where the triangle lies above q and faces up or down, else 0. */
-static int covers(const sn_mesh *mesh, sn_triangle t, sn_vec3 q) {
-    bool left = is_left(mesh, t.v[0], t.v[1], q);
-    if (is_left(mesh, t.v[1], t.v[2], q) != left || is_left(mesh, t.v[2], t.v[0], q) != left) return 0;
-    sn_vec3 a = mesh->positions[t.v[0]];
-    sn_vec3 normal = sn_area_vector(a, mesh->positions[t.v[1]], mesh->positions[t.v[2]]);
-    bool above = left ? sn_dot(normal, sn_sub(q, a)) < 0.0 : sn_dot(normal, sn_sub(q, a)) > 0.0;
-    return above ? (left ? 1 : -1) : 0;
-}
+/* ---- all of them -------------------------------------------------------------------------------------------------------------- */
 
-static void count_triangle(const sn_mesh *mesh, sn_triangle t, const query *queries, sn_index count, const sn_vec3 *points, int *winding) {
-    sn_vec3 a = mesh->positions[t.v[0]], b = mesh->positions[t.v[1]], c = mesh->positions[t.v[2]];
-    sn_vec3 low = sn_min3(a, sn_min3(b, c)), high = sn_max3(a, sn_max3(b, c));
-    for (sn_index i = first_not_below(queries, count, low.x); i < count && queries[i].x <= high.x; i++) {
-        sn_vec3 q = points[queries[i].point];
-        if (q.y < low.y || q.y > high.y || q.z > high.z) continue;
-        winding[queries[i].point] += covers(mesh, t, q);
-    }
-}
-
-sn_status count_windings(const sn_mesh *mesh, sn_index count, const sn_vec3 *points, int *winding, sn_error *error) {
-    query *queries = SN_NEW(query, count);
-    if (!queries) return sn_fail_memory(error, "the test for points outside the surface");
+static sn_status find_ways(inside_step *step, sn_index count, const sn_vec3 *points, const int *winding, double diagonal, way_in *ways,
+                           sn_index *way_count, sn_error *error) {
     for (sn_index i = 0; i < count; i++) {
-        queries[i] = (query){points[i].x, i};
-        winding[i] = 0;
+        if (winding[i] != 0) continue;
+        sn_status status = step->surface ? SN_OK : sn_surface_create(step->mesh, &step->surface, error);
+        if (status) return status;
+        way_in way = {.point = i, .closest = sn_surface_closest(step->surface, points[i], INFINITY)};
+        aim(step, &way, is_on_surface(&way, diagonal) ? sn_v3(0, 0, 0) : sn_normalize(sn_sub(way.closest.point, points[i])), diagonal);
+        ways[(*way_count)++] = way;
     }
-    qsort(queries, (size_t)count, sizeof *queries, compare_queries);
-    for (sn_index t = 0; t < mesh->triangle_count; t++) count_triangle(mesh, mesh->triangles[t], queries, count, points, winding);
-    free(queries);
     return SN_OK;
+}
+
+/* Ways that ran along the surface: from an edge, the mean normal leads inside where those of its faces do not. */
+static sn_status aim_again(inside_step *step, sn_index count, double diagonal, way_in *ways, sn_error *error) {
+    sn_vec3 *normals = count > 0 ? SN_NEW(sn_vec3, step->mesh->vertex_count) : NULL;
+    if (count > 0 && !normals) return sn_fail_memory(error, "the samples outside the volume");
+    if (count > 0) sn_mesh_vertex_normals(step->mesh, normals);
+    for (sn_index i = 0; i < count; i++) aim(step, &ways[i], sn_neg(smooth_normal(step->mesh, normals, &ways[i].closest)), diagonal);
+    free(normals);
+    return SN_OK;
+}
+
+/* Go as far as is inside, by halves; the ways that never are stay, *count of them. */
+static sn_status follow_ways(inside_step *step, sn_index *count, way_in *ways, sn_vec3 *points, sn_vec3 *tried, int *winding,
+                             sn_error *error) {
+    double share = 1.0;
+    for (int halving = 0; halving<MAX_HALVINGS && * count> 0; halving++, share *= 0.5) {
+        for (sn_index i = 0; i < *count; i++) tried[i] = sn_lerp(ways[i].closest.point, ways[i].to, share);
+        sn_status status = count_windings(step->mesh, *count, tried, winding, error);
+        if (status) return status;
+        sn_index left = 0;
+        for (sn_index i = 0; i < *count; i++) {
+            if (winding[i] == 0) {
+                ways[left++] = ways[i];
+                continue;
+            }
+            sn_vec3 *point = &points[ways[i].point];
+            double moved = sn_distance(*point, tried[i]);
+            *point = tried[i];
+            step->moved++;
+            if (SN_TRACE(step->trace, "inside", sn_trace_number("point", ways[i].point), sn_trace_number("moved", moved),
+                         sn_trace_number("x", point->x), sn_trace_number("y", point->y), sn_trace_number("z", point->z)))
+                return SN_STOPPED;
+        }
+        *count = left;
+    }
+    return SN_OK;
+}
+
+sn_status move_inside(inside_step *step, sn_index count, sn_vec3 *points, sn_error *error) {
+    if (!step->mesh || count == 0) return SN_OK;
+    int *winding = SN_NEW(int, count);
+    way_in *ways = SN_NEW(way_in, count);
+    sn_vec3 *tried = SN_NEW(sn_vec3, count);
+    sn_index way_count = 0;
+    double diagonal = sn_box_diagonal(sn_mesh_box(step->mesh));
+    sn_status status = winding && ways && tried ? SN_OK : sn_fail_memory(error, "the samples outside the volume");
+    if (!status) status = count_windings(step->mesh, count, points, winding, error);
+    if (!status) status = find_ways(step, count, points, winding, diagonal, ways, &way_count, error);
+    if (!status) status = follow_ways(step, &way_count, ways, points, tried, winding, error);
+    if (!status) status = aim_again(step, way_count, diagonal, ways, error);
+    if (!status) status = follow_ways(step, &way_count, ways, points, tried, winding, error);
+    free(winding);
+    free(ways);
+    free(tried);
+    return status;
+}
+
+void inside_step_free(inside_step *step) {
+    sn_surface_destroy(step->surface);
+    step->surface = NULL;
 }

@@ -6,8 +6,11 @@
  */
 #include <stdlib.h>
 
-#include "sinew/geom.h"
 #include "tree.h"
+
+/* A branch stands out by more than this many radii of its split. With 1.1, 251 of 253 real muscles keep their number of leaves at four
+ * densities of their mesh; with 1.0, 247; with 1.2, 250. */
+#define LEAST_RADII 1.1
 
 /* A branch that ends in a leaf, named by its first front. */
 typedef struct twig {
@@ -19,13 +22,10 @@ typedef struct pruning {
     tree *tree;
     sn_trace *trace;
     double least_height;
-    double *distance;     /* (vertex_count) from the roots along edges */
-    sn_index *part;       /* (vertex_count) side of the roots: connected part of the surface without them */
     sn_index *children;   /* (count) */
     sn_index *child;      /* (count) first child */
     sn_index *sibling;    /* (count) next child of the same parent */
     double *reach;        /* (count) greatest distance in the subtree */
-    double *distance_sum; /* (count) over the front's vertices */
     sn_index *votes;      /* (count) all 0 between uses */
     twig *heap;           /* (count) lowest first, then lowest index */
     twig *kept;           /* (count) too high when they were looked at */
@@ -35,52 +35,25 @@ typedef struct pruning {
 /* ---- setting up --------------------------------------------------------------------------------------------------------- */
 
 static bool pruning_alloc(pruning *p) {
-    size_t n = (size_t)p->tree->mesh->vertex_count, fronts = (size_t)p->tree->count;
-    p->distance = SN_NEW(double, n);
-    p->part = SN_NEW(sn_index, n);
+    size_t fronts = (size_t)p->tree->count;
     p->children = SN_NEW(sn_index, fronts);
     p->child = SN_NEW(sn_index, fronts);
     p->sibling = SN_NEW(sn_index, fronts);
     p->reach = SN_NEW(double, fronts);
-    p->distance_sum = SN_NEW(double, fronts);
     p->votes = SN_NEW(sn_index, fronts);
     p->heap = SN_NEW(twig, 2 * fronts); /* every merge adds one, every front merges once at most */
     p->kept = SN_NEW(twig, 2 * fronts);
-    return p->distance && p->part && p->children && p->child && p->sibling && p->reach && p->distance_sum && p->votes && p->heap && p->kept;
+    return p->children && p->child && p->sibling && p->reach && p->votes && p->heap && p->kept;
 }
 
 static void pruning_free(pruning *p) {
-    free(p->distance);
-    free(p->part);
     free(p->children);
     free(p->child);
     free(p->sibling);
     free(p->reach);
-    free(p->distance_sum);
     free(p->votes);
     free(p->heap);
     free(p->kept);
-}
-
-/* Label the parts of the surface without the roots by their lowest vertex. */
-static void label_parts(pruning *p, const sn_roots *roots, sn_index *stack) {
-    const sn_topology *t = p->tree->topology;
-    for (sn_index v = 0; v < t->vertex_count; v++) p->part[v] = SN_NONE;
-    for (sn_index i = 0; i < roots->count; i++) p->part[roots->vertices[i]] = SN_INDEX_MAX;
-    for (sn_index seed = 0; seed < t->vertex_count; seed++) {
-        if (p->part[seed] != SN_NONE) continue;
-        sn_index top = 0;
-        p->part[seed] = seed;
-        stack[top++] = seed;
-        while (top > 0) {
-            sn_index v = stack[--top];
-            for (sn_index k = t->vertex_start[v]; k < t->vertex_start[v + 1]; k++)
-                if (p->part[t->neighbours[k]] == SN_NONE) {
-                    p->part[t->neighbours[k]] = seed;
-                    stack[top++] = t->neighbours[k];
-                }
-        }
-    }
 }
 
 static void link_children(pruning *p) {
@@ -94,28 +67,12 @@ static void link_children(pruning *p) {
     }
 }
 
-static void measure_fronts(pruning *p) {
+static void measure_reach(pruning *p) {
     tree *t = p->tree;
     for (sn_index f = t->count - 1; f >= 0; f--) {
-        for (sn_index v = t->first[f]; v != SN_NONE; v = t->next[v]) {
-            p->distance_sum[f] += p->distance[v];
-            p->reach[f] = fmax(p->reach[f], p->distance[v]);
-        }
+        p->reach[f] = fmax(p->reach[f], t->reach[f]);
         if (f > 0) p->reach[t->parent[f]] = fmax(p->reach[t->parent[f]], p->reach[f]);
     }
-}
-
-static sn_status set_up(pruning *p, const sn_roots *roots, sn_error *error) {
-    sn_index *stack = SN_NEW(sn_index, p->tree->mesh->vertex_count);
-    sn_status status = stack && pruning_alloc(p) ? SN_OK : sn_fail_memory(error, "the pruning of the structure");
-    if (!status) status = sn_edge_distance(p->tree->mesh, p->tree->topology, roots->count, roots->vertices, p->distance, NULL, error);
-    if (!status) {
-        label_parts(p, roots, stack);
-        link_children(p);
-        measure_fronts(p);
-    }
-    free(stack);
-    return status;
 }
 
 /* ---- the heap of twigs ---------------------------------------------------------------------------------------------------- */
@@ -150,7 +107,7 @@ static sn_index branch_start(const pruning *p, sn_index f) {
 
 static double twig_height(const pruning *p, sn_index start) {
     sn_index split = p->tree->parent[start];
-    return p->reach[start] - p->distance_sum[split] / (double)p->tree->size[split];
+    return p->reach[start] - p->tree->distance_sum[split] / p->tree->weight[split];
 }
 
 static void add_twig(pruning *p, sn_index leaf) {
@@ -160,11 +117,9 @@ static void add_twig(pruning *p, sn_index leaf) {
 
 /* ---- pruning one ----------------------------------------------------------------------------------------------------------- */
 
-static sn_index part_of(const pruning *p, sn_index front) { return p->part[p->tree->first[front]]; }
-
 /* May `other` take in the vertices of `start`? Both hang on the same split; at the roots also on the same side of them. */
 static bool is_partner(const pruning *p, sn_index start, sn_index other) {
-    return other != start && (p->tree->parent[start] != 0 || part_of(p, other) == part_of(p, start));
+    return other != start && (p->tree->parent[start] != 0 || p->tree->side[other] == p->tree->side[start]);
 }
 
 static bool has_partner(const pruning *p, sn_index start) {
@@ -227,14 +182,17 @@ static sn_index nearest_child(const pruning *p, sn_index front, sn_vec3 point) {
 static void join_front(pruning *p, sn_index from, sn_index to) {
     tree *t = p->tree;
     for (sn_index v = t->first[from]; v != SN_NONE; v = t->next[v]) t->front[v] = to;
-    t->next[t->last[to]] = t->first[from];
-    t->last[to] = t->last[from];
-    t->size[to] += t->size[from];
+    if (t->first[to] == SN_NONE)
+        t->first[to] = t->first[from];
+    else if (t->first[from] != SN_NONE)
+        t->next[t->last[to]] = t->first[from];
+    if (t->last[from] != SN_NONE) t->last[to] = t->last[from];
+    t->first[from] = t->last[from] = SN_NONE;
+    t->weight[to] += t->weight[from];
     t->sum[to] = sn_add(t->sum[to], t->sum[from]);
     t->sum2[to] += t->sum2[from];
-    t->size[from] = 0;
-    t->first[from] = t->last[from] = SN_NONE;
-    p->distance_sum[to] += p->distance_sum[from];
+    t->distance_sum[to] += t->distance_sum[from];
+    t->weight[from] = 0.0;
     p->reach[to] = fmax(p->reach[to], p->reach[from]);
 }
 
@@ -279,11 +237,11 @@ static bool prune_twig(pruning *p, twig item) {
 /* ---- all of them ------------------------------------------------------------------------------------------------------------ */
 
 /* Branches that have merged since they were put aside are there again, longer. */
-static bool is_current(const pruning *p, sn_index start) { return p->tree->size[start] > 0 && branch_start(p, start) == start; }
+static bool is_current(const pruning *p, sn_index start) { return p->tree->weight[start] > 0.0 && branch_start(p, start) == start; }
 
 static bool is_low(const pruning *p, twig item) {
     sn_index split = p->tree->parent[item.start];
-    return item.height < fmax(p->least_height, tree_radius(p->tree, split)) && has_partner(p, item.start);
+    return item.height < fmax(p->least_height, LEAST_RADII * tree_radius(p->tree, split)) && has_partner(p, item.start);
 }
 
 /* One pass over the heap; what is too high is put aside, since its split may still grow. */
@@ -313,10 +271,14 @@ static sn_status prune_all(pruning *p) {
     return SN_OK;
 }
 
-sn_status prune_tree(tree *t, const sn_roots *roots, double least_height, sn_trace *trace, sn_index *pruned, sn_error *error) {
+sn_status prune_tree(tree *t, double least_height, sn_trace *trace, sn_index *pruned, sn_error *error) {
     pruning p = {.tree = t, .trace = trace, .least_height = least_height};
-    sn_status status = set_up(&p, roots, error);
-    if (!status) status = prune_all(&p);
+    sn_status status = pruning_alloc(&p) ? SN_OK : sn_fail_memory(error, "the pruning of the structure");
+    if (!status) {
+        link_children(&p);
+        measure_reach(&p);
+        status = prune_all(&p);
+    }
     *pruned = p.pruned;
     pruning_free(&p);
     return status;

@@ -58,14 +58,19 @@ typedef struct branch {
 typedef struct resampling {
     const tree *tree;
     double spacing;
+    inside_step *inside;
     sn_trace *trace;
     sn_structure *out;
     sn_index branch_count;
     branch *branches;    /* (branch_count) */
     sn_index *branch_of; /* (fronts) */
     sn_index *fronts;    /* (fronts) by branch, from the root's side outwards */
+    sn_vec3 *centres;    /* (fronts) */
     sn_index *by_branch; /* (vertex_count) vertices by branch */
     sn_index *start;     /* (branch_count + 1) into by_branch */
+    sn_index sample_count;
+    size_t sample_capacity;
+    sn_vec3 *samples; /* (sample_count) by branch */
 } resampling;
 
 static sn_status resampling_alloc(resampling *r, sn_error *error) {
@@ -73,8 +78,9 @@ static sn_status resampling_alloc(resampling *r, sn_error *error) {
     sn_index *children = SN_NEW(sn_index, fronts);
     r->branch_of = SN_NEW(sn_index, fronts);
     r->fronts = SN_NEW(sn_index, fronts);
+    r->centres = SN_NEW(sn_vec3, fronts);
     r->by_branch = SN_NEW(sn_index, r->tree->mesh->vertex_count);
-    bool enough = children && r->branch_of && r->fronts && r->by_branch;
+    bool enough = children && r->branch_of && r->fronts && r->centres && r->by_branch;
     if (enough) {
         r->branch_count = number_branches(r->tree, r->branch_of, children);
         r->branches = SN_NEW(branch, r->branch_count);
@@ -89,8 +95,10 @@ static void resampling_free(resampling *r) {
     free(r->branches);
     free(r->branch_of);
     free(r->fronts);
+    free(r->centres);
     free(r->by_branch);
     free(r->start);
+    free(r->samples);
 }
 
 static void list_fronts(resampling *r) {
@@ -120,9 +128,9 @@ static void list_vertices(resampling *r) {
 /* Point i of the branch's polyline: the split's sample first, where there is one. */
 static sn_index polyline_count(const branch *b) { return b->front_count + (b->split != SN_NONE); }
 static sn_vec3 polyline_point(const resampling *r, const branch *b, sn_index i) {
-    if (b->split == SN_NONE) return tree_position(r->tree, r->fronts[b->first_front + i]);
+    if (b->split == SN_NONE) return r->centres[r->fronts[b->first_front + i]];
     sn_index first = r->fronts[b->first_front];
-    return tree_position(r->tree, i == 0 ? r->tree->parent[first] : r->fronts[b->first_front + i - 1]);
+    return r->centres[i == 0 ? r->tree->parent[first] : r->fronts[b->first_front + i - 1]];
 }
 
 /* Branch 0 keeps the root as its first sample; other branches begin one step from their split's last one. */
@@ -138,7 +146,6 @@ static sn_status measure_branches(resampling *r, sn_error *error) {
                            "a spacing of %g gives more than %d samples; give a larger one, or a unit with it (as in 6mm)", r->spacing,
                            MAX_SAMPLES);
         b->sample_count = (sn_index)steps + (i == 0);
-        b->first_sample = i == 0 ? 0 : b[-1].first_sample + b[-1].sample_count;
     }
     return SN_OK;
 }
@@ -155,41 +162,143 @@ static bool trace_branches(const resampling *r) {
 
 /* ---- samples ------------------------------------------------------------------------------------------------------------ */
 
-static void place_samples(const resampling *r, const branch *b, sn_index number) {
-    sn_structure *out = r->out;
-    sn_index steps = b->sample_count - (number == 0), at = 1;
+/* Equal steps of arc length along the branch's polyline; its end exactly, since the branches below start there. */
+static void place_samples(resampling *r, const branch *b, sn_index number) {
+    sn_index steps = b->sample_count - (number == 0), at = 1, last = polyline_count(b) - 1;
     double before = 0.0; /* arc length of polyline point at - 1 */
     for (sn_index k = 0; k < b->sample_count; k++) {
-        sn_index sample = b->first_sample + k, step = k + (number != 0);
-        const branch *split = k == 0 && b->split != SN_NONE ? &r->branches[b->split] : NULL;
-        out->parents[sample] = split ? split->first_sample + split->sample_count - 1 : sample - 1; /* -1 = none at the root */
-        out->branches[sample] = number;
+        sn_index step = k + (number != 0);
         double target = steps > 0 ? b->length * step / steps : 0.0;
-        sn_index last = polyline_count(b) - 1;
         while (at < last && before + sn_distance(polyline_point(r, b, at - 1), polyline_point(r, b, at)) < target) {
             before += sn_distance(polyline_point(r, b, at - 1), polyline_point(r, b, at));
             at++;
         }
         if (step == steps || last == 0) {
-            out->positions[sample] = polyline_point(r, b, last); /* exactly: the branches below start here */
+            r->samples[r->sample_count++] = polyline_point(r, b, last);
             continue;
         }
         sn_vec3 from = polyline_point(r, b, at - 1), to = polyline_point(r, b, at);
         double segment = sn_distance(from, to);
-        out->positions[sample] = sn_lerp(from, to, segment > 0.0 ? fmin(1.0, (target - before) / segment) : 0.0);
+        r->samples[r->sample_count++] = sn_lerp(from, to, segment > 0.0 ? fmin(1.0, (target - before) / segment) : 0.0);
     }
-    out->sample_count += b->sample_count;
 }
 
-static bool resample_branches(const resampling *r) {
+static sn_status resample_branches(resampling *r, sn_error *error) {
+    size_t total = 0;
+    for (sn_index i = 0; i < r->branch_count; i++) total += (size_t)r->branches[i].sample_count;
+    if (!sn_grow((void **)&r->samples, &r->sample_capacity, total, sizeof *r->samples)) return sn_fail_memory(error, "the samples");
+    bool stop = false;
+    for (sn_index i = 0; i < r->branch_count && !stop; i++) {
+        branch *b = &r->branches[i];
+        b->first_sample = r->sample_count;
+        place_samples(r, b, i);
+        stop = SN_TRACE(r->trace, "resample", sn_trace_number("branch", i), sn_trace_number("first_sample", b->first_sample),
+                        sn_trace_number("samples", b->sample_count));
+        if (stop) r->branch_count = i + 1;
+    }
+    return stop ? SN_STOPPED : SN_OK;
+}
+
+/* ---- inside, and close again ------------------------------------------------------------------------------------------------ */
+
+/* What sample k of a branch hangs on: the one before it, or the last of the branch's split. SN_NONE for the root. */
+static sn_index sample_parent(const resampling *r, const branch *b, sn_index k) {
+    if (k > 0 || b->split == SN_NONE) return b->first_sample + k - 1;
+    const branch *split = &r->branches[b->split];
+    return split->first_sample + split->sample_count - 1;
+}
+
+/* How many samples it takes between sample k of the branch and its parent to bring them near enough. */
+static sn_index missing_between(const resampling *r, const branch *b, sn_index k) {
+    sn_index parent = sample_parent(r, b, k);
+    if (parent == SN_NONE) return 0;
+    double steps = ceil(sn_distance(r->samples[b->first_sample + k], r->samples[parent]) / (r->spacing * (1.0 + 1e-12)));
+    return steps > 1.0 ? (sn_index)fmin(steps - 1.0, MAX_SAMPLES) : 0;
+}
+
+static sn_index count_missing(const resampling *r) {
+    double total = 0.0;
+    for (sn_index i = 0; i < r->branch_count; i++)
+        for (sn_index k = 0; k < r->branches[i].sample_count; k++) total += missing_between(r, &r->branches[i], k);
+    return (sn_index)fmin(total, MAX_SAMPLES);
+}
+
+/* Copy all samples to `wider`, with new ones at equal steps in links that are too long; the new ones are moved inside. */
+static sn_status widen(resampling *r, sn_index missing, sn_vec3 *wider, sn_vec3 *added, sn_error *error) {
+    sn_index count = 0;
+    for (sn_index i = 0; i < r->branch_count; i++)
+        for (sn_index k = 0; k < r->branches[i].sample_count; k++) {
+            const branch *b = &r->branches[i];
+            sn_index parent = sample_parent(r, b, k), between = missing_between(r, b, k);
+            for (sn_index n = 1; n <= between; n++)
+                added[count++] = sn_lerp(r->samples[parent], r->samples[b->first_sample + k], n / (between + 1.0));
+        }
+    sn_status status = move_inside(r->inside, missing, added, error);
+    if (status) return status;
+    sn_index to = 0;
+    count = 0;
+    sn_index *between = SN_NEW(sn_index, r->sample_count); /* before the samples are renumbered */
+    if (!between) return sn_fail_memory(error, "the samples");
+    for (sn_index i = 0, s = 0; i < r->branch_count; i++)
+        for (sn_index k = 0; k < r->branches[i].sample_count; k++) between[s++] = missing_between(r, &r->branches[i], k);
+    for (sn_index i = 0; i < r->branch_count; i++) {
+        branch *b = &r->branches[i];
+        sn_index first = to, from = b->first_sample;
+        for (sn_index k = 0; k < b->sample_count; k++) {
+            for (sn_index n = 0; n < between[from + k]; n++) wider[to++] = added[count++];
+            wider[to++] = r->samples[from + k];
+        }
+        b->first_sample = first;
+        b->sample_count = to - first;
+    }
+    free(between);
+    return SN_OK;
+}
+
+/* A sample that has moved may be too far from its parent: put others between, until none is. Where two arms of a fold face each other the
+ * way between them is outside and no number of samples closes it: after some rounds it stays. */
+enum { MAX_ROUNDS = 3 };
+
+static sn_status close_links(resampling *r, sn_error *error) {
+    for (int round = 0; round < MAX_ROUNDS; round++) {
+        sn_index missing = count_missing(r);
+        if (missing == 0 || missing > MAX_SAMPLES - r->sample_count) return SN_OK;
+        sn_vec3 *wider = SN_NEW(sn_vec3, (size_t)r->sample_count + (size_t)missing), *added = SN_NEW(sn_vec3, missing);
+        sn_status status = wider && added ? widen(r, missing, wider, added, error) : sn_fail_memory(error, "the samples");
+        free(added);
+        if (status) {
+            free(wider);
+            return status;
+        }
+        free(r->samples);
+        r->samples = wider;
+        r->sample_count += missing;
+    }
+    return SN_OK;
+}
+
+static sn_status bring_inside(resampling *r, sn_error *error) {
+    if (!r->inside->mesh) return SN_OK;
+    sn_status status = move_inside(r->inside, r->sample_count, r->samples, error);
+    return status ? status : close_links(r, error);
+}
+
+/* ---- the structure ------------------------------------------------------------------------------------------------------------ */
+
+static sn_status write_samples(const resampling *r, sn_error *error) {
+    sn_status status = structure_alloc(r->sample_count, r->tree->mesh->vertex_count, r->out, error);
+    if (status) return status;
     for (sn_index i = 0; i < r->branch_count; i++) {
         const branch *b = &r->branches[i];
-        place_samples(r, b, i);
-        if (SN_TRACE(r->trace, "resample", sn_trace_number("branch", i), sn_trace_number("first_sample", b->first_sample),
-                     sn_trace_number("samples", b->sample_count)))
-            return true;
+        for (sn_index k = 0; k < b->sample_count; k++) {
+            sn_index sample = b->first_sample + k;
+            r->out->positions[sample] = r->samples[sample];
+            r->out->parents[sample] = sample_parent(r, b, k);
+            r->out->branches[sample] = i;
+        }
     }
-    return false;
+    r->out->sample_count = r->sample_count;
+    return SN_OK;
 }
 
 /* ---- connections ---------------------------------------------------------------------------------------------------------- */
@@ -228,23 +337,30 @@ static bool connect_branches(const resampling *r) {
 
 /* ---- all together ----------------------------------------------------------------------------------------------------------- */
 
+static sn_status stop_at_fronts(const resampling *r, sn_error *error) {
+    sn_status status = tree_as_structure(r->tree, r->out, error);
+    return status ? status : SN_STOPPED;
+}
+
 static sn_status replace_fronts(resampling *r, sn_error *error) {
     list_fronts(r);
     list_vertices(r);
-    sn_status status = measure_branches(r, error);
+    for (sn_index f = 0; f < r->tree->count; f++) r->centres[f] = tree_position(r->tree, f);
+    sn_status status = move_inside(r->inside, r->tree->count, r->centres, error);
+    if (status == SN_STOPPED) return stop_at_fronts(r, error);
+    if (!status) status = measure_branches(r, error);
     if (status) return status;
-    if (trace_branches(r)) {
-        status = tree_as_structure(r->tree, r->out, error);
-        return status ? status : SN_STOPPED;
-    }
-    const branch *last = &r->branches[r->branch_count - 1];
-    status = structure_alloc(last->first_sample + last->sample_count, r->tree->mesh->vertex_count, r->out, error);
-    if (status) return status;
-    return resample_branches(r) || connect_branches(r) ? SN_STOPPED : SN_OK;
+    if (trace_branches(r)) return stop_at_fronts(r, error);
+    status = resample_branches(r, error);
+    if (!status) status = bring_inside(r, error);
+    if (status && status != SN_STOPPED) return status;
+    sn_status written = write_samples(r, error);
+    if (status || written) return written ? written : status;
+    return connect_branches(r) ? SN_STOPPED : SN_OK;
 }
 
-sn_status resample_tree(const tree *t, double spacing, sn_trace *trace, sn_structure *out, sn_error *error) {
-    resampling r = {.tree = t, .spacing = spacing, .trace = trace, .out = out};
+sn_status resample_tree(const tree *t, double spacing, inside_step *inside, sn_trace *trace, sn_structure *out, sn_error *error) {
+    resampling r = {.tree = t, .spacing = spacing, .inside = inside, .trace = trace, .out = out};
     *out = (sn_structure){0};
     sn_status status = resampling_alloc(&r, error);
     if (!status) status = replace_fronts(&r, error);

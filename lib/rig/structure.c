@@ -6,6 +6,10 @@
 #include "tips.h"
 #include "tree.h"
 
+/* Levels of slabs lie this share of the length apart. */
+#define SLAB_SHARE (1.0 / 60.0)
+/* A sample that is moved inside goes no deeper than this share of the length. */
+#define DEPTH_SHARE 0.05
 /* A leaf this near to the surface, as a share of the box diagonal, is on it: the fronts at the tips are single vertices. */
 #define ON_SURFACE 1e-9
 
@@ -19,6 +23,7 @@ typedef struct building {
     tips tips;
     double spacing;
     tree tree;
+    inside_step inside;
     sn_index pruned;
     sn_structure structure;
 } building;
@@ -39,23 +44,9 @@ static sn_status check_request(const building *b, sn_error *error) {
     return SN_OK;
 }
 
-static sn_status prepare(building *b, sn_error *error) {
-    sn_status status = sn_mesh_validate(b->mesh, error);
-    if (!status) status = check_request(b, error);
-    if (!status) status = sn_topology_build(b->mesh, &b->topology, error);
-    if (!status) status = survey_surface(b->mesh, &b->topology, &b->survey, error);
-    if (!status) status = find_tips(b->mesh, &b->topology, b->survey.main_vertex, NULL, &b->tips, error);
-    if (!status) status = tree_create(b->mesh, &b->topology, &b->tree, error);
-    b->spacing = b->params->spacing > 0.0 ? b->params->spacing : 2.0 * sn_mesh_mean_edge(b->mesh, &b->topology);
-    if (!status && !(b->spacing > 0.0)) status = sn_fail(error, SN_ERROR_INPUT, "all edges of the mesh have length 0; clean it first");
-    return status;
-}
-
-/* ---- the steps ------------------------------------------------------------------------------------------------------------ */
-
-static sn_status check_all_visited(const building *b, sn_error *error) {
+static sn_status check_all_reached(const building *b, sn_error *error) {
     for (sn_index v = 0; v < b->mesh->vertex_count; v++) {
-        if (b->tree.front[v] != SN_NONE) continue;
+        if (isfinite(b->tree.distance[v])) continue;
         bool unused = b->topology.corner_start[v] == b->topology.corner_start[v + 1];
         sn_fail(error, SN_ERROR_INPUT,
                 unused
@@ -69,11 +60,26 @@ static sn_status check_all_visited(const building *b, sn_error *error) {
     return SN_OK;
 }
 
+static sn_status prepare(building *b, sn_error *error) {
+    sn_status status = sn_mesh_validate(b->mesh, error);
+    if (!status) status = check_request(b, error);
+    if (!status) status = sn_topology_build(b->mesh, &b->topology, error);
+    if (!status) status = survey_surface(b->mesh, &b->topology, &b->survey, error);
+    if (!status) status = find_tips(b->mesh, &b->topology, b->survey.main_vertex, NULL, &b->tips, error);
+    if (!status) status = tree_create(b->mesh, &b->topology, &b->muscle->roots, &b->tree, error);
+    if (!status) status = check_all_reached(b, error);
+    b->spacing = b->params->spacing > 0.0 ? b->params->spacing : 2.0 * sn_mesh_mean_edge(b->mesh, &b->topology);
+    if (!status && !(b->spacing > 0.0)) status = sn_fail(error, SN_ERROR_INPUT, "all edges of the mesh have length 0; clean it first");
+    return status;
+}
+
+/* ---- the steps ------------------------------------------------------------------------------------------------------------ */
+
 static sn_status grow_tree(building *b, sn_error *error) {
-    sn_status status = traverse_hops(&b->tree, &b->muscle->roots, b->trace, error);
-    if (!status) status = check_all_visited(b, error);
+    sn_status status = b->params->metric == SN_METRIC_HOPS ? traverse_hops(&b->tree, &b->muscle->roots, b->trace, error)
+                                                           : traverse_slabs(&b->tree, SLAB_SHARE * b->tips.length, b->trace, error);
     if (!status && b->params->prune > 0.0) {
-        status = prune_tree(&b->tree, &b->muscle->roots, b->params->prune * b->tips.length, b->trace, &b->pruned, error);
+        status = prune_tree(&b->tree, b->params->prune * b->tips.length, b->trace, &b->pruned, error);
         tree_compact(&b->tree);
     }
     return status;
@@ -82,7 +88,10 @@ static sn_status grow_tree(building *b, sn_error *error) {
 /* Once the tree stands it is resampled; where the trace stopped before, its fronts are the samples. */
 static sn_status make_structure(building *b, sn_error *error) {
     sn_status status = grow_tree(b, error);
-    if (status == SN_OK) return resample_tree(&b->tree, b->spacing, b->trace, &b->structure, error);
+    bool has_inside = isfinite(b->survey.genus); /* an open surface has none */
+    b->inside = (inside_step){
+        .mesh = has_inside && !b->params->keep_outside ? b->mesh : NULL, .reach = DEPTH_SHARE * b->tips.length, .trace = b->trace};
+    if (status == SN_OK) return resample_tree(&b->tree, b->spacing, &b->inside, b->trace, &b->structure, error);
     if (status != SN_STOPPED) return status;
     status = tree_as_structure(&b->tree, &b->structure, error);
     return status ? status : SN_STOPPED;
@@ -159,7 +168,8 @@ static void count_tree(const sn_structure *s, const bool *leaf, sn_structure_rep
 }
 
 static sn_status fill_report(const building *b, sn_structure_report *r, sn_error *error) {
-    *r = (sn_structure_report){.vertices = b->mesh->vertex_count, .pruned = b->pruned, .spacing = b->spacing, .outside = SN_NONE};
+    *r = (sn_structure_report){
+        .vertices = b->mesh->vertex_count, .pruned = b->pruned, .moved = b->inside.moved, .spacing = b->spacing, .outside = SN_NONE};
     r->length = b->tips.length;
     r->genus = b->survey.genus;
     for (sn_index v = 0; v < b->mesh->vertex_count; v++) r->unconnected += b->structure.vertex_sample[v] == SN_NONE;
@@ -196,6 +206,7 @@ sn_status sn_structure_build(const sn_muscle *muscle, const sn_structure_params 
         *out = b.structure;
     else
         sn_structure_free(&b.structure);
+    inside_step_free(&b.inside);
     tree_free(&b.tree);
     sn_topology_free(&b.topology);
     return status;

@@ -1,4 +1,4 @@
-/* tips.c -- components and genus by Euler's formula, ends by repeated sweeps along edges. */
+/* tips.c -- components and genus by Euler's formula, ends by repeated sweeps along the surface. */
 #include "tips.h"
 
 #include <stdlib.h>
@@ -60,7 +60,7 @@ sn_status find_tips(const sn_mesh *mesh, const sn_topology *topology, sn_index s
     double length = 0.0;
     sn_status status = SN_OK;
     for (int sweep = 0; sweep < MAX_SWEEPS && !status; sweep++) {
-        status = sn_edge_distance(mesh, topology, 1, &here, distance, NULL, error);
+        status = sn_geodesic_distance(mesh, topology, 1, &here, distance, error);
         if (status) break;
         sn_index there = farthest(mesh->vertex_count, distance);
         double reach = distance[there];

@@ -16,7 +16,7 @@ SN_MUST_CHECK sn_status survey_surface(const sn_mesh *mesh, const sn_topology *t
 
 typedef struct tips {
     sn_index end[2]; /* end[0] < end[1] */
-    double length;   /* L: the shortest way between them along edges */
+    double length;   /* L: the shortest way between them along the surface */
 } tips;
 
 /* The two ends of the component that holds vertex `seed`: the vertex farthest from it, the one farthest from that, and so on until L grows

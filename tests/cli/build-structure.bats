@@ -43,6 +43,39 @@ value() { sed -n "s/^ *\"$2\": *\([^,]*\),*\$/\1/p" "$1"; }
     [ "$(value r.json leaves)" -eq 2 ]
 }
 
+@test "hops are the paper's traversal, slabs the default" {
+    "$BIN/build-structure" --no-history rooted.json -o 1.json
+    "$BIN/build-structure" --no-history --metric slabs rooted.json -o 2.json
+    cmp 1.json 2.json
+    "$BIN/build-structure" --metric hops --trace t.jsonl --report r.json rooted.json > /dev/null
+    grep -q '"stage":"front"' t.jsonl
+    [ "$(value r.json leaves)" -eq 3 ]
+    [ "$(value r.json unconnected)" -eq 0 ]
+    run -2 "$BIN/build-structure" --metric miles rooted.json
+}
+
+@test "the biceps has three leaves at any density of its mesh" {
+    for n in 20000 4000 1000; do
+        "$EXAMPLES/arm/arm" --out "d$n" --triangles $n
+        "$BIN/root-select" -q "d$n/biceps.ply" | "$BIN/build-structure" --report "d$n/r.json" > /dev/null
+        [ "$(value "d$n/r.json" leaves)" -eq 3 ]
+        [ "$(value "d$n/r.json" outside)" -eq 0 ]
+    done
+}
+
+@test "an arched sheet has no sample outside, unless it is asked to keep them" {
+    mesh="$DATA/dog-dmcontrol/meshes/MUSCdiaphragma.stl"
+    [ -e "$mesh" ] || skip "dog-dmcontrol is not here"
+    "$BIN/root-select" -q "$mesh" -o arched.json
+    "$BIN/build-structure" --trace t.jsonl --report in.json arched.json > /dev/null
+    [ "$(value in.json outside)" -eq 0 ]
+    [ "$(value in.json moved)" -gt 0 ]
+    grep -q '"stage":"inside"' t.jsonl
+    "$BIN/build-structure" --no-inside --report out.json arched.json > /dev/null
+    [ "$(value out.json outside)" -gt 0 ]
+    [ "$(value out.json moved)" -eq 0 ]
+}
+
 @test "files, pipes and a second run give the same bytes" {
     "$BIN/build-structure" rooted.json -o 1.json
     "$BIN/build-structure" < rooted.json > 2.json
@@ -52,7 +85,7 @@ value() { sed -n "s/^ *\"$2\": *\([^,]*\),*\$/\1/p" "$1"; }
 @test "every --stop-after leaves a document that the tool reads again" {
     "$BIN/build-structure" --trace t.jsonl rooted.json > /dev/null
     last=$(wc -l < t.jsonl)
-    for stage in front branch resample connect; do grep -q "\"stage\":\"$stage\"" t.jsonl; done
+    for stage in slab branch resample connect; do grep -q "\"stage\":\"$stage\"" t.jsonl; done
     for n in 0 1 2 7 $((last - 9)) $((last - 5)) $((last - 1)) "$last"; do
         "$BIN/build-structure" --no-history --stop-after "$n" --report r.json rooted.json -o part.json
         "$BIN/build-structure" --no-history part.json -o whole.json 2> /dev/null

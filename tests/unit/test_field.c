@@ -1,4 +1,4 @@
-/* Harmonic fields and edge distances: maximum principle, symmetry, linear precision, shortest paths. */
+/* Harmonic fields and distances along edges and surfaces: maximum principle, symmetry, linear precision, shortest paths. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -112,11 +112,59 @@ static void distances_are_those_of_the_path_back(void **state) {
     sn_mesh_free(&m);
 }
 
+/* From a straight row of sources the distance on a flat sheet is the height above the row, however the triangles lie. */
+static void fast_marching_is_exact_from_a_line(void **state) {
+    (void)state;
+    enum { SIDE = 12 };
+    sn_mesh m = {0};
+    assert_int_equal(sn_mesh_alloc(&m, SIDE * SIDE, 2 * (SIDE - 1) * (SIDE - 1), NULL), SN_OK);
+    sn_index row[SIDE], t = 0;
+    for (sn_index i = 0; i < SIDE * SIDE; i++) {
+        sn_index x = i % SIDE, y = i / SIDE;
+        if (y == 0) row[x] = i;
+        m.positions[i] = sn_v3(x - 0.5 * y, sqrt(0.75) * y + (y > 0 ? 0.1 * cos(5.0 * i) : 0.0), 0);
+        if (x == SIDE - 1 || y == SIDE - 1) continue;
+        m.triangles[t++] = (sn_triangle){{i, i + 1, i + SIDE + 1}};
+        m.triangles[t++] = (sn_triangle){{i, i + SIDE + 1, i + SIDE}};
+    }
+    sn_topology topology = topology_of(&m);
+    double distance[SIDE * SIDE];
+    assert_int_equal(sn_geodesic_distance(&m, &topology, SIDE, row, distance, NULL), SN_OK);
+    for (sn_index i = 0; i < SIDE * SIDE; i++) /* but on the left, where the sheet overhangs its row, the wave comes round the corner */
+        if (m.positions[i].x >= 3.0) assert_true(fabs(distance[i] - m.positions[i].y) < 1e-9);
+    sn_topology_free(&topology);
+    sn_mesh_free(&m);
+}
+
+/* Between the poles of a spindle: within 1 % of the length of its profile, where edges that zigzag are longer. */
+static void fast_marching_finds_the_profile(void **state) {
+    (void)state;
+    sn_mesh m = spindle(63, 48, 0.2, 0.03);
+    sn_topology t = topology_of(&m);
+    double *distance = SN_NEW(double, m.vertex_count), profile = 0.0;
+    assert_int_equal(sn_geodesic_distance(&m, &t, 1, (sn_index[]){0}, distance, NULL), SN_OK);
+    for (sn_index ring = 0, before = 0; ring <= 63; ring++) {
+        sn_index here = ring < 63 ? 1 + 48 * ring : m.vertex_count - 1;
+        profile += sn_distance(m.positions[before], m.positions[here]);
+        before = here;
+        if (ring % 9 == 0) assert_true(fabs(distance[here] - profile) < 0.01 * profile);
+    }
+    for (sn_index v = 1; v < m.vertex_count; v++) { /* no vertex but the source is lowest among its neighbours */
+        bool lower = false;
+        for (sn_index k = t.vertex_start[v]; k < t.vertex_start[v + 1]; k++) lower = lower || distance[t.neighbours[k]] <= distance[v];
+        assert_true(lower);
+    }
+    free(distance);
+    sn_topology_free(&t);
+    sn_mesh_free(&m);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(between_two_poles_it_rises_ring_by_ring), cmocka_unit_test(a_flat_sheet_gives_a_linear_field),
         cmocka_unit_test(what_no_fixed_vertex_reaches_is_nan),     cmocka_unit_test(bad_fixed_values_are_rejected),
-        cmocka_unit_test(distances_are_those_of_the_path_back),
+        cmocka_unit_test(distances_are_those_of_the_path_back),    cmocka_unit_test(fast_marching_is_exact_from_a_line),
+        cmocka_unit_test(fast_marching_finds_the_profile),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

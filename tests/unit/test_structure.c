@@ -126,8 +126,13 @@ static void roots_at_one_end_grow_one_way(void **state) {
 static void a_share_of_one_still_leaves_both_sides(void **state) {
     (void)state;
     sn_muscle m = rooted(blocks(two_prongs), 10.5);
-    sn_structure_report r = build(&m, (sn_structure_params){.spacing = 0, .prune = 1.0});
+    /* the two prongs make one branch between them: outside, and too far from either for short links */
+    sn_structure_report r = build(&m, (sn_structure_params){.spacing = 0, .prune = 1.0, .keep_outside = true});
     check(&m, &r);
+    assert_int_equal(r.leaves, 2);
+    assert_true(r.outside > 0);
+    r = build(&m, (sn_structure_params){.spacing = 0, .prune = 1.0});
+    assert_int_equal(r.outside, 0);
     assert_int_equal(r.leaves, 2);
     sn_muscle_free(&m);
 }
@@ -173,7 +178,7 @@ static void bad_input_says_what_would_help(void **state) {
 /* ---- the trace --------------------------------------------------------------------------------------------------------------------- */
 
 typedef struct steps {
-    int fronts, prunes, branches, resamples, connects;
+    int fronts, slabs, prunes, branches, resamples, connects, moves;
     sn_index vertices;
 } steps;
 
@@ -181,28 +186,36 @@ static void count_step(void *user, int64_t number, const char *stage, const sn_t
     steps *s = user;
     (void)number;
     s->fronts += strcmp(stage, "front") == 0;
+    s->slabs += strcmp(stage, "slab") == 0;
     s->prunes += strcmp(stage, "prune") == 0;
+    s->moves += strcmp(stage, "inside") == 0;
     s->branches += strcmp(stage, "branch") == 0;
     s->resamples += strcmp(stage, "resample") == 0;
     s->connects += strcmp(stage, "connect") == 0;
     for (int i = 0; i < count; i++)
-        if (strcmp(stage, "front") == 0 && values[i].kind == SN_TRACE_INDICES) s->vertices += values[i].count;
+        if ((strcmp(stage, "front") == 0 || strcmp(stage, "slab") == 0) && values[i].kind == SN_TRACE_INDICES) s->vertices += values[i].count;
 }
 
 static void the_trace_shows_every_step(void **state) {
     (void)state;
-    sn_muscle m = rooted(blocks(knobbed_bar), 10.5);
-    sn_structure_report r;
-    steps seen = {0};
-    sn_trace trace = {.receive = count_step, .user = &seen, .stop_after = -1};
-    sn_structure_params params = sn_structure_defaults();
-    assert_int_equal(sn_structure_build(&m, &params, &trace, &m.structure, &r, NULL), SN_OK);
-    assert_int_equal(seen.vertices, m.mesh.vertex_count); /* the fronts visit every vertex once */
-    assert_int_equal(seen.prunes, r.pruned);
-    assert_int_equal(seen.branches, r.branches);
-    assert_int_equal(seen.resamples, r.branches);
-    assert_int_equal(seen.connects, r.branches);
-    sn_muscle_free(&m);
+    for (int metric = SN_METRIC_SLABS; metric <= SN_METRIC_HOPS; metric++) {
+        sn_muscle m = rooted(blocks(knobbed_bar), 10.5);
+        sn_structure_report r;
+        steps seen = {0};
+        sn_trace trace = {.receive = count_step, .user = &seen, .stop_after = -1};
+        sn_structure_params params = sn_structure_defaults();
+        params.metric = (sn_structure_metric)metric;
+        assert_int_equal(sn_structure_build(&m, &params, &trace, &m.structure, &r, NULL), SN_OK);
+        assert_true((seen.slabs > 0) == (metric == SN_METRIC_SLABS));
+        assert_true((seen.fronts > 0) == (metric == SN_METRIC_HOPS));
+        assert_int_equal(seen.vertices, m.mesh.vertex_count); /* every vertex is visited once */
+        assert_int_equal(seen.prunes, r.pruned);
+        assert_int_equal(seen.moves, r.moved);
+        assert_int_equal(seen.branches, r.branches);
+        assert_int_equal(seen.resamples, r.branches);
+        assert_int_equal(seen.connects, r.branches);
+        sn_muscle_free(&m);
+    }
 }
 
 static void stopping_anywhere_leaves_a_valid_part(void **state) {

@@ -1,94 +1,7 @@
-/* traverse.c -- the front that runs over the surface from the roots, splitting where it falls apart ([R18] 3.1, figure 1). */
+/* hops.c -- the front that runs over the surface from the roots, splitting where it falls apart ([R18] 3.1, figure 1). */
 #include <stdlib.h>
 
 #include "tree.h"
-
-/* ---- the tree's storage ----------------------------------------------------------------------------------------------- */
-
-sn_status tree_create(const sn_mesh *mesh, const sn_topology *topology, tree *out, sn_error *error) {
-    size_t n = (size_t)mesh->vertex_count;
-    sn_box box = sn_mesh_box(mesh);
-    *out = (tree){.mesh = mesh, .topology = topology, .origin = sn_lerp(box.low, box.high, 0.5)};
-    out->parent = SN_NEW(sn_index, n);
-    out->depth = SN_NEW(sn_index, n);
-    out->size = SN_NEW(sn_index, n);
-    out->first = SN_NEW(sn_index, n);
-    out->last = SN_NEW(sn_index, n);
-    out->sum = SN_NEW(sn_vec3, n);
-    out->sum2 = SN_NEW(double, n);
-    out->front = SN_NEW(sn_index, n);
-    out->next = SN_NEW(sn_index, n);
-    if (!out->parent || !out->depth || !out->size || !out->first || !out->last || !out->sum || !out->sum2 || !out->front || !out->next) {
-        tree_free(out);
-        return sn_fail_memory(error, "the traversal of the surface");
-    }
-    for (size_t v = 0; v < n; v++) out->front[v] = out->next[v] = SN_NONE;
-    return SN_OK;
-}
-
-void tree_free(tree *t) {
-    free(t->parent);
-    free(t->depth);
-    free(t->size);
-    free(t->first);
-    free(t->last);
-    free(t->sum);
-    free(t->sum2);
-    free(t->front);
-    free(t->next);
-    *t = (tree){0};
-}
-
-static void append_vertex(tree *t, sn_index front, sn_index vertex) {
-    if (t->size[front]++ == 0)
-        t->first[front] = vertex;
-    else
-        t->next[t->last[front]] = vertex;
-    t->last[front] = vertex;
-    t->front[vertex] = front;
-    sn_vec3 p = sn_sub(t->mesh->positions[vertex], t->origin);
-    t->sum[front] = sn_add(t->sum[front], p);
-    t->sum2[front] += sn_norm2(p);
-}
-
-sn_index tree_add_front(tree *t, sn_index parent, sn_index count, const sn_index *vertices) {
-    sn_index front = t->count++;
-    t->parent[front] = parent;
-    t->depth[front] = parent == SN_NONE ? 0 : t->depth[parent] + 1;
-    t->first[front] = t->last[front] = SN_NONE;
-    for (sn_index i = 0; i < count; i++) append_vertex(t, front, vertices[i]);
-    return front;
-}
-
-sn_vec3 tree_position(const tree *t, sn_index front) { return sn_add_scaled(t->origin, t->sum[front], 1.0 / (double)t->size[front]); }
-
-double tree_radius(const tree *t, sn_index front) {
-    double n = (double)t->size[front];
-    return sqrt(fmax(0.0, t->sum2[front] / n - sn_norm2(sn_scale(t->sum[front], 1.0 / n))));
-}
-
-static void move_front(tree *t, sn_index from, sn_index to) {
-    t->parent[to] = t->parent[from];
-    t->size[to] = t->size[from];
-    t->first[to] = t->first[from];
-    t->last[to] = t->last[from];
-    t->sum[to] = t->sum[from];
-    t->sum2[to] = t->sum2[from];
-    for (sn_index v = t->first[to]; v != SN_NONE; v = t->next[v]) t->front[v] = to;
-}
-
-void tree_compact(tree *t) {
-    sn_index *number = t->depth; /* the new numbers, until the depths are counted afresh */
-    sn_index kept = 0;
-    for (sn_index f = 0; f < t->count; f++)
-        if (t->size[f] > 0) number[f] = kept++;
-    for (sn_index f = 0; f < t->count; f++)
-        if (t->size[f] > 0 && t->parent[f] != SN_NONE) t->parent[f] = number[t->parent[f]];
-    for (sn_index f = 0, to = 0; f < t->count; f++)
-        if (t->size[f] > 0) move_front(t, f, to++);
-    t->count = kept;
-    for (sn_index f = 0; f < kept; f++) t->depth[f] = t->parent[f] == SN_NONE ? 0 : t->depth[t->parent[f]] + 1;
-}
 
 /* ---- traversal ---------------------------------------------------------------------------------------------------------- */
 
@@ -173,9 +86,21 @@ static sn_index find_parent(traversal *r, sn_index count) {
     return best;
 }
 
+static void weigh_vertex(tree *t, sn_index front, sn_index vertex) {
+    sn_vec3 p = sn_sub(t->mesh->positions[vertex], t->origin);
+    tree_add_vertex(t, front, vertex);
+    t->weight[front] += 1.0;
+    t->sum[front] = sn_add(t->sum[front], p);
+    t->sum2[front] += sn_norm2(p);
+    t->distance_sum[front] += t->distance[vertex];
+    t->reach[front] = fmax(t->reach[front], t->distance[vertex]);
+}
+
 static bool add_front(traversal *r, sn_index parent, sn_index count, sn_trace *trace) {
     tree *t = r->tree;
-    sn_index front = tree_add_front(t, parent, count, r->component);
+    sn_index front = tree_add_front(t, parent);
+    t->side[front] = t->part[r->component[0]];
+    for (sn_index i = 0; i < count; i++) weigh_vertex(t, front, r->component[i]);
     sn_vec3 p = tree_position(t, front);
     return SN_TRACE(trace, "front", sn_trace_number("sample", front), sn_trace_number("parent", parent), sn_trace_number("hops", r->layer),
                     sn_trace_number("x", p.x), sn_trace_number("y", p.y), sn_trace_number("z", p.z),
@@ -210,7 +135,9 @@ static sn_status run(traversal *r, const sn_roots *roots, sn_trace *trace) {
 
 sn_status traverse_hops(tree *t, const sn_roots *roots, sn_trace *trace, sn_error *error) {
     traversal r;
-    sn_status status = traversal_alloc(&r, t) ? run(&r, roots, trace) : sn_fail_memory(error, "the traversal of the surface");
+    sn_status status = tree_reserve(t, t->mesh->vertex_count, error);
+    if (!traversal_alloc(&r, t)) status = sn_fail_memory(error, "the traversal of the surface");
+    if (!status) status = run(&r, roots, trace);
     traversal_free(&r);
     return status;
 }
