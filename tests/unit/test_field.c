@@ -131,7 +131,7 @@ static void fast_marching_is_exact_from_a_line(void **state) {
     double distance[SIDE * SIDE];
     assert_int_equal(sn_geodesic_distance(&m, &topology, SIDE, row, distance, NULL), SN_OK);
     for (sn_index i = 0; i < SIDE * SIDE; i++) /* but on the left, where the sheet overhangs its row, the wave comes round the corner */
-        if (m.positions[i].x >= 3.0) assert_true(fabs(distance[i] - m.positions[i].y) < 1e-9);
+        if (i % SIDE >= i / SIDE) assert_true(fabs(distance[i] - m.positions[i].y) < 1e-9);
     sn_topology_free(&topology);
     sn_mesh_free(&m);
 }
