@@ -298,6 +298,7 @@ static const char *find_child(const char *at, const char *end, const sn_json_val
         }
         if (found) return at;
         at = skip_blanks(skip_value(at, end), end);
+        if (at < end && *at != ',') return NULL; /* that was the last one */
     }
     return NULL;
 }

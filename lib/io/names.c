@@ -4,14 +4,20 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Bytes of the UTF-8 character at text; 0 where there is none. */
+/* Bytes of the UTF-8 character at text; 0 where there is none: no longer form than needed, no surrogate, nothing that XML forbids. */
 static size_t character_length(const char *text) {
-    unsigned char c = (unsigned char)*text;
-    size_t length = c < 0x80 ? 1 : c >= 0xc2 && c < 0xe0 ? 2 : c >= 0xe0 && c < 0xf0 ? 3 : c >= 0xf0 && c < 0xf5 ? 4 : 0;
+    const unsigned char *c = (const unsigned char *)text;
+    size_t length = c[0] < 0x80                   ? 1
+                    : c[0] >= 0xc2 && c[0] < 0xe0 ? 2
+                    : c[0] >= 0xe0 && c[0] < 0xf0 ? 3
+                    : c[0] >= 0xf0 && c[0] < 0xf5 ? 4
+                                                  : 0;
     for (size_t i = 1; i < length; i++) {
-        if (((unsigned char)text[i] & 0xc0) != 0x80) return 0;
+        if ((c[i] & 0xc0) != 0x80) return 0;
     }
-    return length;
+    bool bad = (c[0] == 0xe0 && c[1] < 0xa0) || (c[0] == 0xed && c[1] >= 0xa0) || (c[0] == 0xf0 && c[1] < 0x90) ||
+               (c[0] == 0xf4 && c[1] >= 0x90) || (c[0] == 0xef && c[1] == 0xbf && c[2] >= 0xbe);
+    return bad ? 0 : length;
 }
 
 static bool is_safe(const char *text, bool spaces) {
