@@ -274,8 +274,9 @@ static sn_status add_mesh(meshes *m, const struct aiMesh *mesh, const transform 
 
 /* Names that assimp makes up for nodes that have none. */
 static bool is_made_up(const struct aiString *text) {
-    static const char *const starts[] = {"nodes[", "$ColladaAutoName$", "<", "RootNode", "ROOT"};
-    if (text->length == 0) return true;
+    static const char *const names[] = {"", "RootNode", "ROOT"}, *const starts[] = {"nodes[", "$ColladaAutoName$", "<"};
+    for (size_t i = 0; i < sizeof names / sizeof *names; i++)
+        if (strcmp(text->data, names[i]) == 0) return true;
     for (size_t i = 0; i < sizeof starts / sizeof *starts; i++)
         if (strncmp(text->data, starts[i], strlen(starts[i])) == 0) return true;
     return false;
@@ -390,8 +391,7 @@ static const struct aiScene *load(folder *f, const char *kind) {
     if (properties == NULL) return NULL;
     static const char *const off[] = {AI_CONFIG_IMPORT_FBX_READ_MATERIALS,  AI_CONFIG_IMPORT_FBX_READ_TEXTURES,
                                       AI_CONFIG_IMPORT_FBX_READ_CAMERAS,    AI_CONFIG_IMPORT_FBX_READ_LIGHTS,
-                                      AI_CONFIG_IMPORT_FBX_READ_ANIMATIONS, AI_CONFIG_IMPORT_FBX_READ_WEIGHTS,
-                                      AI_CONFIG_IMPORT_FBX_PRESERVE_PIVOTS};
+                                      AI_CONFIG_IMPORT_FBX_READ_ANIMATIONS, AI_CONFIG_IMPORT_FBX_READ_WEIGHTS};
     for (size_t i = 0; i < sizeof off / sizeof *off; i++) aiSetImportPropertyInteger(properties, off[i], 0);
     aiSetImportPropertyInteger(properties, AI_CONFIG_IMPORT_NO_SKELETON_MESHES, 1);
     aiSetImportPropertyInteger(properties, AI_CONFIG_IMPORT_COLLADA_USE_COLLADA_NAMES, 1);

@@ -133,6 +133,11 @@ pretend() {
     "$scene" fbx c.fbx 2.54 2
     "$clean" c.fbx -o c.json
     expect_extent c.json "8 10 20 30 12 23 34 0.0254"
+    "$scene" fbx-pivot p.fbx
+    "$clean" p.fbx -o p.json
+    expect_extent p.json "8 12 -30 20 14 -27 24 0.01"
+    "$clean" --list p.fbx > list
+    printf '1\tsoleus\t8\t12\n' | cmp - list
     "$clean" --list b.fbx > list
     printf '1\tsoleus\t8\t12\n' | cmp - list
 }
