@@ -214,6 +214,7 @@ void cli_report_mesh(sn_json *json, const sn_mesh_report *report) {
         {"duplicateVertices", report->duplicate_vertices},
         {"degenerateTriangles", report->degenerate_triangles},
         {"duplicateTriangles", report->duplicate_triangles},
+        {"sliverTriangles", report->sliver_triangles},
         {"boundaryEdges", report->boundary_edges},
         {"boundaryLoops", report->boundary_loops},
         {"nonManifoldEdges", report->nonmanifold_edges},

@@ -8,21 +8,34 @@
 #include "sinew/rig.h"
 
 static sn_clean_params params;
-static int64_t max_hole = -1, triangles;
-static const char *keep = "largest";
+static int64_t max_hole = -1, triangles, smooth;
+static const char *keep = "largest", *weld = "auto", *repair = "exact";
 static bool check;
 
 static const cli_option options[] = {
-    {0, "weld", "SHARE", CLI_NUMBER, &params.weld, CLI_RESULT, 0.0, 0.1, NULL,
-     "join vertices closer than this share of the box diagonal (default 1e-6; 0 = equal ones only)"},
+    {0, "weld", "SHARE", CLI_TEXT, &weld, CLI_RESULT, 0, 0, NULL,
+     "join vertices, and close cracks, up to this share of the box diagonal; auto (default): 1e-6, and cracks as wide as the mesh says"},
     {0, "repair-nonfinite", NULL, CLI_FLAG, &params.repair_nonfinite, CLI_RESULT, 0, 0, NULL,
      "drop vertices with NaN or infinity and their triangles, instead of failing"},
     {0, "no-manifold", NULL, CLI_CLEAR, &params.make_manifold, CLI_RESULT, 0, 0, NULL,
      "leave orientation and non-manifold edges as they are"},
     {0, "keep", "WHICH", CLI_TEXT, &keep, CLI_RESULT, 0, 0, NULL, "components to keep, by area: largest (default), all, or how many"},
     {0, "max-hole", "N", CLI_INTEGER, &max_hole, CLI_RESULT, 0, SN_INDEX_MAX, NULL, "fill holes of up to N edges (default: any; 0 = none)"},
-    {0, "triangles", "N", CLI_INTEGER, &triangles, CLI_RESULT, 4, SN_INDEX_MAX, NULL, "decimate to at most N triangles (default: leave)"},
     {0, "no-outward", NULL, CLI_CLEAR, &params.outward, CLI_RESULT, 0, 0, NULL, "leave components that are inside out"},
+    {0, "most-lost", "SHARE", CLI_NUMBER, &params.most_lost, CLI_RESULT, 0.0, 1.0, NULL,
+     "the share of the area that may be lost before it is a shortfall (default 0.05; not asked with --keep)"},
+    {0, "repair", "HOW", CLI_TEXT, &repair, CLI_RESULT, 0, 0, NULL,
+     "exact (default): vertices stay where they are; full: wrap what that cannot close, or would lose too much of"},
+    {0, "wrap", "OFFSET", CLI_NUMBER, &params.wrap, CLI_RESULT, 1e-4, 0.1, NULL,
+     "build a new surface around the old, this share of the diagonal away (--repair full: 0.002 where it must)"},
+    {0, "remove-intersections", NULL, CLI_FLAG, &params.remove_intersections, CLI_RESULT, 0, 0, NULL,
+     "replace triangles that cross, within 30 s"},
+    {0, "edge-length", "L", CLI_NUMBER, &params.edge_length, CLI_RESULT, 1e-12, 1e12, NULL,
+     "remesh to edges of about this length, in the document's unit"},
+    {0, "triangles", "N", CLI_INTEGER, &triangles, CLI_RESULT, 4, SN_INDEX_MAX, NULL, "decimate to at most N triangles (default: leave)"},
+    {0, "smooth", "N", CLI_INTEGER, &smooth, CLI_RESULT, 0, 1000, NULL, "N rounds of smoothing that keep the volume"},
+    {0, "flip-slivers", NULL, CLI_FLAG, &params.flip_slivers, CLI_RESULT, 0, 0, NULL,
+     "flip edges of triangles that are thin, where the surface is flat"},
     {0, "self-intersections", NULL, CLI_FLAG, &params.count_intersections, 0, 0, 0, NULL, "count pairs of triangles that cross"},
     {0, "check", NULL, CLI_FLAG, &check, 0, 0, 0, NULL, "say what is wrong with the input and write nothing; exit status 3 if anything is"},
 };
@@ -43,8 +56,26 @@ static void take_keep(const cli *c) {
     params.keep = (sn_index)count;
 }
 
+/* A share of the diagonal is for vertices and cracks alike; with 0 only equal vertices are joined. */
+static void take_weld(const cli *c) {
+    sn_error error = {0};
+    if (strcmp(weld, "auto") == 0) return;
+    if (sn_parse_number(weld, &params.weld, &error) != SN_OK || params.weld < 0.0 || params.weld > 0.1) {
+        cli_usage_error(c, "--weld takes auto, or a share of the diagonal from 0 to 0.1, not '%s'", weld);
+    }
+    params.crack = params.weld;
+    params.close_cracks = params.weld > 0.0;
+}
+
 static void take_options(cli *c) {
     take_keep(c);
+    take_weld(c);
+    params.full = strcmp(repair, "full") == 0;
+    if (!params.full && strcmp(repair, "exact") != 0) cli_usage_error(c, "--repair takes exact or full, not '%s'", repair);
+    if (cli_given(c, "keep") && !cli_given(c, "most-lost")) params.most_lost = 1.0; /* what goes was asked for */
+    if (!params.make_manifold && (params.full || params.wrap > 0.0))
+        cli_usage_error(c, "--no-manifold goes without --repair full and --wrap");
+    params.smooth = (sn_index)smooth;
     if (max_hole >= 0) params.max_hole = (sn_index)max_hole;
     params.triangles = (sn_index)triangles;
     c->read.allow_nonfinite = true; /* the library says which vertex, or drops it */
@@ -53,7 +84,7 @@ static void take_options(cli *c) {
 
 /* ---- timings of the steps ------------------------------------------------------------------------------------------------ */
 
-#define MOST_STAGES 16
+#define MOST_STAGES 24
 
 /* Stands between the library and the tool's trace, and looks at the clock. */
 typedef struct stopwatch {
@@ -132,7 +163,10 @@ static void write_dropped(sn_json *json, const sn_clean_report *r) {
 
 static void write_counts(sn_json *json, const sn_clean_report *r) {
     sn_json_integer(json, "nonfiniteVertices", r->nonfinite_vertices);
+    sn_json_number(json, "weldTolerance", r->weld_tolerance);
     sn_json_integer(json, "welded", r->welded);
+    sn_json_integer(json, "crackVertices", r->crack_vertices);
+    sn_json_number(json, "crackWidth", r->crack_width);
     sn_json_integer(json, "degenerate", r->degenerate);
     sn_json_integer(json, "duplicate", r->duplicate);
     sn_json_integer(json, "unused", r->unused);
@@ -143,6 +177,13 @@ static void write_counts(sn_json *json, const sn_clean_report *r) {
     sn_json_integer(json, "holesFilled", r->holes_filled);
     sn_json_integer(json, "flippedComponents", r->flipped_components);
     sn_json_integer(json, "decimatedTriangles", r->decimated_triangles);
+    sn_json_integer(json, "flippedSlivers", r->flipped_slivers);
+    sn_json_number(json, "lostArea", r->lost_area);
+    sn_json_number(json, "lostShare", r->lost_share);
+    sn_json_bool(json, "wrapped", r->wrapped);
+    sn_json_number(json, "wrapOffset", r->wrap_offset);
+    sn_json_number(json, "wrapAlpha", r->wrap_alpha);
+    sn_json_number(json, "volumeChange", r->volume_change);
     sn_json_bool(json, "orientable", r->orientable);
     sn_json_bool(json, "unchanged", r->unchanged);
     sn_json_number(json, "moved", r->moved);
@@ -180,6 +221,7 @@ static void say_table(const cli *c, const sn_mesh_report *b, const sn_mesh_repor
     say_row(c, "duplicate vertices", b->duplicate_vertices, a->duplicate_vertices);
     say_row(c, "duplicate triangles", b->duplicate_triangles, a->duplicate_triangles);
     say_row(c, "degenerate triangles", b->degenerate_triangles, a->degenerate_triangles);
+    say_row(c, "slivers", b->sliver_triangles, a->sliver_triangles);
     if (b->self_intersections >= 0) say_row(c, "self-intersections", b->self_intersections, a->self_intersections);
     say_row(c, "genus", b->genus, a->genus);
     say_row(c, "area", b->area, a->area);
@@ -192,6 +234,9 @@ static void say_table(const cli *c, const sn_mesh_report *b, const sn_mesh_repor
 
 /* ---- work ----------------------------------------------------------------------------------------------------------------- */
 
+/* More pieces than this are counted, not named: the report has them all. */
+#define MOST_NAMED 5
+
 static void warn_of_losses(const cli *c, const sn_clean_report *r) {
     double area = 0.0;
     for (sn_index i = 0; i < r->dropped_count; i++) area += r->dropped[i].area;
@@ -199,23 +244,42 @@ static void warn_of_losses(const cli *c, const sn_clean_report *r) {
         cli_warn(c, "dropped %d component%s with %.3g %% of the area; --keep all keeps everything", r->dropped_count,
                  r->dropped_count == 1 ? "" : "s", 100.0 * area / (area + r->after.area));
     }
+    for (sn_index i = 0; i < r->dropped_count && i < MOST_NAMED; i++) {
+        const sn_dropped_component *d = &r->dropped[i];
+        cli_warn(c, "dropped: %d triangle%s, area %.4g, volume %.4g, at %.5g %.5g %.5g", d->triangles, d->triangles == 1 ? "" : "s",
+                 d->area, d->volume, d->centre.x, d->centre.y, d->centre.z);
+    }
+    if (r->dropped_count > MOST_NAMED) cli_warn(c, "and %d smaller ones; --report lists them", r->dropped_count - MOST_NAMED);
     if (r->nonfinite_vertices > 0) cli_warn(c, "dropped %d vertices that are not finite", r->nonfinite_vertices);
 }
 
-/* A closed surface with less volume than this share of area x diagonal is a sheet, folded flat. */
-#define TINY_VOLUME 1e-9
+static void warn_of_changes(const cli *c, const sn_clean_report *r) {
+    if (r->crack_vertices > 0) {
+        cli_warn(c, "closed cracks up to %.3g wide (%.2g of the diagonal) at %d vertices", r->crack_width,
+                 r->crack_width / r->before.diagonal, r->crack_vertices);
+    }
+    if (r->wrapped) {
+        cli_warn(c, "wrapped: a new surface, %.3g away from the old (alpha %.3g), moved by %.3g at most (%.2g %% of the diagonal)",
+                 r->wrap_offset, r->wrap_alpha, r->moved, 100.0 * r->moved / r->before.diagonal);
+    }
+    if (fabs(r->volume_change) > 0.01) cli_warn(c, "the volume has changed by %.2g %%", 100.0 * r->volume_change);
+}
 
 static void judge(cli *c, const sn_clean_report *r) {
     sn_mesh_report after = r->after;
-    after.self_intersections = 0; /* counted on request, not asked to be none */
+    if (!params.remove_intersections) after.self_intersections = 0; /* counted on request, not asked to be none */
     if (!params.outward) after.outward = true;
     sentence left = list_defects(&after, 0);
     if (!r->orientable)
-        cli_shortfall(c, "the surface is one-sided, like a Moebius strip: it was cut to be oriented; look at the input");
+        cli_shortfall(c,
+                      "the surface is one-sided, like a Moebius strip: it was cut to be oriented; look at the input, or try --repair full");
     else if (left.used > 0)
         cli_shortfall(c, "written, but the surface still has %s", left.text);
-    else if (fabs(after.volume) <= TINY_VOLUME * after.area * after.diagonal)
+    else if (r->flat)
         cli_shortfall(c, "written, but the surface encloses no volume");
+    else if (r->lost_share > params.most_lost)
+        cli_shortfall(c, "written, but %.3g %% of the area is lost; --repair full keeps it, --keep all keeps every piece",
+                      100.0 * r->lost_share);
     else if (triangles > 0 && after.triangles > triangles) {
         cli_shortfall(c, "written, but with %d triangles: no more edges can go", after.triangles);
     }
@@ -235,6 +299,7 @@ static sn_status clean(cli *c, cli_muscle *muscle, sn_error *error) {
     muscle->muscle.mesh = cleaned;
     say_table(c, &report.before, &report.after);
     warn_of_losses(c, &report);
+    warn_of_changes(c, &report);
     sn_status saved = cli_save(c, muscle, report.unchanged ? 0 : SN_SECTION_MESH, error);
     result all = {&report, &watch, muscle->muscle.meters_per_unit};
     if (saved == SN_OK) saved = cli_report(c, write_report, &all, error);

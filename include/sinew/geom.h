@@ -19,6 +19,14 @@ SN_MUST_CHECK sn_status sn_weld(sn_mesh *mesh, double tolerance, sn_index *welde
  * 1e-12 of the longest edge). One that has its middle corner on an edge of its neighbour gives way to a split of the neighbour, so
  * that no crack opens. */
 SN_MUST_CHECK sn_status sn_drop_bad_triangles(sn_mesh *mesh, sn_index *degenerate, sn_index *duplicate, sn_error *error);
+/* Join borders that run side by side: a border vertex that lies closer than `tolerance` to another border vertex is joined with it (the
+ * lower index stays), one that lies that close to a border edge splits the triangle there. tolerance 0 = as the mesh says: closer than
+ * a quarter of the shortest border edge at either. */
+typedef struct sn_crack_report {
+    sn_index vertices; /* joined, or put into an edge */
+    double widest;     /* the widest gap closed */
+} sn_crack_report;
+SN_MUST_CHECK sn_status sn_close_cracks(sn_mesh *mesh, double tolerance, sn_crack_report *report, sn_error *error);
 /* Drop vertices that no triangle uses; the rest keep their order. */
 SN_MUST_CHECK sn_status sn_drop_unused_vertices(sn_mesh *mesh, sn_index *dropped, sn_error *error);
 /* Drop vertices with a coordinate that is not finite, and the triangles on them. Indices must be in range. */
@@ -34,12 +42,35 @@ SN_MUST_CHECK sn_status sn_make_manifold(sn_mesh *mesh, sn_manifold_report *repo
 /* Fill boundary loops of at most max_edges edges (0 = any); boundary edges are recounted after it. */
 SN_MUST_CHECK sn_status sn_fill_holes(sn_mesh *mesh, sn_index max_edges, sn_trace *trace, sn_index *filled, sn_index *boundary_left,
                                       sn_error *error);
+/* A closed oriented manifold in *out around the triangles of any soup, however broken (Portaneri et al. 2022, Alpha wrapping with an
+ * offset): parts nearer than 2 offset become one body, holes narrower than 2 alpha are bridged. Its vertices are then drawn back towards
+ * the soup, to a quarter of the offset from it, or as far as no triangles cross. Without attributes: sn_carry_attributes. Deterministic. */
+SN_MUST_CHECK sn_status sn_wrap(const sn_mesh *mesh, double alpha, double offset, sn_mesh *out, sn_error *error);
+/* Edges of about edge_length all over an oriented manifold (Botsch, Kobbelt 2004); attributes follow by closest point. SN_ERROR_USAGE
+ * where that would take more than ten million triangles, or so few that no surface would be left. */
+SN_MUST_CHECK sn_status sn_remesh(sn_mesh *mesh, double edge_length, sn_error *error);
+/* Rounds of smoothing by uniform weights, a step in and a step out (Taubin 1995, lambda 0.5, mu -0.53). Borders stay where they are. */
+SN_MUST_CHECK sn_status sn_smooth(sn_mesh *mesh, sn_index rounds, sn_error *error);
+/* Move a closed surface along its normals until it encloses `volume` again, by a tenth of the mean edge at most. */
+SN_MUST_CHECK sn_status sn_restore_volume(sn_mesh *mesh, double volume, sn_error *error);
+/* Slivers, triangles with a quality (sn_mesh_report) below SN_SLIVER_QUALITY, are flipped away where the surface stays what it is: the
+ * normals of the two triangles on their longest edge turn by less than 5 degrees. Vertices stay. */
+SN_MUST_CHECK sn_status sn_flip_slivers(sn_mesh *mesh, sn_index *flipped, sn_error *error);
+/* Values painted on vertices and groups of triangles of `from` to `to`, which lies near it, by closest point: numbers are interpolated,
+ * integers (labels, colours) taken from the nearest corner. `to` has none yet, or those of `from` in their order. */
+SN_MUST_CHECK sn_status sn_carry_attributes(const sn_mesh *from, sn_mesh *to, sn_error *error);
 /* Quadric edge collapse to at most target_triangles; attributes follow by closest point. */
 SN_MUST_CHECK sn_status sn_decimate(sn_mesh *mesh, sn_index target_triangles, sn_error *error);
 /* Flip components so that each encloses positive volume (a closed component inside another stays as it is if it is a cavity). */
 SN_MUST_CHECK sn_status sn_orient_outward(sn_mesh *mesh, sn_index *flipped, sn_error *error);
 /* Number of pairs of triangles that cross (CGAL; shared vertices and edges do not count). */
 SN_MUST_CHECK sn_status sn_count_self_intersections(const sn_mesh *mesh, sn_index *pairs, sn_error *error);
+/* Replace triangles that cross in a closed oriented manifold (CGAL, experimental there): in a child process, ended after `seconds`.
+ * The mesh is changed only where the result is a closed oriented manifold with fewer crossings; *left is what remains, *ended_early tells
+ * that the time was up. Attributes follow by closest point. */
+SN_MUST_CHECK sn_status sn_remove_self_intersections(sn_mesh *mesh, double seconds, sn_index *left, bool *ended_early, sn_error *error);
+/* Area of triangles of `from` that `to` has lost: centres farther than `reach` from its surface, and not inside it. */
+SN_MUST_CHECK sn_status sn_lost_area(const sn_mesh *from, const sn_mesh *to, double reach, double *out, sn_error *error);
 /* Greatest distance of a sample of `from` (vertices and triangle centres) to the surface of `to`, exact closest points. */
 SN_MUST_CHECK sn_status sn_one_sided_distance(const sn_mesh *from, const sn_mesh *to, double *out, sn_error *error);
 /* Greatest distance from a surface sample of one mesh to the other surface, both ways: vertices and triangle centres, exact closest

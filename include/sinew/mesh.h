@@ -89,10 +89,13 @@ void sn_mesh_vertex_normals(const sn_mesh *mesh, sn_vec3 *normals);
 
 /* ---- defects ------------------------------------------------------------------------------------------------------ */
 
+#define SN_SLIVER_QUALITY 0.05
+
 typedef struct sn_mesh_report {
     sn_index vertices, triangles, edges, components;
     sn_index unused_vertices, duplicate_vertices;       /* exactly equal coordinates */
     sn_index degenerate_triangles, duplicate_triangles; /* repeated index or zero area; the same three vertices */
+    sn_index sliver_triangles;                          /* not degenerate, but of a quality below SN_SLIVER_QUALITY */
     sn_index boundary_edges, boundary_loops, nonmanifold_edges, nonmanifold_vertices, inconsistent_edges;
     sn_index self_intersections; /* pairs of triangles that cross; -1 = not computed */
     double genus;                /* summed over components; NaN where the surface is not a closed manifold */

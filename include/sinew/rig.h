@@ -14,28 +14,48 @@
 /* ---- clean (methods.md 1; lib/rig/clean.c) -------------------------------------------------------------------------- */
 
 typedef struct sn_clean_params {
-    double weld;              /* join vertices closer than this share of the box diagonal; 0 = exactly equal ones only; default 1e-6 */
-    bool repair_nonfinite;    /* drop vertices with NaN or infinity, and their triangles, instead of failing */
-    bool make_manifold;       /* default true */
-    sn_index keep;            /* how many of the largest components to keep; 1 by default; 0 = all */
-    sn_index max_hole;        /* fill holes of up to this many edges; 0 = none; default SN_INDEX_MAX = any */
-    sn_index triangles;       /* decimate to at most this many; 0 = leave */
-    bool outward;             /* turn the outside outside; default true */
-    bool count_intersections; /* count self-intersections for the report; default false: it costs more than all the rest */
+    double weld;               /* join vertices closer than this share of the box diagonal; 0 = exactly equal ones only; default 1e-6 */
+    bool close_cracks;         /* default true: join borders that run side by side */
+    double crack;              /* cracks up to this share of the diagonal; 0, the default = as wide as the mesh says (sn_close_cracks) */
+    bool repair_nonfinite;     /* drop vertices with NaN or infinity, and their triangles, instead of failing */
+    bool make_manifold;        /* default true */
+    sn_index keep;             /* how many of the largest components to keep; 1 by default; 0 = all */
+    sn_index max_hole;         /* fill holes of up to this many edges; 0 = none; default SN_INDEX_MAX = any */
+    bool outward;              /* turn the outside outside; default true */
+    bool count_intersections;  /* count self-intersections for the report; default false: it costs more than all the rest */
+    bool remove_intersections; /* replace triangles that cross, in a child process */
+    double seconds;            /* that it may take; default 30 */
+    double most_lost;          /* share of the area whose loss is too much; default 0.05 */
+    bool full;                 /* wrap what the steps before cannot close, or what would lose too much */
+    double wrap;               /* always wrap, with this offset as a share of the diagonal; 0 = not, or with 0.002 where `full` asks */
+    double edge_length;        /* remesh to edges of about this length, document units; 0 = leave */
+    sn_index triangles;        /* decimate to at most this many; 0 = leave */
+    sn_index smooth;           /* rounds of smoothing */
+    bool flip_slivers;         /* flip edges where that rids the surface of slivers */
 } sn_clean_params;
 
 typedef struct sn_dropped_component { sn_index triangles; double area, volume; sn_vec3 centre; } sn_dropped_component;
 
 typedef struct sn_clean_report {
     sn_mesh_report before, after;
+    double weld_tolerance;     /* document units */
     sn_index nonfinite_vertices, welded, degenerate, duplicate, unused;
-    sn_index wall_triangles; /* of fins and walls inside, dropped where more than two triangles met on an edge */
-    sn_index flipped_triangles, split_vertices, stitched_edges, holes_filled, flipped_components, decimated_triangles;
+    sn_index crack_vertices;   /* joined or put into an edge where borders ran side by side */
+    double crack_width;        /* the widest gap closed; document units */
+    sn_index wall_triangles;   /* of fins and walls inside, dropped where more than two triangles met on an edge */
+    sn_index flipped_triangles, split_vertices, stitched_edges, holes_filled, flipped_components, decimated_triangles, flipped_slivers;
     bool orientable, unchanged; /* unchanged: same vertices and triangles in the same order */
+    bool flat;                  /* closed, but no volume to speak of: a sheet folded onto itself */
     sn_index dropped_count;
     sn_dropped_component *dropped; /* (dropped_count) largest area first; owned */
-    double moved;                  /* greatest distance of the output from the input's surface; document units */
-    double hausdorff;              /* the same both ways: what was dropped counts too */
+    double lost_area;              /* of the input that is neither on the output's surface nor inside it; before any wish below */
+    double lost_share;             /* of the input's area */
+    bool wrapped;
+    double wrap_offset, wrap_alpha; /* document units; 0 = not wrapped */
+    bool intersections_late;        /* the time was up before all were removed */
+    double volume_change;           /* relative, by remeshing, decimation and smoothing, after volume was put back; NaN = open */
+    double moved;                   /* greatest distance of the output from the input's surface; document units */
+    double hausdorff;               /* the same both ways: what was dropped counts too */
 } sn_clean_report;
 
 sn_clean_params sn_clean_defaults(void);

@@ -74,24 +74,6 @@ static sn_status check_back(const sn_bridge_mesh *out, sn_error *error) {
     return SN_OK;
 }
 
-static bool copy_names(const sn_mesh *before, sn_mesh *after) {
-    for (sn_index i = 0; i < before->attribute_count; i++) {
-        sn_attribute *copy = sn_mesh_add_attribute(after, before->attributes[i].name, before->attributes[i].components);
-        if (copy == NULL) return false;
-        copy->integer = before->attributes[i].integer;
-    }
-    if (before->group_count == 0) return true;
-    after->triangle_group = SN_NEW(sn_index, after->triangle_count);
-    after->group_names = SN_NEW(char *, before->group_count);
-    if (after->triangle_group == NULL || after->group_names == NULL) return false;
-    after->group_count = before->group_count;
-    for (sn_index i = 0; i < before->group_count; i++) {
-        after->group_names[i] = sn_strdup(before->group_names[i]);
-        if (after->group_names[i] == NULL && before->group_names[i] != NULL) return false;
-    }
-    return true;
-}
-
 static void carry_attributes(const sn_mesh *before, const sn_index *vertex_origin, sn_mesh *after) {
     for (sn_index a = 0; a < before->attribute_count; a++) {
         size_t components = (size_t)before->attributes[a].components;
@@ -111,7 +93,7 @@ sn_status sn_from_bridge(const sn_mesh *before, const sn_bridge_mesh *in, const 
     if (status != SN_OK) return status;
     for (sn_index i = 0; i < out->vertex_count; i++) after->positions[i] = position_back(before, in, out, where, i);
     memcpy(after->triangles, out->triangles, (size_t)out->triangle_count * sizeof *after->triangles);
-    if (!copy_names(before, after)) {
+    if (!sn_mesh_copy_names(before, after)) {
         sn_mesh_free(after);
         return sn_fail_memory(error, "repairing a mesh");
     }

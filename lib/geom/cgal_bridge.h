@@ -45,6 +45,15 @@ sn_status sn_bridge_decimate(const sn_bridge_mesh *in, sn_index target, bool bou
 /* Pairs of triangles that meet in more than the corners and edges that they share; exact predicates; any soup. */
 sn_status sn_bridge_count_intersections(const sn_bridge_mesh *in, sn_index *pairs, sn_error *error);
 
+/* A closed oriented manifold around any soup: `offset` away from it, reaching only where a ball of radius `alpha` can come from outside. */
+sn_status sn_bridge_wrap(const sn_bridge_mesh *in, double alpha, double offset, sn_bridge_mesh *out, sn_error *error);
+
+/* Triangles with edges of about edge_length in place of those of an oriented manifold. */
+sn_status sn_bridge_remesh(const sn_bridge_mesh *in, double edge_length, unsigned iterations, sn_bridge_mesh *out, sn_error *error);
+
+/* A closed oriented manifold without the triangles that cross, new ones in their place where that works. It may take for ever. */
+sn_status sn_bridge_remove_intersections(const sn_bridge_mesh *in, sn_bridge_mesh *out, sn_error *error);
+
 #ifdef __cplusplus
 }
 #endif

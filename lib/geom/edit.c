@@ -17,6 +17,24 @@ bool sn_triangle_is_degenerate(const sn_mesh *mesh, sn_triangle t) {
     return !(sn_norm(sn_area_vector(a, b, c)) > SN_DEGENERATE_HEIGHT * longest);
 }
 
+double sn_triangle_quality(sn_vec3 a, sn_vec3 b, sn_vec3 c) {
+    double squares = sn_norm2(sn_sub(b, a)) + sn_norm2(sn_sub(c, b)) + sn_norm2(sn_sub(a, c));
+    return squares > 0.0 ? 2.0 * sqrt(3.0) * sn_norm(sn_area_vector(a, b, c)) / squares : 0.0;
+}
+
+int sn_triangle_longest_edge(const sn_mesh *mesh, sn_triangle t) {
+    int longest = 0;
+    double best = -1.0;
+    for (int k = 0; k < 3; k++) {
+        double length = sn_norm2(sn_sub(mesh->positions[t.v[(k + 1) % 3]], mesh->positions[t.v[(k + 2) % 3]]));
+        if (length > best) {
+            best = length;
+            longest = k;
+        }
+    }
+    return longest;
+}
+
 void sn_mesh_keep_triangles(sn_mesh *mesh, const bool *keep) {
     sn_index count = 0;
     for (sn_index t = 0; t < mesh->triangle_count; t++) {
@@ -48,6 +66,24 @@ void sn_mesh_renumber(sn_mesh *mesh, const sn_index *new_index, sn_index count) 
         for (int k = 0; k < 3; k++) mesh->triangles[t].v[k] = new_index[mesh->triangles[t].v[k]];
     }
     mesh->vertex_count = count;
+}
+
+bool sn_mesh_make_room(sn_mesh *mesh, sn_index vertices, sn_index triangles) {
+    size_t v = (size_t)mesh->vertex_count + (size_t)vertices, t = (size_t)mesh->triangle_count + (size_t)triangles;
+    sn_vec3 *positions = sn_realloc(mesh->positions, v, sizeof *positions);
+    if (positions != NULL) mesh->positions = positions;
+    sn_triangle *grown = sn_realloc(mesh->triangles, t, sizeof *grown);
+    if (grown != NULL) mesh->triangles = grown;
+    bool enough = positions != NULL && grown != NULL;
+    for (sn_index a = 0; a < mesh->attribute_count; a++) {
+        double *values = sn_realloc(mesh->attributes[a].values, v * (size_t)mesh->attributes[a].components, sizeof *values);
+        if (values != NULL) mesh->attributes[a].values = values;
+        enough = enough && values != NULL;
+    }
+    if (mesh->triangle_group == NULL) return enough;
+    sn_index *group = sn_realloc(mesh->triangle_group, t, sizeof *group);
+    if (group != NULL) mesh->triangle_group = group;
+    return enough && group != NULL;
 }
 
 static void swap_if_greater(sn_index *a, sn_index *b) {

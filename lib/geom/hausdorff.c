@@ -1,5 +1,5 @@
 /*
- * hausdorff.c -- greatest distance between two surfaces, sampled.
+ * hausdorff.c -- greatest distance between two surfaces, sampled; what one has lost of the other.
  */
 #include "sinew/geom.h"
 
@@ -115,6 +115,28 @@ sn_status sn_one_sided_distance(const sn_mesh *from, const sn_mesh *to, double *
     if (status == SN_OK && !is_all_common(from, &c)) {
         status = sn_surface_create(to, &surface, error);
         if (status == SN_OK) *out = greatest_distance(from, &c, surface);
+    }
+    sn_surface_destroy(surface);
+    common_free(&c);
+    return status;
+}
+
+static bool is_lost(const sn_surface *surface, sn_vec3 point, double reach) {
+    return sn_surface_closest(surface, point, reach).triangle == SN_NONE && sn_surface_signed_distance(surface, point, NULL) > 0.0;
+}
+
+sn_status sn_lost_area(const sn_mesh *from, const sn_mesh *to, double reach, double *out, sn_error *error) {
+    *out = 0.0;
+    common c;
+    sn_surface *surface = NULL;
+    sn_status status = find_common(to, from, &c, error);
+    if (status == SN_OK && !is_all_common(from, &c)) status = sn_surface_create(to, &surface, error);
+    for (sn_index t = 0; surface != NULL && t < from->triangle_count; t++) {
+        const sn_index *v = from->triangles[t].v;
+        sn_vec3 p = from->positions[v[0]], q = from->positions[v[1]], r = from->positions[v[2]];
+        if (!c.triangles[t] && is_lost(surface, sn_scale(sn_add(p, sn_add(q, r)), 1.0 / 3.0), reach)) {
+            *out += 0.5 * sn_norm(sn_area_vector(p, q, r));
+        }
     }
     sn_surface_destroy(surface);
     common_free(&c);

@@ -6,6 +6,7 @@
 #include <stdlib.h>
 
 #include "bridge.h"
+#include "edit.h"
 
 typedef struct hole_count {
     sn_trace *trace;
@@ -60,25 +61,6 @@ static sn_index loop_length(const sn_index *next, sn_index start, sn_index most)
     return 0;
 }
 
-/* Room for more vertices and triangles; attributes and groups with it. */
-static bool make_room(sn_mesh *mesh, sn_index vertices, sn_index triangles) {
-    size_t v = (size_t)mesh->vertex_count + (size_t)vertices, t = (size_t)mesh->triangle_count + (size_t)triangles;
-    sn_vec3 *positions = sn_realloc(mesh->positions, v, sizeof *positions);
-    if (positions != NULL) mesh->positions = positions;
-    sn_triangle *grown = sn_realloc(mesh->triangles, t, sizeof *grown);
-    if (grown != NULL) mesh->triangles = grown;
-    bool enough = positions != NULL && grown != NULL;
-    for (sn_index a = 0; a < mesh->attribute_count; a++) {
-        double *values = sn_realloc(mesh->attributes[a].values, v * (size_t)mesh->attributes[a].components, sizeof *values);
-        if (values != NULL) mesh->attributes[a].values = values;
-        enough = enough && values != NULL;
-    }
-    if (mesh->triangle_group == NULL) return enough;
-    sn_index *group = sn_realloc(mesh->triangle_group, t, sizeof *group);
-    if (group != NULL) mesh->triangle_group = group;
-    return enough && group != NULL;
-}
-
 static void add_triangle(sn_mesh *mesh, sn_index a, sn_index b, sn_index c) {
     if (mesh->triangle_group != NULL) mesh->triangle_group[mesh->triangle_count] = SN_NONE;
     mesh->triangles[mesh->triangle_count++] = (sn_triangle){{a, b, c}};
@@ -131,7 +113,7 @@ static sn_status close_by_fans(sn_mesh *mesh, sn_index max_edges, hole_count *co
     if (status != SN_OK) return status;
     sn_index before = mesh->vertex_count, *next = SN_NEW(sn_index, before);
     sn_index edges = next != NULL ? find_border(mesh, &topology, next) : 0;
-    if (next == NULL || !make_room(mesh, edges / 3 + 1, edges + 1)) status = sn_fail_memory(error, "filling holes");
+    if (next == NULL || !sn_mesh_make_room(mesh, edges / 3 + 1, edges + 1)) status = sn_fail_memory(error, "filling holes");
     for (sn_index v = 0; status == SN_OK && v < before; v++) {
         sn_index length = next[v] != SN_NONE ? loop_length(next, v, edges) : 0;
         if (length < 3 || length > max_edges || (length == 3 && is_lone_triangle(&topology, next, v))) continue;

@@ -38,18 +38,15 @@ static sn_status count_duplicate_triangles(const sn_mesh *mesh, sn_mesh_report *
     return status;
 }
 
-/* 4 sqrt(3) area / (a^2 + b^2 + c^2): 1 for an equilateral triangle, 0 for a degenerate one. */
-static double quality(sn_vec3 a, sn_vec3 b, sn_vec3 c) {
-    double squares = sn_norm2(sn_sub(b, a)) + sn_norm2(sn_sub(c, b)) + sn_norm2(sn_sub(a, c));
-    return squares > 0.0 ? 2.0 * sqrt(3.0) * sn_norm(sn_area_vector(a, b, c)) / squares : 0.0;
-}
-
 static void measure_triangles(const sn_mesh *mesh, sn_mesh_report *out) {
     out->worst_quality = mesh->triangle_count > 0 ? 1.0 : 0.0;
     for (sn_index t = 0; t < mesh->triangle_count; t++) {
         const sn_index *v = mesh->triangles[t].v;
-        out->degenerate_triangles += sn_triangle_is_degenerate(mesh, mesh->triangles[t]);
-        out->worst_quality = fmin(out->worst_quality, quality(mesh->positions[v[0]], mesh->positions[v[1]], mesh->positions[v[2]]));
+        double quality = sn_triangle_quality(mesh->positions[v[0]], mesh->positions[v[1]], mesh->positions[v[2]]);
+        bool degenerate = sn_triangle_is_degenerate(mesh, mesh->triangles[t]);
+        out->degenerate_triangles += degenerate;
+        out->sliver_triangles += !degenerate && quality < SN_SLIVER_QUALITY;
+        out->worst_quality = fmin(out->worst_quality, quality);
     }
 }
 

@@ -115,7 +115,7 @@ sn_status sn_find_representatives(const sn_mesh *mesh, double tolerance, sn_inde
 
 /* ---- weld ----------------------------------------------------------------------------------------------------------- */
 
-static sn_status drop_collapsed(sn_mesh *mesh, sn_error *error) {
+sn_status sn_drop_collapsed(sn_mesh *mesh, sn_error *error) {
     bool *keep = SN_NEW(bool, mesh->triangle_count);
     if (keep == NULL) return sn_fail_memory(error, "welding");
     for (sn_index t = 0; t < mesh->triangle_count; t++) keep[t] = !sn_triangle_repeats_index(mesh->triangles[t]);
@@ -124,8 +124,7 @@ static sn_status drop_collapsed(sn_mesh *mesh, sn_error *error) {
     return SN_OK;
 }
 
-/* Representatives become new numbers in place; returns how many there are. */
-static sn_index number_representatives(sn_index count, sn_index *map) {
+sn_index sn_number_representatives(sn_index count, sn_index *map) {
     sn_index next = 0;
     for (sn_index i = 0; i < count; i++) map[i] = map[i] == i ? next++ : map[map[i]];
     return next;
@@ -138,12 +137,12 @@ sn_status sn_weld(sn_mesh *mesh, double tolerance, sn_index *welded, sn_index *n
     if (map == NULL) return sn_fail_memory(error, "welding");
     sn_status status = sn_find_representatives(mesh, tolerance, map, error);
     if (status == SN_OK) {
-        sn_index count = number_representatives(before, map);
+        sn_index count = sn_number_representatives(before, map);
         *welded = before - count;
         if (new_index != NULL && before > 0) memcpy(new_index, map, (size_t)before * sizeof *map);
         if (count < before) {
             sn_mesh_renumber(mesh, map, count);
-            status = drop_collapsed(mesh, error);
+            status = sn_drop_collapsed(mesh, error);
         }
     }
     free(map);
@@ -167,19 +166,6 @@ static sn_status mark_first_of_triples(const sn_mesh *mesh, bool *keep, sn_index
     return status;
 }
 
-static int longest_edge(const sn_mesh *mesh, sn_triangle t) {
-    int longest = 0;
-    double best = -1.0;
-    for (int k = 0; k < 3; k++) {
-        double length = sn_norm2(sn_sub(mesh->positions[t.v[(k + 1) % 3]], mesh->positions[t.v[(k + 2) % 3]]));
-        if (length > best) {
-            best = length;
-            longest = k;
-        }
-    }
-    return longest;
-}
-
 static sn_triangle with_corner(sn_triangle t, sn_index from, sn_index to) {
     for (int k = 0; k < 3; k++) {
         if (t.v[k] == from) t.v[k] = to;
@@ -191,7 +177,7 @@ static sn_triangle with_corner(sn_triangle t, sn_index from, sn_index to) {
  * takes its place, and the surface stays closed. false = not possible here. */
 static bool flip_cap(sn_mesh *mesh, const sn_topology *topology, sn_index t, bool *touched) {
     sn_triangle cap = mesh->triangles[t];
-    int k = longest_edge(mesh, cap);
+    int k = sn_triangle_longest_edge(mesh, cap);
     const sn_edge *edge = &topology->edges[topology->triangle_edges[t][k]];
     if (edge->triangle_count != 2) return false;
     int other = edge->triangle[0] == t ? 1 : 0;

@@ -1,0 +1,110 @@
+/*
+ * child.c -- work that may crash or never end, done in a child process with limits.
+ */
+#include "child.h"
+
+#include <errno.h>
+#include <math.h>
+#include <poll.h>
+#include <signal.h>
+#include <stdlib.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <time.h>
+#include <unistd.h>
+
+static double now(void) {
+    struct timespec t;
+    clock_gettime(CLOCK_MONOTONIC, &t);
+    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
+/* An address sanitizer reserves more than any limit. */
+#ifdef __SANITIZE_ADDRESS__
+#define CAN_LIMIT_MEMORY false
+#else
+#define CAN_LIMIT_MEMORY true
+#endif
+
+static void set_limits(const sn_child_limits *limits) {
+    struct rlimit none = {0, 0}, time = {(rlim_t)ceil(limits->seconds) + 1, (rlim_t)ceil(limits->seconds) + 2};
+    struct rlimit memory = {limits->memory, limits->memory};
+    setrlimit(RLIMIT_CORE, &none);
+    setrlimit(RLIMIT_CPU, &time);
+    if (limits->memory > 0 && CAN_LIMIT_MEMORY) setrlimit(RLIMIT_AS, &memory);
+}
+
+bool sn_child_write(int out, const void *bytes, size_t count) {
+    const char *next = bytes;
+    while (count > 0) {
+        ssize_t written = write(out, next, count);
+        if (written < 0 && errno != EINTR) return false;
+        if (written <= 0) continue;
+        next += written;
+        count -= (size_t)written;
+    }
+    return true;
+}
+
+typedef enum reading { READ_ALL, READ_LATE, READ_FAILED } reading;
+
+/* Read until the child closes its end, within the limits. */
+static reading read_answer(int in, const sn_child_limits *limits, char **answer, size_t *count) {
+    double deadline = now() + limits->seconds;
+    size_t capacity = 0;
+    for (;;) {
+        double left = deadline - now();
+        struct pollfd watched = {.fd = in, .events = POLLIN};
+        int ready = left > 0.0 ? poll(&watched, 1, (int)fmin(ceil(1000.0 * left), 1e9)) : 0;
+        if (ready == 0) return READ_LATE;
+        if (ready < 0 && errno != EINTR) return READ_FAILED;
+        if (ready < 0) continue;
+        if (*count > limits->most_answer || !sn_grow((void **)answer, &capacity, *count + 65536, 1)) return READ_FAILED;
+        ssize_t got = read(in, *answer + *count, 65536);
+        if (got == 0) return READ_ALL;
+        if (got < 0 && errno != EINTR) return READ_FAILED;
+        if (got > 0) *count += (size_t)got;
+    }
+}
+
+/* The child's exit status; -1 where a signal ended it. */
+static int reap(pid_t child) {
+    int status = 0;
+    while (waitpid(child, &status, 0) < 0 && errno == EINTR) continue;
+    return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+}
+
+static void be_child(sn_child_work work, void *user, const sn_child_limits *limits, int out) {
+    set_limits(limits);
+    _exit(work(user, out) ? 0 : 1);
+}
+
+sn_status sn_child_run(sn_child_work work, void *user, const sn_child_limits *limits, void **answer, size_t *count, bool *ended_early,
+                       sn_error *error) {
+    int ends[2];
+    char *bytes = NULL;
+    *answer = NULL;
+    *count = 0;
+    *ended_early = false;
+    if (pipe(ends) != 0) return sn_fail(error, SN_ERROR_INTERNAL, "no pipe to a child process could be made");
+    pid_t child = fork();
+    if (child == 0) {
+        close(ends[0]);
+        be_child(work, user, limits, ends[1]);
+    }
+    close(ends[1]);
+    reading how = child > 0 ? read_answer(ends[0], limits, &bytes, count) : READ_FAILED;
+    close(ends[0]);
+    if (child > 0 && how != READ_ALL) kill(child, SIGKILL);
+    int code = child > 0 ? reap(child) : -1;
+    *ended_early = how == READ_LATE;
+    if (how == READ_ALL && code == 0) {
+        *answer = bytes;
+        return SN_OK;
+    }
+    free(bytes);
+    *count = 0;
+    if (child < 0) return sn_fail(error, SN_ERROR_INTERNAL, "no child process could be started");
+    if (how == READ_LATE) return sn_fail(error, SN_ERROR_INTERNAL, "the work was not done after %g s", limits->seconds);
+    return sn_fail(error, SN_ERROR_INTERNAL, "the child process failed");
+}

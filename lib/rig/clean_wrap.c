@@ -1,0 +1,117 @@
+/*
+ * clean_wrap.c -- how much of a surface its repair has lost, and a wrap around it where that is too much.
+ */
+#include "cleaning.h"
+
+#include <string.h>
+
+/* Nearer than this share of the diagonal a triangle counts as still there. */
+#define REACH 0.005
+/* What a wrap asks for where the user does not: its offset as a share of the diagonal. */
+#define USUAL_OFFSET 0.002
+/* Holes of up to ten offsets are bridged. */
+#define ALPHA_OFFSETS 5.0
+#define MOST_WIDENINGS 3
+
+/* Nothing is lost where nothing was taken away. */
+static bool takes_away(const sn_clean_report *r) {
+    return r->dropped_count > 0 || r->wall_triangles > 0 || r->duplicate > 0 || r->degenerate > 0 || r->wrapped;
+}
+
+sn_status sn_cleaning_measure_loss(sn_cleaning *c) {
+    sn_clean_report *r = c->report;
+    sn_status status = SN_OK;
+    r->lost_area = 0.0;
+    if (takes_away(r)) status = sn_lost_area(c->input, c->mesh, REACH * r->before.diagonal, &r->lost_area, c->error);
+    r->lost_share = r->before.area > 0.0 ? r->lost_area / r->before.area : 0.0;
+    return status;
+}
+
+/* ---- wrap --------------------------------------------------------------------------------------------------------------- */
+
+static bool is_whole(const sn_mesh_report *found) { return found->closed && found->manifold && found->oriented; }
+
+/* Is the surface as it is now less than what was asked for? */
+static bool falls_short(const sn_cleaning *c) {
+    bool crossed = c->params->remove_intersections && c->found.self_intersections > 0;
+    bool whole = is_whole(&c->found) && c->report->orientable && !sn_cleaning_is_flat(&c->found) && !crossed;
+    return !whole || c->report->lost_share > c->params->most_lost;
+}
+
+/* The triangles of both, without what the library does not expect. */
+static sn_status join_soups(const sn_mesh *a, const sn_mesh *b, sn_mesh *out, sn_error *error) {
+    if (a->vertex_count > SN_INDEX_MAX - b->vertex_count || a->triangle_count > SN_INDEX_MAX / 3 - b->triangle_count) {
+        return sn_fail(error, SN_ERROR_INPUT, "the surface is too large to be wrapped");
+    }
+    sn_status status = sn_mesh_alloc(out, a->vertex_count + b->vertex_count, a->triangle_count + b->triangle_count, error);
+    if (status != SN_OK) return status;
+    memcpy(out->positions, a->positions, (size_t)a->vertex_count * sizeof *a->positions);
+    memcpy(out->positions + a->vertex_count, b->positions, (size_t)b->vertex_count * sizeof *b->positions);
+    memcpy(out->triangles, a->triangles, (size_t)a->triangle_count * sizeof *a->triangles);
+    for (sn_index t = 0; t < b->triangle_count; t++) {
+        for (int k = 0; k < 3; k++) out->triangles[a->triangle_count + t].v[k] = b->triangles[t].v[k] + a->vertex_count;
+    }
+    sn_index degenerate = 0, duplicate = 0;
+    return sn_drop_bad_triangles(out, &degenerate, &duplicate, error);
+}
+
+/* What there was, and what exact repair makes of all of it: a wrap around the two reaches no open inside. */
+static sn_status gather_soup(sn_cleaning *c, sn_mesh *soup) {
+    sn_clean_params all = *c->params;
+    all.keep = 0;
+    all.full = all.remove_intersections = all.count_intersections = all.flip_slivers = false;
+    all.wrap = all.edge_length = 0.0;
+    all.triangles = all.smooth = 0;
+    sn_mesh repaired = {0};
+    sn_clean_report ignored = {0};
+    sn_status status = sn_clean(c->input, &all, NULL, &repaired, &ignored, c->error);
+    if (status == SN_OK) status = join_soups(&repaired, c->input, soup, c->error);
+    if (status == SN_OK) sn_clean_report_free(&ignored);
+    sn_mesh_free(&repaired);
+    return status;
+}
+
+/* Put the wrap in place of the surface, and do to it what was done to that. */
+static sn_status take_wrap(sn_cleaning *c, sn_mesh *around) {
+    sn_mesh_free(c->mesh);
+    *c->mesh = *around;
+    *around = (sn_mesh){0};
+    c->report->wrapped = c->report->orientable = true;
+    c->report->dropped_count = 0;
+    sn_status status = sn_cleaning_look(c);
+    if (status == SN_OK) status = sn_cleaning_keep(c);
+    if (status == SN_OK) status = sn_cleaning_outward(c);
+    if (status == SN_OK) status = sn_cleaning_measure_loss(c);
+    if (status != SN_OK) return status;
+    return sn_stop_if(SN_TRACE(c->trace, "wrap", sn_trace_number("offset", c->report->wrap_offset),
+                               sn_trace_number("alpha", c->report->wrap_alpha), sn_trace_number("lost", c->report->lost_share)));
+}
+
+static sn_status wrap(sn_cleaning *c, const sn_mesh *soup, double share) {
+    sn_clean_report *r = c->report;
+    sn_mesh around = {0};
+    r->wrap_offset = share * r->before.diagonal;
+    r->wrap_alpha = ALPHA_OFFSETS * r->wrap_offset;
+    sn_status status = sn_wrap(soup, r->wrap_alpha, r->wrap_offset, &around, c->error);
+    if (status == SN_OK) status = sn_carry_attributes(c->input, &around, c->error);
+    if (status == SN_OK) status = take_wrap(c, &around);
+    sn_mesh_free(&around);
+    return status;
+}
+
+/* Pieces too far from one another for the usual offset are joined by a wider one. */
+static sn_status wrap_wider_and_wider(sn_cleaning *c, const sn_mesh *soup) {
+    sn_status status = SN_OK;
+    for (int i = 0; status == SN_OK && i < MOST_WIDENINGS && falls_short(c); i++) status = wrap(c, soup, USUAL_OFFSET * (double)(1 << i));
+    return status;
+}
+
+sn_status sn_cleaning_wrap(sn_cleaning *c) {
+    bool asked = c->params->wrap > 0.0;
+    if (!asked && !(c->params->full && falls_short(c))) return SN_OK;
+    sn_mesh soup = {0};
+    sn_status status = gather_soup(c, &soup);
+    if (status == SN_OK) status = asked ? wrap(c, &soup, c->params->wrap) : wrap_wider_and_wider(c, &soup);
+    sn_mesh_free(&soup);
+    return status;
+}
