@@ -55,7 +55,8 @@ static sn_status join_soups(const sn_mesh *a, const sn_mesh *b, sn_mesh *out, sn
     return sn_drop_bad_triangles(out, &degenerate, &duplicate, error);
 }
 
-/* What there was, and what exact repair makes of all of it: a wrap around the two reaches no open inside. */
+/* What there was, and what exact repair makes of all of it: a wrap around the two reaches no open inside. A surface with one side has no
+ * inside: it is cut and filled to no purpose, and wrapped as it is. */
 static sn_status gather_soup(sn_cleaning *c, sn_mesh *soup) {
     sn_clean_params all = *c->params;
     all.keep = 0;
@@ -65,36 +66,57 @@ static sn_status gather_soup(sn_cleaning *c, sn_mesh *soup) {
     sn_mesh repaired = {0};
     sn_clean_report ignored = {0};
     sn_status status = sn_clean(c->input, &all, NULL, &repaired, &ignored, c->error);
+    if (status == SN_OK && !ignored.orientable) repaired.vertex_count = repaired.triangle_count = 0;
     if (status == SN_OK) status = join_soups(&repaired, c->input, soup, c->error);
-    if (status == SN_OK) sn_clean_report_free(&ignored);
+    sn_clean_report_free(&ignored);
     sn_mesh_free(&repaired);
     return status;
 }
 
-/* Put the wrap in place of the surface, and do to it what was done to that. */
-static sn_status take_wrap(sn_cleaning *c, sn_mesh *around) {
-    sn_mesh_free(c->mesh);
-    *c->mesh = *around;
-    *around = (sn_mesh){0};
-    c->report->wrapped = c->report->orientable = true;
-    c->report->dropped_count = 0;
-    sn_status status = sn_cleaning_look(c);
-    if (status == SN_OK) status = sn_cleaning_keep(c);
-    if (status == SN_OK) status = sn_cleaning_outward(c);
-    if (status == SN_OK) status = sn_cleaning_measure_loss(c);
+/* Do to the wrap what was done to the surface: `w` is the cleaning with the wrap in the surface's place. */
+static sn_status finish_wrap(sn_cleaning *w) {
+    w->report->wrapped = w->report->orientable = true;
+    sn_status status = sn_cleaning_look(w);
+    if (status == SN_OK) status = sn_cleaning_keep(w);
+    if (status == SN_OK) status = sn_cleaning_outward(w);
+    if (status == SN_OK) status = sn_cleaning_measure_loss(w);
     if (status != SN_OK) return status;
-    return sn_stop_if(SN_TRACE(c->trace, "wrap", sn_trace_number("offset", c->report->wrap_offset),
-                               sn_trace_number("alpha", c->report->wrap_alpha), sn_trace_number("lost", c->report->lost_share)));
+    return sn_stop_if(SN_TRACE(w->trace, "wrap", sn_trace_number("offset", w->report->wrap_offset),
+                               sn_trace_number("alpha", w->report->wrap_alpha), sn_trace_number("lost", w->report->lost_share)));
+}
+
+/* A wrap that no one has asked for must be whole where the surface was not, or lose clearly less of it. */
+static bool is_better(const sn_cleaning *w, const sn_cleaning *than) {
+    bool whole = is_whole(&w->found), was_whole = is_whole(&than->found) && than->report->orientable && !sn_cleaning_is_flat(&than->found);
+    return !falls_short(w) || (whole && (!was_whole || w->report->lost_share < 0.9 * than->report->lost_share));
+}
+
+static void take(sn_cleaning *c, sn_cleaning *w) {
+    sn_mesh_free(c->mesh);
+    *c->mesh = *w->mesh;
+    *w->mesh = (sn_mesh){0};
+    sn_clean_report_free(c->report);
+    *c->report = *w->report;
+    *w->report = (sn_clean_report){0};
+    c->found = w->found;
 }
 
 static sn_status wrap(sn_cleaning *c, const sn_mesh *soup, double share) {
-    sn_clean_report *r = c->report;
     sn_mesh around = {0};
-    r->wrap_offset = share * r->before.diagonal;
-    r->wrap_alpha = ALPHA_OFFSETS * r->wrap_offset;
-    sn_status status = sn_wrap(soup, r->wrap_alpha, r->wrap_offset, &around, c->error);
+    sn_clean_report report = *c->report;
+    report.dropped = NULL;
+    report.dropped_count = 0;
+    report.wrap_offset = share * report.before.diagonal;
+    report.wrap_alpha = ALPHA_OFFSETS * report.wrap_offset;
+    sn_cleaning w = *c;
+    w.mesh = &around;
+    w.report = &report;
+    sn_status status = sn_wrap(soup, report.wrap_alpha, report.wrap_offset, &around, c->error);
     if (status == SN_OK) status = sn_carry_attributes(c->input, &around, c->error);
-    if (status == SN_OK) status = take_wrap(c, &around);
+    if (status == SN_OK) status = finish_wrap(&w);
+    bool stopped = status == SN_STOPPED;
+    if ((status == SN_OK || stopped) && (c->params->wrap > 0.0 || is_better(&w, c))) take(c, &w);
+    sn_clean_report_free(&report);
     sn_mesh_free(&around);
     return status;
 }
