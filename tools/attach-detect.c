@@ -1,38 +1,68 @@
 /*
  * attach-detect.c -- find the vertices of a muscle that move with each bone.
  */
+#include "bones.h"
 #include "cli.h"
 #include "selector.h"
-#include "sinew/thread.h"
 
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-static const char *const method_names[] = {"both", "contact", "proximity", "none", NULL};
-static const unsigned method_bits[] = {SN_ATTACH_CONTACT | SN_ATTACH_PROXIMITY, SN_ATTACH_CONTACT, SN_ATTACH_PROXIMITY, 0};
+static const char *const method_names[] = {"both", "contact", "proximity", "area", "none", NULL};
+static const unsigned method_bits[] = {SN_ATTACH_CONTACT | SN_ATTACH_PROXIMITY, SN_ATTACH_CONTACT, SN_ATTACH_PROXIMITY, 0, 0};
+enum { METHOD_AREA = 3, METHOD_NONE = 4 };
+static const char *const pair_names[] = {"nearby", "all", NULL};
 static const char *const unit_names[] = {"m", "cm", "mm", NULL};
 static const double unit_meters[] = {1.0, 0.01, 0.001};
 static const char *const up_names[] = {"z", "y", NULL};
 
-static cli_list bone_texts, list_files, pin_texts;
-static int method, bone_unit = -1, bone_up; /* bone_unit -1: the muscle's */
-static sn_length distance = {-1.0, 0.0};
+static cli_list bone_texts, list_files, pin_texts, glue_files;
+static int method, pairs, bone_unit = -1, bone_up; /* bone_unit -1: the muscle's */
+static sn_length distance = {-1.0, 0.0}, pair_distance = {-1.0, 0.0}, landmark_distance = {-1.0, 0.0};
+static sn_length reach = {-1.0, 0.0}, minimum_distance = {-1.0, 0.0};
+static int64_t voxels;
+static const char *landmark_file, *skeleton_file, *weight_texts[3];
+static const char *const weight_names[3] = {"slide", "soft", "hard"};
 
 static const cli_option options[] = {
+    {.kind = CLI_HEADING, .help = "Bones:"},
     {'b', "bone", "[NAME=]FILE", CLI_LIST, &bone_texts, CLI_RESULT | CLI_FILE, 0, 0, NULL,
-     "a bone's mesh, any number of times; NAME is the file's base name by default"},
-    {0, "bones", "LIST", CLI_LIST, &list_files, CLI_RESULT | CLI_FILE, 0, 0, NULL,
+     "a bone's mesh, any number of times, taken as meant; NAME is the file's base name by default"},
+    {0, "bones", "LIST", CLI_LIST, &list_files, CLI_RESULT | CLI_FILES, 0, 0, NULL,
      "a text file with a bone a line: FILE, or NAME, a tab and FILE; relative to LIST"},
+    {0, "pairs", "RULE", CLI_CHOICE, &pairs, CLI_RESULT, 0, 0, pair_names,
+     "which bones of LIST may hold vertices: nearby (in the muscle, or 0.8 % of its area near; default), all"},
+    {0, "pair-distance", "LENGTH", CLI_LENGTH, &pair_distance, CLI_RESULT, 0, 0, NULL, "what is near for --pairs nearby (default 2mm)"},
+    {0, "bone-units", "UNIT", CLI_CHOICE, &bone_unit, CLI_RESULT, 0, 0, unit_names,
+     "unit of the bones and landmarks: m, cm or mm (default: the muscle's)"},
+    {0, "bone-up", "AXIS", CLI_CHOICE, &bone_up, CLI_RESULT, 0, 0, up_names,
+     "up axis of the bones and landmarks: z, or y, turned to z (default: as --up)"},
+    {.kind = CLI_HEADING, .help = "Which vertices:"},
     {0, "pin", "NAME=SELECTOR", CLI_LIST, &pin_texts, CLI_RESULT, 0, 0, NULL,
      "attach the selected vertices to bone NAME, which needs no mesh, before all else"},
+    {0, "landmarks", "FILE", CLI_TEXT, &landmark_file, CLI_RESULT | CLI_FILE, 0, 0, NULL,
+     "attachment areas by landmarks around them: lines of bone, area, x, y, z with tabs, or JSON"},
+    {0, "landmark-distance", "LENGTH", CLI_LENGTH, &landmark_distance, CLI_RESULT, 0, 0, NULL,
+     "a landmark farther from the muscle is an error (default 10mm)"},
     {'m', "method", "METHOD", CLI_CHOICE, &method, CLI_RESULT, 0, 0, method_names,
-     "contact (on or in the bone), proximity (closer than --distance), both (default), none (pins only)"},
+     "for bones without areas: contact (on or in the bone), proximity (closer than --distance), both (default); area and none: nothing"},
     {'d', "distance", "LENGTH", CLI_LENGTH, &distance, CLI_RESULT, 0, 0, NULL,
      "reach of proximity (default: 0.1 mean edge lengths with contact, 1 alone)"},
-    {0, "bone-units", "UNIT", CLI_CHOICE, &bone_unit, CLI_RESULT, 0, 0, unit_names,
-     "unit of the bones: m, cm or mm (default: the muscle's)"},
-    {0, "bone-up", "AXIS", CLI_CHOICE, &bone_up, CLI_RESULT, 0, 0, up_names,
-     "up axis of the bones: z, or y, turned to z (default: as --up)"},
+    {0, "voxels", "N", CLI_INTEGER, &voxels, CLI_RESULT, 1, 134217728, NULL,
+     "contact also in the cells that the bone's surface runs through, of about N in its box"},
+    {.kind = CLI_HEADING, .help = "Neighbours, for external constraints:"},
+    {0, "glue", "[NAME=]FILE", CLI_LIST, &glue_files, CLI_RESULT | CLI_FILE, 0, 0, NULL,
+     "another muscle (document or mesh), any number of times: find where the surfaces face each other"},
+    {0, "skeleton", "[NAME=]FILE", CLI_TEXT, &skeleton_file, CLI_RESULT | CLI_FILE, 0, 0, NULL,
+     "a mesh that envelops the skeleton: the same, and it holds in what faces nothing else"},
+    {0, "reach", "LENGTH", CLI_LENGTH, &reach, CLI_RESULT, 0, 0, NULL, "how far a neighbour may be (default 5mm)"},
+    {0, "minimum-distance", "LENGTH", CLI_LENGTH, &minimum_distance, CLI_RESULT, 0, 0, NULL,
+     "what is kept from a neighbour, where it is so at rest (default 0)"},
+    {0, "slide", "W", CLI_TEXT, &weight_texts[0], CLI_RESULT, 0, 0, NULL,
+     "weight of sliding: 0 to 1, or the name of a painted map (default 1)"},
+    {0, "soft", "W", CLI_TEXT, &weight_texts[1], CLI_RESULT, 0, 0, NULL, "weight of the soft constraint (default 0)"},
+    {0, "hard", "W", CLI_TEXT, &weight_texts[2], CLI_RESULT, 0, 0, NULL, "weight of the hard constraint (default 0)"},
 };
 
 static const cli_tool tool = {
@@ -45,150 +75,11 @@ static const cli_tool tool = {
              "          half:px,py,pz,nx,ny,nz  painted:NAME[>T]; in the document's unit",
 };
 
-/* ---- the bones that were named ------------------------------------------------------------------------------------------- */
+/* ---- what is asked for --------------------------------------------------------------------------------------------------------- */
 
-typedef struct bone {
-    char *name, *file; /* owned */
-    sn_mesh mesh;      /* in the muscle's unit once loaded */
-    double scale;      /* from its own unit to the muscle's */
-    sn_status status;  /* of its loading, with error */
-    sn_error error;
-} bone;
+static bool wants_attachments(void) { return bone_texts.count > 0 || list_files.count > 0 || pin_texts.count > 0 || landmark_file != NULL; }
 
-typedef struct bone_list {
-    size_t count, capacity;
-    bone *items;
-    double meters_per_unit; /* of the muscle */
-    double own_unit;        /* --bone-units in metres; 0 = not given */
-    bool up_y, up_given;
-} bone_list;
-
-static void free_bones(bone_list *list) {
-    for (size_t i = 0; i < list->count; i++) {
-        free(list->items[i].name);
-        free(list->items[i].file);
-        sn_mesh_free(&list->items[i].mesh);
-    }
-    free(list->items);
-}
-
-/* "bones/humerus.stl" -> "humerus" */
-static char *base_name(const char *file) {
-    const char *slash = strrchr(file, '/'), *start = slash != NULL ? slash + 1 : file, *dot = strrchr(start, '.');
-    return dot != NULL && dot > start ? sn_strndup(start, (size_t)(dot - start)) : sn_strdup(start);
-}
-
-/* Takes ownership of name (NULL: the base name) and file. */
-static sn_status add_bone(bone_list *list, char *name, char *file, sn_error *error) {
-    void *items = list->items;
-    if (name == NULL && file != NULL) name = base_name(file);
-    if (name == NULL || file == NULL || !sn_grow(&items, &list->capacity, list->count + 1, sizeof *list->items)) {
-        free(name);
-        free(file);
-        return sn_fail_memory(error, "the bones");
-    }
-    list->items = items;
-    list->items[list->count++] = (bone){.name = name, .file = file};
-    return SN_OK;
-}
-
-static sn_status add_bone_option(const cli *c, bone_list *list, const char *text, sn_error *error) {
-    char *name = NULL;
-    const char *file = text;
-    if (strchr(text, '=') != NULL && !cli_split(text, &name, &file)) cli_usage_error(c, "--bone %s: write NAME=FILE or FILE", text);
-    return add_bone(list, name, sn_strdup(file), error);
-}
-
-/* file as seen from the folder of list_name; absolute paths stay. */
-static char *beside(const char *list_name, const char *file, size_t length) {
-    const char *slash = strrchr(list_name, '/');
-    size_t folder = slash != NULL && file[0] != '/' ? (size_t)(slash + 1 - list_name) : 0;
-    char *path = sn_alloc(folder + length + 1, 1);
-    if (path == NULL) return NULL;
-    memcpy(path, list_name, folder);
-    memcpy(path + folder, file, length);
-    return path;
-}
-
-static bool is_space(char c) { return c == ' ' || c == '\t' || c == '\r'; }
-
-/* One line of a list, from text up to end: "FILE", "NAME<TAB>FILE", a comment or nothing. */
-static sn_status add_list_line(bone_list *list, const char *list_name, int64_t line, const char *text, const char *end, sn_error *error) {
-    while (text < end && is_space(*text)) text++;
-    while (end > text && is_space(end[-1])) end--;
-    if (text == end || *text == '#') return SN_OK;
-    const char *tab = memchr(text, '\t', (size_t)(end - text)), *file = tab != NULL ? tab : text;
-    while (is_space(*file)) file++;
-    if (memchr(file, '\t', (size_t)(end - file)) != NULL || memchr(text, '\0', (size_t)(end - text)) != NULL)
-        return sn_fail_at(error, SN_ERROR_INPUT, list_name, line, "not a bone: write FILE, or NAME, one tab, FILE");
-    char *name = tab != NULL ? sn_strndup(text, (size_t)(tab - text)) : NULL;
-    return add_bone(list, name, beside(list_name, file, (size_t)(end - file)), error);
-}
-
-static sn_status add_list_file(bone_list *list, const char *list_name, sn_error *error) {
-    sn_blob blob = {0};
-    sn_status status = sn_blob_read(list_name, &blob, error);
-    int64_t line = 1;
-    size_t before = list->count;
-    for (const char *text = blob.data, *all = text + blob.size; text < all && status == SN_OK; line++) {
-        const char *end = memchr(text, '\n', (size_t)(all - text));
-        if (end == NULL) end = all;
-        status = add_list_line(list, list_name, line, text, end, error);
-        text = end + 1;
-    }
-    if (status == SN_OK && list->count == before)
-        status = sn_fail_at(error, SN_ERROR_INPUT, list_name, 0, "names no bone; write the file of a bone a line");
-    sn_blob_free(&blob);
-    return status;
-}
-
-static sn_status name_bones(const cli *c, bone_list *list, sn_error *error) {
-    sn_status status = SN_OK;
-    for (int i = 0; i < bone_texts.count && status == SN_OK; i++) status = add_bone_option(c, list, bone_texts.items[i], error);
-    for (int i = 0; i < list_files.count && status == SN_OK; i++) status = add_list_file(list, list_files.items[i], error);
-    return status;
-}
-
-/* ---- loading them ----------------------------------------------------------------------------------------------------------- */
-
-/* To the muscle's unit and z up: from what was asked for, else what the bone's file says, else what the muscle has. */
-static void convert(const bone_list *list, bone *b, sn_mesh_frame frame) {
-    double unit = list->own_unit > 0.0 ? list->own_unit : frame.meters_per_unit;
-    bool up_y = list->up_given || frame.up == SN_UP_UNKNOWN ? list->up_y : frame.up == SN_UP_Y;
-    b->scale = unit > 0.0 ? unit / list->meters_per_unit : 1.0;
-    sn_mesh_convert(&b->mesh, b->scale, up_y);
-}
-
-static void load_range(void *user, sn_index begin, sn_index end, sn_index chunk) {
-    (void)chunk;
-    bone_list *list = user;
-    for (sn_index i = begin; i < end; i++) {
-        bone *b = &list->items[i];
-        sn_mesh_frame frame;
-        b->status = sn_mesh_read_frame(b->file, &b->mesh, &frame, &b->error);
-        if (b->status == SN_OK)
-            convert(list, b, frame);
-        else
-            sn_error_set_file(&b->error, b->file);
-    }
-}
-
-/* In parallel: a whole skeleton is read for every muscle. The first bone that failed, in the order given, is the error. */
-static sn_status load_bones(const cli *c, bone_list *list, double meters_per_unit, sn_error *error) {
-    list->meters_per_unit = meters_per_unit;
-    list->own_unit = bone_unit >= 0 ? unit_meters[bone_unit] : 0.0;
-    list->up_given = cli_given(c, "bone-up");
-    list->up_y = cli_given(c, "bone-up") ? bone_up == 1 : c->read.up_y;
-    sn_pool *pool = sn_pool_create(c->threads);
-    sn_parallel_for(pool, (sn_index)list->count, 2, load_range, list);
-    sn_pool_destroy(pool);
-    for (size_t i = 0; i < list->count; i++) {
-        if (list->items[i].status == SN_OK) continue;
-        *error = list->items[i].error;
-        return list->items[i].status;
-    }
-    return SN_OK;
-}
+static bool wants_neighbours(void) { return glue_files.count > 0 || skeleton_file != NULL; }
 
 /* ---- pins ---------------------------------------------------------------------------------------------------------------------- */
 
@@ -225,53 +116,160 @@ static sn_status parse_pins(const cli *c, pin_list *list, sn_error *error) {
     return SN_OK;
 }
 
+/* ---- landmarks ------------------------------------------------------------------------------------------------------------------- */
+
+/* Into the muscle's unit, z up. */
+static void convert_landmarks(const bone_list *bones, double meters_per_unit, sn_landmarks *landmarks) {
+    double unit = landmarks->meters_per_unit > 0.0 ? landmarks->meters_per_unit : bones->given_unit;
+    double scale = unit > 0.0 ? unit / meters_per_unit : 1.0;
+    for (sn_index a = 0; a < landmarks->count; a++)
+        for (sn_index i = 0; i < landmarks->areas[a].count; i++) {
+            sn_vec3 *p = &landmarks->areas[a].landmarks[i];
+            if (bones->up_y) *p = sn_v3(p->x, -p->z, p->y);
+            *p = sn_scale(*p, scale);
+        }
+}
+
+static sn_status load_landmarks(const bone_list *bones, double meters_per_unit, sn_landmarks *out, sn_error *error) {
+    if (landmark_file == NULL) return SN_OK;
+    sn_status status = sn_landmarks_read(landmark_file, out, error);
+    if (status == SN_OK) convert_landmarks(bones, meters_per_unit, out);
+    return status;
+}
+
 /* ---- the report ------------------------------------------------------------------------------------------------------------------- */
 
 typedef struct outcome {
-    const bone_list *bones;
+    bone_list bones;
+    sn_landmarks landmarks;
     const sn_muscle *muscle;
     sn_attach_report report;
 } outcome;
+
+static double mean(const double *values, sn_index count) {
+    double sum = 0.0;
+    for (sn_index i = 0; i < count && values != NULL; i++) sum += values[i];
+    return values != NULL && count > 0 ? sum / count : NAN;
+}
+
+static void write_attachments(sn_json *json, const sn_muscle *muscle) {
+    sn_json_array(json, "attachments");
+    for (sn_index i = 0; i < muscle->attachment_count; i++) {
+        const sn_attachment *a = &muscle->attachments[i];
+        sn_json_object(json, NULL);
+        sn_json_text(json, "bone", a->bone);
+        sn_json_text(json, "method", a->method);
+        sn_json_integer(json, "vertices", a->count);
+        sn_json_number(json, "confidence", mean(a->confidence, a->count));
+        sn_json_close(json);
+    }
+    sn_json_close(json);
+}
+
+static void write_pair(sn_json *json, const outcome *o, const sn_attach_pair *pair) {
+    sn_json_object(json, NULL);
+    sn_json_text(json, "bone", o->bones.items[pair->bone].name);
+    sn_json_integer(json, "vertices", pair->vertices);
+    sn_json_number(json, "nearest", pair->nearest);
+    sn_json_bool(json, "culled", pair->culled);
+    if (!pair->culled) {
+        sn_json_bool(json, "nearby", pair->nearby);
+        if (isfinite(pair->area_share)) sn_json_number(json, "areaShare", pair->area_share);
+        if (isfinite(pair->position)) sn_json_number(json, "position", pair->position);
+        if (isfinite(pair->girth)) sn_json_number(json, "girth", pair->girth);
+        if (isfinite(pair->position)) sn_json_bool(json, "looksSliding", pair->sliding);
+    }
+    sn_json_close(json);
+}
+
+static void write_area(sn_json *json, const outcome *o, const sn_attach_area *area) {
+    const sn_landmark_area *given = &o->landmarks.areas[area->area];
+    sn_json_object(json, NULL);
+    sn_json_text(json, "bone", given->bone);
+    sn_json_text(json, "area", given->name);
+    sn_json_integer(json, "landmarks", given->count);
+    sn_json_integer(json, "vertices", area->vertices);
+    sn_json_number(json, "areaShare", area->area_share);
+    sn_json_number(json, "boundary", area->boundary);
+    sn_json_number(json, "farthest", area->farthest);
+    sn_json_bool(json, "reordered", area->reordered);
+    sn_json_bool(json, "coarse", area->coarse);
+    sn_json_close(json);
+}
+
+static void write_externals(sn_json *json, const sn_muscle *muscle) {
+    if (!muscle->has_externals) return;
+    sn_json_array(json, "externals");
+    for (sn_index i = 0; i < muscle->external_count; i++) {
+        sn_json_object(json, NULL);
+        sn_json_text(json, "target", muscle->externals[i].target);
+        sn_json_text(json, "fascia", muscle->externals[i].fascia);
+        sn_json_integer(json, "vertices", muscle->externals[i].count);
+        sn_json_close(json);
+    }
+    sn_json_close(json);
+}
 
 static void write_report(sn_json *json, const void *data) {
     const outcome *o = data;
     sn_json_text(json, "method", method_names[method]);
     sn_json_number(json, "distance", o->report.distance);
+    sn_json_number(json, "pairDistance", o->report.pair_distance);
     sn_json_number(json, "metersPerUnit", o->muscle->meters_per_unit);
     sn_json_integer(json, "vertices", o->muscle->mesh.vertex_count);
     sn_json_integer(json, "attached", o->report.attached);
-    sn_json_array(json, "attachments");
-    for (sn_index i = 0; i < o->muscle->attachment_count; i++) {
-        const sn_attachment *a = &o->muscle->attachments[i];
-        sn_json_object(json, NULL);
-        sn_json_text(json, "bone", a->bone);
-        sn_json_text(json, "method", a->method);
-        sn_json_integer(json, "vertices", a->count);
-        sn_json_close(json);
-    }
+    write_attachments(json, o->muscle);
+    sn_json_array(json, "areas");
+    for (sn_index i = 0; i < o->report.area_count; i++) write_area(json, o, &o->report.areas[i]);
     sn_json_close(json);
     sn_json_array(json, "pairs");
-    for (sn_index i = 0; i < o->report.pair_count; i++) {
-        const sn_attach_pair *pair = &o->report.pairs[i];
-        sn_json_object(json, NULL);
-        sn_json_text(json, "bone", o->bones->items[pair->bone].name);
-        sn_json_integer(json, "vertices", pair->vertices);
-        sn_json_number(json, "nearest", pair->nearest);
-        sn_json_bool(json, "culled", pair->culled);
-        sn_json_close(json);
-    }
+    for (sn_index i = 0; i < o->report.pair_count; i++) write_pair(json, o, &o->report.pairs[i]);
     sn_json_close(json);
+    write_externals(json, o->muscle);
 }
 
-static void say_attachments(const cli *c, const sn_muscle *muscle) {
-    for (sn_index i = 0; i < muscle->attachment_count; i++) {
+static void say_results(const cli *c, const sn_muscle *muscle) {
+    for (sn_index i = 0; i < muscle->attachment_count && wants_attachments(); i++) {
         const sn_attachment *a = &muscle->attachments[i];
         cli_say(c, "%s: %ld vertices by %s", a->bone, (long)a->count, a->method);
     }
+    for (sn_index i = 0; i < muscle->external_count && wants_neighbours(); i++) {
+        const sn_external *e = &muscle->externals[i];
+        cli_say(c, "%s: %ld vertices by %s fascia", e->target, (long)e->count, e->fascia);
+    }
 }
 
-/* ---- nothing found: what would help ----------------------------------------------------------------------------------------------------
- */
+/* ---- warnings ------------------------------------------------------------------------------------------------------------------------ */
+
+static void warn_of_areas(const cli *c, const outcome *o) {
+    for (sn_index i = 0; i < o->report.area_count; i++) {
+        const sn_attach_area *area = &o->report.areas[i];
+        const sn_landmark_area *given = &o->landmarks.areas[area->area];
+        const char *name = given->name != NULL ? given->name : given->bone;
+        if (area->reordered)
+            cli_warn(c,
+                     "area %s: its boundary crosses itself in the order given; the landmarks were put into the order of the shortest tour",
+                     name);
+        if (area->coarse)
+            cli_warn(c, "area %s: its boundary encloses no vertex; the nearest vertex of each landmark was taken; a finer mesh would help",
+                     name);
+    }
+}
+
+/* The names of all bones that the muscle seems to slide over, in one line. */
+static void warn_of_sliding(const cli *c, const outcome *o) {
+    char names[512] = "";
+    size_t used = 0;
+    for (sn_index i = 0; i < o->report.pair_count && used < sizeof names; i++) {
+        const sn_attach_pair *pair = &o->report.pairs[i];
+        if (pair->sliding)
+            used += (size_t)snprintf(names + used, sizeof names - used, "%s%s", used > 0 ? ", " : "", o->bones.items[pair->bone].name);
+    }
+    if (used > 0)
+        cli_warn(
+            c, "what it holds looks like a tendon that slides over: %s%s; where it does, leave the bone out, or give its area by landmarks",
+            names, used >= sizeof names ? ", ..." : "");
+}
 
 static double box_gap(sn_box a, sn_box b) {
     sn_vec3 apart = sn_max3(sn_sub(a.low, b.high), sn_sub(b.low, a.high));
@@ -290,11 +288,12 @@ static int fitting_unit(const outcome *o, const bone *b) {
     return -1;
 }
 
+/* Nothing found: what would help. */
 static void warn_nothing(const cli *c, const outcome *o) {
     const sn_attach_pair *nearest = NULL;
     for (sn_index i = 0; i < o->report.pair_count; i++) {
         const sn_attach_pair *pair = &o->report.pairs[i];
-        int unit = pair->culled ? fitting_unit(o, &o->bones->items[pair->bone]) : -1;
+        int unit = pair->culled ? fitting_unit(o, &o->bones.items[pair->bone]) : -1;
         if (unit >= 0) {
             cli_warn(c, "nothing attached; the bones lie far from the muscle, but would meet it with --bone-units %s", unit_names[unit]);
             return;
@@ -306,65 +305,220 @@ static void warn_nothing(const cli *c, const outcome *o) {
         return;
     }
     double millimetres = nearest->nearest * o->muscle->meters_per_unit * 1e3;
-    const char *bone_name = o->bones->items[nearest->bone].name;
+    const char *bone_name = o->bones.items[nearest->bone].name;
     if (nearest->culled)
         cli_warn(c, "nothing attached; the nearest bone, %s, is at least %.3g mm away: check --bone-units and --units, or raise --distance",
                  bone_name, millimetres);
     else
-        cli_warn(c, "nothing attached; the nearest bone, %s, is %.3g mm away: a larger --distance would reach it", bone_name, millimetres);
+        cli_warn(c, "nothing attached; the nearest bone, %s, is %.3g mm away: a larger --distance would reach it%s", bone_name, millimetres,
+                 nearest->nearby ? "" : ", with --pairs all");
 }
 
-/* ---- the work -------------------------------------------------------------------------------------------------------------------------
+static void warn(const cli *c, const outcome *o, bool stopped) {
+    warn_of_areas(c, o);
+    warn_of_sliding(c, o);
+    if (wants_attachments() && !stopped && o->report.attached == 0) warn_nothing(c, o);
+}
+
+/* ---- bones -----------------------------------------------------------------------------------------------------------------------------
  */
+
+/* The history knows the contents of the bones that were looked at, and only the names of those out of reach. */
+static void mark_used(outcome *o) {
+    for (size_t i = 0; i < o->bones.count; i++) o->bones.items[i].used = true;
+    for (sn_index i = 0; i < o->report.pair_count; i++)
+        if (o->report.pairs[i].culled) o->bones.items[o->report.pairs[i].bone].used = false;
+}
 
 static sn_status detect(cli *c, sn_muscle *muscle, const pin_list *pins, outcome *o, sn_error *error) {
     sn_attach_params params = sn_attach_defaults();
     params.methods = method_bits[method];
     params.distance = cli_length(distance, muscle->meters_per_unit);
+    params.voxels = (sn_index)voxels;
+    params.pair_distance = cli_length(pair_distance, muscle->meters_per_unit);
     params.pin_count = pins->count;
     params.pins = pins->pins;
+    params.area_count = o->landmarks.count;
+    params.areas = o->landmarks.areas;
+    params.landmark_reach = cli_length(landmark_distance, muscle->meters_per_unit);
     params.threads = c->threads;
-    sn_attach_bone *bones = SN_NEW(sn_attach_bone, o->bones->count);
+    sn_attach_bone *bones = SN_NEW(sn_attach_bone, o->bones.count);
     if (bones == NULL) return sn_fail_memory(error, "the bones");
-    for (size_t i = 0; i < o->bones->count; i++) bones[i] = (sn_attach_bone){o->bones->items[i].name, &o->bones->items[i].mesh};
+    for (size_t i = 0; i < o->bones.count; i++) {
+        const bone *b = &o->bones.items[i];
+        bones[i] = (sn_attach_bone){b->name, &b->mesh, b->list != NULL && strcmp(pair_names[pairs], "nearby") == 0};
+    }
     sn_attachments_free(muscle->attachments, muscle->attachment_count);
+    muscle->attachments = NULL;
     muscle->attachment_count = 0;
     muscle->has_attachments = true;
-    sn_status status = sn_attach_detect(muscle, (sn_index)o->bones->count, bones, &params, &c->trace, &muscle->attachment_count,
+    sn_status status = sn_attach_detect(muscle, (sn_index)o->bones.count, bones, &params, &c->trace, &muscle->attachment_count,
                                         &muscle->attachments, &o->report, error);
     free(bones);
+    if (status == SN_OK || status == SN_STOPPED) mark_used(o);
     return status;
 }
 
+static sn_status attach(cli *c, sn_muscle *muscle, const pin_list *pins, outcome *o, sn_error *error) {
+    o->bones.meters_per_unit = muscle->meters_per_unit;
+    o->bones.given_unit = bone_unit >= 0 ? unit_meters[bone_unit] : 0.0;
+    o->bones.up_given = cli_given(c, "bone-up");
+    o->bones.up_y = cli_given(c, "bone-up") ? bone_up == 1 : c->read.up_y;
+    sn_status status = bones_load(&o->bones, c->threads, error);
+    if (status == SN_OK) status = load_landmarks(&o->bones, muscle->meters_per_unit, &o->landmarks, error);
+    return status == SN_OK ? detect(c, muscle, pins, o, error) : status;
+}
+
+/* ---- neighbours
+ * -------------------------------------------------------------------------------------------------------------------------- */
+
+typedef struct neighbour_list {
+    sn_index count;
+    sn_muscle *muscles;    /* (count) each target as a muscle; its mesh in the muscle's unit */
+    char **names;          /* (count) */
+    sn_neighbour *targets; /* (count) what the library sees */
+} neighbour_list;
+
+static void free_neighbours(neighbour_list *list) {
+    for (sn_index i = 0; i < list->count; i++) {
+        sn_muscle_free(&list->muscles[i]);
+        free(list->names[i]);
+    }
+    free(list->muscles);
+    free(list->names);
+    free(list->targets);
+}
+
+/* A document is in its own unit; a bare mesh is read like the muscle, or in the muscle's unit where that is a document. */
+static sn_status load_neighbour(const cli *c, const char *text, double meters_per_unit, neighbour_list *list, bool envelope,
+                                sn_error *error) {
+    sn_index i = list->count;
+    sn_muscle *target = &list->muscles[i];
+    const char *file = text;
+    sn_document *document = NULL;
+    sn_blob blob = {0};
+    sn_read_options read = c->read;
+    if (read.meters_per_unit == 0.0) read.meters_per_unit = meters_per_unit;
+    if (strchr(text, '=') == NULL || !cli_split(text, &list->names[i], &file)) file = text;
+    list->count++;
+    sn_status status = sn_blob_read(file, &blob, error);
+    if (status == SN_OK) status = sn_muscle_parse(&blob, &read, target, &document, error);
+    if (status != SN_OK) sn_error_set_file(error, file);
+    sn_blob_free(&blob);
+    sn_document_free(document);
+    if (status != SN_OK) return status;
+    double scale = target->meters_per_unit / meters_per_unit;
+    for (sn_index v = 0; v < target->mesh.vertex_count && scale != 1.0; v++)
+        target->mesh.positions[v] = sn_scale(target->mesh.positions[v], scale);
+    if (list->names[i] == NULL) list->names[i] = sn_strdup(target->name != NULL ? target->name : file);
+    if (list->names[i] == NULL) return sn_fail_memory(error, "the neighbours");
+    list->targets[i] = (sn_neighbour){list->names[i], &target->mesh, envelope};
+    return SN_OK;
+}
+
+static sn_status load_neighbours(const cli *c, double meters_per_unit, neighbour_list *list, sn_error *error) {
+    size_t most = (size_t)glue_files.count + 1;
+    list->muscles = SN_NEW(sn_muscle, most);
+    list->names = SN_NEW(char *, most);
+    list->targets = SN_NEW(sn_neighbour, most);
+    if (list->muscles == NULL || list->names == NULL || list->targets == NULL) return sn_fail_memory(error, "the neighbours");
+    sn_status status = SN_OK;
+    for (int i = 0; i < glue_files.count && status == SN_OK; i++)
+        status = load_neighbour(c, glue_files.items[i], meters_per_unit, list, false, error);
+    if (status == SN_OK && skeleton_file != NULL) status = load_neighbour(c, skeleton_file, meters_per_unit, list, true, error);
+    return status;
+}
+
+/* A number, or the name of a map painted on the muscle. */
+static sn_status read_weight(const sn_muscle *muscle, int kind, sn_neighbours_params *params, sn_error *error) {
+    const char *text = weight_texts[kind];
+    if (text == NULL || sn_parse_number(text, &params->weights[kind], NULL) == SN_OK) return SN_OK;
+    const sn_attribute *map = sn_mesh_attribute(&muscle->mesh, text);
+    if (map == NULL || map->components != 1)
+        return sn_fail(error, SN_ERROR_INPUT, "--%s %s: the muscle has no painted map of that name; give a number within 0 to 1",
+                       weight_names[kind], text);
+    params->maps[kind] = map->values;
+    return SN_OK;
+}
+
+static sn_status find_neighbours(cli *c, sn_muscle *muscle, sn_error *error) {
+    neighbour_list list = {0};
+    sn_neighbours_params params = sn_neighbours_defaults();
+    params.reach = cli_length(reach, muscle->meters_per_unit);
+    params.minimum = fmax(cli_length(minimum_distance, muscle->meters_per_unit), 0.0);
+    params.threads = c->threads;
+    sn_status status = load_neighbours(c, muscle->meters_per_unit, &list, error);
+    for (int k = 0; k < 3 && status == SN_OK; k++) status = read_weight(muscle, k, &params, error);
+    if (status == SN_OK) {
+        sn_externals_free(muscle->externals, muscle->external_count);
+        muscle->externals = NULL;
+        muscle->external_count = 0;
+        muscle->has_externals = true;
+        status =
+            sn_find_neighbours(muscle, list.count, list.targets, &params, &c->trace, &muscle->external_count, &muscle->externals, error);
+    }
+    free_neighbours(&list);
+    return status;
+}
+
+/* ---- the work
+ * ---------------------------------------------------------------------------------------------------------------------------- */
+
 static sn_status work(cli *c, sn_error *error) {
-    bone_list bones = {0};
     pin_list pins = {0};
     cli_muscle document = {0};
-    outcome o = {.bones = &bones, .muscle = &document.muscle};
+    outcome o = {.muscle = &document.muscle};
+    unsigned changed = (wants_attachments() ? SN_SECTION_ATTACHMENTS : 0) | (wants_neighbours() ? SN_SECTION_EXTERNALS : 0);
+    c->hash_files = bones_hash;
+    c->hash_user = &o.bones;
     sn_status status = parse_pins(c, &pins, error);
-    if (status == SN_OK) status = name_bones(c, &bones, error);
+    if (status == SN_OK) status = bones_name(c, &bone_texts, &list_files, &o.bones, error);
     if (status == SN_OK) status = cli_load(c, &document, error);
-    if (status == SN_OK) status = load_bones(c, &bones, document.muscle.meters_per_unit, error);
-    if (status == SN_OK) status = detect(c, &document.muscle, &pins, &o, error);
+    if (status == SN_OK && wants_attachments()) status = attach(c, &document.muscle, &pins, &o, error);
+    if (status == SN_OK && wants_neighbours()) status = find_neighbours(c, &document.muscle, error);
     if (status == SN_OK || status == SN_STOPPED) {
-        if (o.report.attached == 0) warn_nothing(c, &o);
-        say_attachments(c, &document.muscle);
-        status = cli_save(c, &document, SN_SECTION_ATTACHMENTS, error);
+        warn(c, &o, status == SN_STOPPED);
+        say_results(c, &document.muscle);
+        status = cli_save(c, &document, changed, error);
     }
     if (status == SN_OK) status = cli_report(c, write_report, &o, error);
     sn_attach_report_free(&o.report);
+    sn_landmarks_free(&o.landmarks);
     cli_free(&document);
     free_pins(&pins);
-    free_bones(&bones);
+    bones_free(&o.bones);
     return status;
 }
 
+static void check_weights(const cli *c) {
+    for (int k = 0; k < 3; k++) {
+        double value;
+        if (weight_texts[k] == NULL) continue;
+        if (!wants_neighbours()) cli_usage_error(c, "--%s is for neighbours; give --glue or --skeleton", weight_names[k]);
+        if (sn_parse_number(weight_texts[k], &value, NULL) == SN_OK && !(value >= 0.0 && value <= 1.0))
+            cli_usage_error(c, "--%s %s: a weight is within 0 to 1", weight_names[k], weight_texts[k]);
+    }
+}
+
 static void check_usage(const cli *c) {
-    if (bone_texts.count == 0 && list_files.count == 0 && pin_texts.count == 0)
-        cli_usage_error(c, "no bone and no pin; name bones with --bone or --bones, or vertices with --pin");
-    if (method_bits[method] == 0 && pin_texts.count == 0) cli_usage_error(c, "--method none attaches pins only; give a --pin");
+    if (!wants_attachments() && !wants_neighbours())
+        cli_usage_error(
+            c, "nothing to attach to; name bones with --bone or --bones, vertices with --pin, areas with --landmarks, or neighbours "
+               "with --glue");
+    if (method == METHOD_NONE && pin_texts.count == 0 && wants_attachments())
+        cli_usage_error(c, "--method none attaches pins only; give a --pin");
+    if (method == METHOD_NONE && landmark_file != NULL)
+        cli_usage_error(c, "--method none attaches pins only; for --landmarks it is --method area");
+    if (method == METHOD_AREA && landmark_file == NULL) cli_usage_error(c, "--method area attaches areas; give their --landmarks");
     if (distance.value >= 0.0 && !(method_bits[method] & SN_ATTACH_PROXIMITY))
         cli_usage_error(c, "--distance has no meaning with --method %s", method_names[method]);
+    if (voxels > 0 && !(method_bits[method] & SN_ATTACH_CONTACT))
+        cli_usage_error(c, "--voxels has no meaning with --method %s", method_names[method]);
+    if ((cli_given(c, "pairs") || cli_given(c, "pair-distance")) && list_files.count == 0)
+        cli_usage_error(c, "--pairs is for the bones of a --bones LIST; those of --bone are taken as meant");
+    if ((reach.value >= 0.0 || minimum_distance.value >= 0.0) && !wants_neighbours())
+        cli_usage_error(c, "--reach and --minimum-distance are for neighbours; give --glue or --skeleton");
+    check_weights(c);
 }
 
 int main(int argc, char **argv) {
@@ -376,5 +530,6 @@ int main(int argc, char **argv) {
     free(bone_texts.items);
     free(list_files.items);
     free(pin_texts.items);
+    free(glue_files.items);
     return cli_finish(&c, status, &error);
 }

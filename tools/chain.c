@@ -79,6 +79,13 @@ static sn_status add_file(canonical *args, const char *value, sn_error *error) {
     return add_arg(args, text, error);
 }
 
+/* The hash that the tool makes of a list of files. */
+static sn_status add_files(const cli *c, canonical *args, const char *value, sn_error *error) {
+    char hash[SN_HASH_LENGTH];
+    sn_status status = c->hash_files(c->hash_user, value, hash, error);
+    return status == SN_OK ? add_arg(args, sn_strdup(hash), error) : status;
+}
+
 /* Numbers and lengths in their shortest form, so that 0.10 and 1e-1 leave the same history. */
 static char *canonical_value(const cli_option *option, const char *value) {
     char buffer[48];
@@ -96,12 +103,13 @@ static char *canonical_value(const cli_option *option, const char *value) {
     return sn_strdup(value);
 }
 
-static sn_status add_option(canonical *args, const cli_given_option *given, sn_error *error) {
+static sn_status add_option(const cli *c, canonical *args, const cli_given_option *given, sn_error *error) {
     const cli_option *option = given->option;
     char name[80];
     snprintf(name, sizeof name, "--%s", option->name);
     sn_status status = add_arg(args, sn_strdup(name), error);
     if (status != SN_OK || given->value == NULL) return status;
+    if (option->flags & CLI_FILES) return add_files(c, args, given->value, error);
     if (option->flags & CLI_FILE) return add_file(args, given->value, error);
     return add_arg(args, canonical_value(option, given->value), error);
 }
@@ -121,7 +129,7 @@ static sn_status collect(const cli *c, canonical *args, sn_error *error) {
         if (!(option->flags & CLI_RESULT)) continue;
         for (int i = 0; i < c->given_count; i++) {
             if (c->given[i].option != option || overruled(c, i)) continue;
-            sn_status status = add_option(args, &c->given[i], error);
+            sn_status status = add_option(c, args, &c->given[i], error);
             if (status != SN_OK) return status;
         }
     }

@@ -28,8 +28,12 @@ typedef struct cli_list { int count; const char **items; } cli_list;
 
 enum {
     CLI_RESULT = 1, /* changes the result: it is part of the history */
-    CLI_FILE = 2    /* its value, or what follows the first '=' in it, names a file: the history holds the file's hash instead */
+    CLI_FILE = 2,   /* its value, or what follows the first '=' in it, names a file: the history holds the file's hash instead */
+    CLI_FILES = 4   /* its value names a list of files: the history holds what cli.hash_files makes of it instead */
 };
+
+/* The hash of all that stands behind the value of a CLI_FILES option. */
+typedef sn_status (*cli_hash_function)(const void *user, const char *value, char out[SN_HASH_LENGTH], sn_error *error);
 
 typedef struct cli_option {
     char letter;          /* 0 = none */
@@ -80,6 +84,8 @@ typedef struct cli {
     int verbosity;        /* -1 quiet, 0, 1, 2 */
     bool is_short;        /* cli_shortfall was called: exit status 3 */
     char input_hash[SN_HASH_LENGTH];
+    cli_hash_function hash_files; /* set by a tool with CLI_FILES options, before cli_save */
+    const void *hash_user;
     /* private */
     sn_output *trace_output;
     double started;       /* monotonic seconds at cli_start */

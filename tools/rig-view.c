@@ -1,4 +1,5 @@
 /* rig-view -- draw a muscle document, a mesh, a scene or frames of a simulation as a PNG picture. */
+#include "bones.h"
 #include "cli.h"
 #include "sinew/view.h"
 
@@ -215,20 +216,13 @@ typedef struct content {
     sn_index group; /* contents of one group share their cameras */
 } content;
 
-typedef struct bone {
-    char *name;
-    sn_mesh mesh;
-    double meters_per_unit; /* as its file says; 0 = it says nothing: the muscle's */
-} bone;
-
 typedef struct album {
     const cli *c;
     unsigned show;
     size_t count, capacity;
     content *items;
     sn_index group_count;
-    size_t bone_count, bone_capacity;
-    bone *bones;
+    bone_list bones;
 } album;
 
 static sn_status album_add(album *a, content *item, sn_error *error) {
@@ -246,11 +240,7 @@ static void album_free(album *a) {
         sn_view_free(&a->items[i].view);
         free(a->items[i].caption);
     }
-    for (size_t i = 0; i < a->bone_count; i++) {
-        free(a->bones[i].name);
-        sn_mesh_free(&a->bones[i].mesh);
-    }
-    free(a->bones);
+    bones_free(&a->bones);
     free(a->items);
     free(given.bones.items);
     free(given.bone_lists.items);
@@ -267,68 +257,6 @@ static char *caption_of(const char *path) {
     return sn_strdup(strcmp(name, "-") == 0 ? "standard input" : name);
 }
 
-/* Takes ownership of name; NULL = out of memory. */
-static sn_status load_bone(album *a, char *name, const char *file, sn_error *error) {
-    bone loaded = {.name = name};
-    sn_mesh_frame frame = {0};
-    sn_status status = name ? sn_mesh_read_frame(file, &loaded.mesh, &frame, error) : sn_fail_memory(error, "a bone");
-    loaded.meters_per_unit = frame.meters_per_unit;
-    if (!status) sn_mesh_convert(&loaded.mesh, 1.0, frame.up == SN_UP_Y);
-    if (!status) status = sn_mesh_validate(&loaded.mesh, error);
-    if (status) sn_error_set_file(error, file);
-    if (!status && !sn_grow((void **)&a->bones, &a->bone_capacity, a->bone_count + 1, sizeof(bone)))
-        status = sn_fail_memory(error, "a bone");
-    if (!status) {
-        a->bones[a->bone_count++] = loaded;
-        return SN_OK;
-    }
-    free(loaded.name);
-    sn_mesh_free(&loaded.mesh);
-    return status;
-}
-
-/* A line of a list: FILE, or NAME, a tab and FILE; relative to the list. Blank lines and # comments say nothing. */
-static sn_status load_bone_line(album *a, const char *list, char *line, sn_error *error) {
-    line[strcspn(line, "\r")] = 0;
-    if (line[strspn(line, " \t")] == 0 || *line == '#') return SN_OK;
-    char *tab = strchr(line, '\t'), *file = tab ? tab + 1 : line;
-    if (tab) *tab = 0;
-    const char *slash = strrchr(list, '/');
-    size_t folder = *file != '/' && slash ? (size_t)(slash + 1 - list) : 0;
-    size_t room = folder + strlen(file) + 1;
-    char *path = sn_alloc(room, 1);
-    if (!path) return sn_fail_memory(error, "a path");
-    snprintf(path, room, "%.*s%s", (int)folder, list, file);
-    sn_status status = load_bone(a, tab ? sn_strdup(line) : caption_of(file), path, error);
-    free(path);
-    return status;
-}
-
-static sn_status load_bone_list(album *a, const char *list, sn_error *error) {
-    sn_blob blob = {0};
-    sn_status status = sn_blob_read(list, &blob, error);
-    for (char *line = blob.data; line && *line && !status;) {
-        char *end = line + strcspn(line, "\n"), *next = *end ? end + 1 : end;
-        *end = 0;
-        status = load_bone_line(a, list, line, error);
-        line = next;
-    }
-    sn_blob_free(&blob);
-    return status;
-}
-
-static sn_status load_bones(album *a, sn_error *error) {
-    sn_status status = SN_OK;
-    for (int i = 0; i < given.bones.count && !status; i++) {
-        const char *text = given.bones.items[i], *file = text;
-        char *name = NULL;
-        if (!cli_split(text, &name, &file)) name = caption_of(file = text);
-        status = load_bone(a, name, file, error);
-    }
-    for (int i = 0; i < given.bone_lists.count && !status; i++) status = load_bone_list(a, given.bone_lists.items[i], error);
-    return status;
-}
-
 static sn_status add_muscle(album *a, const sn_blob *blob, const char *path, sn_error *error) {
     sn_muscle muscle;
     sn_document *document = NULL;
@@ -338,9 +266,10 @@ static sn_status add_muscle(album *a, const sn_blob *blob, const char *path, sn_
     if (!status && !item.caption) status = sn_fail_memory(error, "a caption");
     if (!status) status = sn_mesh_validate(&muscle.mesh, error);
     if (!status) status = sn_view_add_muscle(&item.view, &muscle, a->show, error);
-    for (size_t i = 0; i < a->bone_count && !status; i++) {
-        double unit = a->bones[i].meters_per_unit > 0.0 ? a->bones[i].meters_per_unit : muscle.meters_per_unit;
-        status = sn_view_add_bone(&item.view, a->bones[i].name, &a->bones[i].mesh, unit, NULL, error);
+    for (size_t i = 0; i < a->bones.count && !status; i++) {
+        const bone *b = &a->bones.items[i];
+        double unit = b->own_unit > 0.0 ? b->own_unit : muscle.meters_per_unit;
+        status = sn_view_add_bone(&item.view, b->name, &b->mesh, unit, NULL, error);
     }
     sn_muscle_free(&muscle);
     if (!status) return album_add(a, &item, error);
@@ -455,7 +384,7 @@ static sn_status add_scene(album *a, const sn_blob *blob, const char *path, sn_e
     frame_list frames = parse_frames(a->c);
     sn_status status = sn_scene_parse(blob, true, &scene, error);
     if (status) return status;
-    if (a->bone_count > 0) cli_warn(a->c, "--bone is for muscle documents; %s brings its own bones", path);
+    if (a->bones.count > 0) cli_warn(a->c, "--bone is for muscle documents; %s brings its own bones", path);
     if (frames.count == 0) frames = (frame_list){1, {scene.first_frame}};
     status = load_caches(&scene, &k, error);
     for (sn_index i = 0; i < frames.count && !status; i++)
@@ -597,7 +526,8 @@ static sn_status view_rigs(const cli *c, sn_error *error) {
     sn_status status = sn_output_open(c->output, false, &output, error);
     if (!status && sn_output_is_terminal(output))
         cli_usage_error(c, "a picture is not for a terminal; give -o FILE.png or redirect the output");
-    if (!status) status = load_bones(&a, error);
+    if (!status) status = bones_name(c, &given.bones, &given.bone_lists, &a.bones, error);
+    if (!status) status = bones_load(&a.bones, c->threads, error);
     for (int i = 0; i < inputs.count && !status; i++) status = add_input(&a, inputs.items[i], error);
     if (!status) {
         join_groups(&a);

@@ -96,6 +96,9 @@ typedef struct sn_ray_hit {
 
 /* A search structure over mesh (which must outlive it and keep still). */
 SN_MUST_CHECK sn_status sn_surface_create(const sn_mesh *mesh, sn_surface **out, sn_error *error);
+/* The same for closest points and rays only: cheaper, because nobody asks whether the surface closes or crosses itself. Its signed
+ * distance is the plain one. */
+SN_MUST_CHECK sn_status sn_surface_create_plain(const sn_mesh *mesh, sn_surface **out, sn_error *error);
 void sn_surface_destroy(sn_surface *surface); /* NULL is fine */
 /* Exact (double) closest point within max_distance (INFINITY = any); ties go to the lowest triangle. Thread safe. */
 sn_closest sn_surface_closest(const sn_surface *surface, sn_vec3 point, double max_distance);
@@ -127,5 +130,31 @@ SN_MUST_CHECK sn_status sn_edge_distance(const sn_mesh *mesh, const sn_topology 
  * lies lower than all its neighbours. */
 SN_MUST_CHECK sn_status sn_geodesic_distance(const sn_mesh *mesh, const sn_topology *topology, sn_index source_count,
                                              const sn_index *sources, double *distance, sn_error *error);
+
+/* ---- paths over a surface (lib/geom/surface_path.c) -------------------------------------------------------------------- */
+
+/* A piece of a path: straight, within one triangle, between two points of it. */
+typedef struct sn_path_segment {
+    sn_index triangle;
+    sn_index edge; /* that it leaves the triangle by, into the next segment's; SN_NONE for the last */
+    sn_vec3 from, to;
+} sn_path_segment;
+
+typedef struct sn_surface_path {
+    sn_index count;
+    sn_path_segment *segments; /* (count) */
+    double length;
+} sn_surface_path;
+
+/* Finds short paths on one mesh, one after the other; mesh and topology must outlive it. */
+typedef struct sn_path_finder sn_path_finder;
+SN_MUST_CHECK sn_status sn_path_finder_create(const sn_mesh *mesh, const sn_topology *topology, sn_path_finder **out, sn_error *error);
+void sn_path_finder_destroy(sn_path_finder *finder); /* NULL is fine */
+/* A nearly shortest path from one point of the surface to another: the shortest of those that cross edges at a few points inside each
+ * (Lanthier, Maheshwari & Sack 1997, with A*), so it never runs through a vertex: every vertex is on one side of it. `turn` shifts the
+ * points, so that paths of different turn share none, and meet only by crossing. No way there: SN_ERROR_INPUT. *out is the caller's. */
+SN_MUST_CHECK sn_status sn_path_find(sn_path_finder *finder, const sn_closest *from, const sn_closest *to, sn_index turn,
+                                     sn_surface_path *out, sn_error *error);
+void sn_surface_path_free(sn_surface_path *path);
 
 #endif

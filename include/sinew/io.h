@@ -9,6 +9,7 @@
 
 #include "sinew/embedding.h"
 #include "sinew/muscle.h"
+#include "sinew/rig.h"
 #include "sinew/scene.h"
 
 /* ---- bytes (lib/io/stream.c) ---------------------------------------------------------------------------------------- */
@@ -144,6 +145,18 @@ bool sn_scene_detect(const sn_blob *blob);
 SN_MUST_CHECK sn_status sn_scene_parse(const sn_blob *blob, bool load_bones, sn_scene *out, sn_error *error);
 /* The scene with every default filled in, as JSON members of the open object of json. */
 void sn_scene_write(const sn_scene *scene, sn_json *json);
+
+/* ---- landmarks around attachment areas (lib/io/landmarks.c) ---------------------------------------------------------------- */
+
+typedef struct sn_landmarks {
+    sn_index count;
+    sn_landmark_area *areas; /* (count) in the order of the file, in the file's unit */
+    double meters_per_unit;  /* 0 = the file does not say */
+} sn_landmarks;
+/* JSON: { "areas": [ { "bone", "name", "landmarks": [[x,y,z], ...] }, ... ] }, optionally "metersPerUnit"; or lines of bone, area, x, y, z
+ * with tabs between them: lines with the same bone and area make one area. Errors name line or member. */
+SN_MUST_CHECK sn_status sn_landmarks_read(const char *path, sn_landmarks *out, sn_error *error);
+void sn_landmarks_free(sn_landmarks *landmarks);
 
 /* ---- frames (lib/io/frames_pc2.c) -------------------------------------------------------------------------------------------- */
 

@@ -36,6 +36,18 @@ typedef struct sn_fibers {
     char *field;            /* "tree", "harmonic", ...; NULL = not known */
 } sn_fibers;
 
+/* Why a vertex is attached. The numbers are in documents. */
+typedef enum sn_attach_reason {
+    SN_REASON_PIN = 1,   /* the user named it */
+    SN_REASON_AREA,      /* in an attachment area with landmarks around it */
+    SN_REASON_CONTACT,   /* in or on the bone */
+    SN_REASON_VOXEL,     /* in a cell that the bone's surface runs through */
+    SN_REASON_PROXIMITY, /* near the bone */
+    SN_REASON_NEAREST,   /* the bone is near the muscle, but nearer to no vertex than to this: the mesh is coarse there */
+    SN_REASON_COUNT
+} sn_attach_reason;
+const char *sn_attach_reason_name(sn_attach_reason reason); /* "pin", "area", ...; NULL = there is no such reason */
+
 /* The vertices that move with one bone ([K21] 3.3); a vertex belongs to one bone at most. */
 typedef struct sn_attachment {
     char *bone;
@@ -43,11 +55,27 @@ typedef struct sn_attachment {
     sn_index count;
     sn_index *vertices;  /* (count) ascending */
     double *distances;   /* (count) signed distance to the bone, document units; NULL = not known */
+    sn_index *reasons;   /* (count) sn_attach_reason; NULL = not known */
+    double *confidence;  /* (count) in [0,1]; NULL = not known */
 } sn_attachment;
+
+/* Where a muscle rubs on a neighbour: candidates for [R18] 4.3's external constraints, each from a vertex to a point of the target. */
+typedef struct sn_external {
+    char *target;         /* name of a muscle or an envelope */
+    char *fascia;         /* "deep": surfaces that face each other; "superficial": held in by the envelope */
+    sn_index count;
+    sn_index *vertices;   /* (count) ascending */
+    sn_index *triangles;  /* (count) of the target */
+    double *barycentric;  /* (3 x count) of the point in its triangle; not negative, their sum is 1 */
+    double *distances;    /* (count) rest distance to the point, document units; negative in the target */
+    double *minimum;      /* (count) minimum distance, at most the rest distance */
+    double *weights;      /* (3 x count) slide, soft, hard, each in [0,1] */
+} sn_external;
 
 /* What a document's sections are, as bits: which are there, which a tool has changed. */
 typedef enum sn_section {
-    SN_SECTION_MESH = 1, SN_SECTION_ROOTS = 2, SN_SECTION_STRUCTURE = 4, SN_SECTION_FIBERS = 8, SN_SECTION_ATTACHMENTS = 16
+    SN_SECTION_MESH = 1, SN_SECTION_ROOTS = 2, SN_SECTION_STRUCTURE = 4, SN_SECTION_FIBERS = 8, SN_SECTION_ATTACHMENTS = 16,
+    SN_SECTION_EXTERNALS = 32
 } sn_section;
 
 typedef struct sn_muscle {
@@ -60,12 +88,16 @@ typedef struct sn_muscle {
     bool has_attachments;   /* tells "none found" from "not looked for" */
     sn_index attachment_count;
     sn_attachment *attachments; /* (attachment_count) */
+    bool has_externals;     /* tells "none found" from "not looked for" */
+    sn_index external_count;
+    sn_external *externals; /* (external_count) one for each target and fascia */
 } sn_muscle;
 
 void sn_roots_free(sn_roots *roots);
 void sn_structure_free(sn_structure *structure);
 void sn_fibers_free(sn_fibers *fibers);
 void sn_attachments_free(sn_attachment *attachments, sn_index count);
+void sn_externals_free(sn_external *externals, sn_index count);
 void sn_muscle_free(sn_muscle *muscle); /* frees what it owns and zeroes it */
 unsigned sn_muscle_sections(const sn_muscle *muscle); /* the sections that are there: bits of sn_section */
 /* A copy of the mesh with the sections painted on it, for programs that know meshes only: "fiber" (3 numbers: the unit direction),

@@ -34,7 +34,11 @@ typedef struct sn_clean_params {
     bool flip_slivers;         /* flip edges where that rids the surface of slivers */
 } sn_clean_params;
 
-typedef struct sn_dropped_component { sn_index triangles; double area, volume; sn_vec3 centre; } sn_dropped_component;
+typedef struct sn_dropped_component {
+    sn_index triangles;
+    double area, volume;
+    sn_vec3 centre;
+} sn_dropped_component;
 
 typedef struct sn_clean_report {
     sn_mesh_report before, after;
@@ -66,7 +70,13 @@ void sn_clean_report_free(sn_clean_report *report);
 /* ---- selectors (lib/rig/select.c): shared by root-select and attach-detect --pin ------------------------------------- */
 
 typedef enum sn_selector_kind {
-    SN_SELECT_INDICES, SN_SELECT_NEAR, SN_SELECT_SPHERE, SN_SELECT_BOX, SN_SELECT_PLANE, SN_SELECT_HALF, SN_SELECT_PAINTED
+    SN_SELECT_INDICES,
+    SN_SELECT_NEAR,
+    SN_SELECT_SPHERE,
+    SN_SELECT_BOX,
+    SN_SELECT_PLANE,
+    SN_SELECT_HALF,
+    SN_SELECT_PAINTED
 } sn_selector_kind;
 
 /* Coordinates in the document's unit. */
@@ -89,7 +99,7 @@ SN_MUST_CHECK sn_status sn_select_vertices(const sn_mesh *mesh, const sn_topolog
 /* ---- roots (methods.md 2; lib/rig/roots.c) -------------------------------------------------------------------------- */
 
 typedef struct sn_roots_params {
-    bool automatic;       /* true (default): the mid-section ring; false: selector */
+    bool automatic; /* true (default): the mid-section ring; false: selector */
     sn_selector selector;
 } sn_roots_params;
 
@@ -149,8 +159,8 @@ typedef struct sn_flow_params {
 
 typedef struct sn_flow_report {
     sn_index vertices, by_tree, by_neighbours, by_convention; /* the rule that gave each vertex its direction */
-    double max_normal_dot;                   /* max |f . n| */
-    double mean_angle, percentile95_angle;   /* between neighbours' axes, radians */
+    double max_normal_dot;                                    /* max |f . n| */
+    double mean_angle, percentile95_angle;                    /* between neighbours' axes, radians */
 } sn_flow_report;
 
 sn_flow_params sn_flow_defaults(void);
@@ -158,13 +168,14 @@ sn_flow_params sn_flow_defaults(void);
 SN_MUST_CHECK sn_status sn_flow_fibers(const sn_muscle *muscle, const sn_flow_params *params, sn_trace *trace, sn_fibers *out,
                                        sn_flow_report *report, sn_error *error);
 
-/* ---- attachments (methods.md 6; lib/rig/attach.c) --------------------------------------------------------------------- */
+/* ---- attachments (methods.md 6; lib/rig/attach*.c) -------------------------------------------------------------------- */
 
 typedef enum sn_attach_method { SN_ATTACH_CONTACT = 1, SN_ATTACH_PROXIMITY = 2 } sn_attach_method; /* bits: may be combined */
 
 typedef struct sn_attach_bone {
     const char *name;
     const sn_mesh *mesh; /* in the muscle's unit */
+    bool if_nearby;      /* holds vertices only if the pair rule says so; false: the user means this bone */
 } sn_attach_bone;
 
 typedef struct sn_attach_pin {
@@ -172,34 +183,96 @@ typedef struct sn_attach_pin {
     sn_selector selector;
 } sn_attach_pin;
 
+/* An attachment area ([K21] 3.3): landmarks in order along its boundary, on the bone or the muscle. */
+typedef struct sn_landmark_area {
+    char *bone;
+    char *name; /* nullable */
+    sn_index count;
+    sn_vec3 *landmarks; /* (count) in the muscle's unit */
+} sn_landmark_area;
+void sn_landmark_areas_free(sn_landmark_area *areas, sn_index count);
+
 typedef struct sn_attach_params {
-    unsigned methods;      /* bits of sn_attach_method; default both; 0 = pins only */
-    double distance;       /* proximity: vertices closer than this; < 0 (default) = 0.1 mean edges with contact, 1 mean edge alone */
+    unsigned methods;     /* bits of sn_attach_method; default both; 0 = pins and areas only */
+    double distance;      /* proximity: vertices closer than this; < 0 (default) = 0.1 mean edges with contact, 1 mean edge alone */
+    sn_index voxels;      /* contact also where the vertex is in a cell that the bone's surface runs through, of about this many cells
+                           * in the bone's box ([K21] 3.2); 0 (default) = exact contact only */
+    double pair_distance; /* the pair rule: a bone with if_nearby holds vertices only where the muscle penetrates it, or more than */
+    double pair_share;    /* pair_share (default 0.008) of its area lies within pair_distance of it; < 0 (default) = 2 mm */
     sn_index pin_count;
     const sn_attach_pin *pins; /* taken first: a pinned vertex stays with its bone */
-    int threads;           /* 0 = all */
+    sn_index area_count;
+    const sn_landmark_area *areas; /* taken next, in their order; their bones hold nothing by contact or proximity */
+    double landmark_reach;         /* a landmark farther from the muscle is an error; < 0 (default) = 10 mm */
+    int threads;                   /* 0 = all */
 } sn_attach_params;
 
 typedef struct sn_attach_pair {
     sn_index bone;     /* index into the bones given */
     sn_index vertices; /* that the bone has in the end */
     bool culled;       /* its box is out of reach: not searched */
+    bool nearby;       /* it may hold vertices: the pair rule says so, or it is meant */
+    bool penetrates;   /* the muscle's surface is partly in the bone; known only where the pair rule was asked */
+    bool sliding;      /* what it holds looks like a tendon that slides over the bone */
     double nearest;    /* least signed distance of a vertex to the bone; where culled the distance of the boxes, a lower bound */
+    double area_share; /* of the muscle's surface within pair_distance of the bone; NaN where it was not needed to decide */
+    double position;   /* of what it holds along the muscle, 0 at one tip, 1 at the other; NaN where it holds nothing */
+    double girth;      /* of the muscle there: area per length, relative to where that is largest; NaN where it holds nothing */
 } sn_attach_pair;
+
+/* How an area came out. */
+typedef struct sn_attach_area {
+    sn_index area;     /* index into the areas given */
+    sn_index vertices; /* in its patch */
+    bool reordered;    /* its boundary crossed itself: the landmarks were put into the order of the shortest tour */
+    bool coarse;       /* its boundary encloses no vertex: the nearest vertex of each landmark was taken */
+    double farthest;   /* landmark from the muscle, document units */
+    double boundary;   /* length of the boundary */
+    double area_share; /* of the muscle's surface */
+} sn_attach_area;
 
 typedef struct sn_attach_report {
     sn_index pair_count;
     sn_attach_pair *pairs; /* (pair_count) one per bone, in the order given; fewer only where the trace stopped; owned */
+    sn_index area_count;
+    sn_attach_area *areas; /* (area_count) in the order given; fewer only where the trace stopped; owned */
     sn_index attached;     /* vertices in all */
     double distance;       /* the distance of proximity in use, document units; 0 without */
+    double pair_distance;  /* of the pair rule in use, document units */
 } sn_attach_report;
 
 sn_attach_params sn_attach_defaults(void);
 /* A vertex within reach of several bones goes to the nearest (signed distance; ties to the bone given first). Bones with no vertex
- * are left out. *out (*count) is owned by the caller. */
+ * are left out. Each attached vertex has a reason and a confidence: 1 for pins and areas; else by how deep in or how near the bone it
+ * is, lower where another bone is about as near, and halved where the pair looks like a sliding tendon (lib/rig/attach.c).
+ * Trace steps: landmark, geodesic, tour, patch; pair, bone. *out (*count) is owned by the caller. */
 SN_MUST_CHECK sn_status sn_attach_detect(const sn_muscle *muscle, sn_index bone_count, const sn_attach_bone *bones,
                                          const sn_attach_params *params, sn_trace *trace, sn_index *count, sn_attachment **out,
                                          sn_attach_report *report, sn_error *error);
 void sn_attach_report_free(sn_attach_report *report);
+
+/* ---- neighbours for external constraints ([R18] 4.3; lib/rig/neighbours.c) ---------------------------------------------- */
+
+typedef struct sn_neighbour {
+    const char *name;
+    const sn_mesh *mesh; /* in the muscle's unit */
+    bool envelope;       /* holds the muscle in where no other target lies before it (superficial fascia) */
+} sn_neighbour;
+
+typedef struct sn_neighbours_params {
+    double reach;          /* how far a target's surface may be; < 0 (default) = 5 mm */
+    double opposing;       /* surfaces face each other where n . n' < -opposing; default 0.2; n . n' > opposing: held in */
+    double minimum;        /* minimum distance, document units; default 0 */
+    double weights[3];     /* slide, soft, hard in [0,1]; default 1, 0, 0 */
+    const double *maps[3]; /* (vertex_count) instead of a weight, per vertex; nullable */
+    int threads;           /* 0 = all */
+} sn_neighbours_params;
+
+sn_neighbours_params sn_neighbours_defaults(void);
+/* For every vertex the closest point on each target within reach: where the normals oppose (deep fascia), or, for a vertex that faces no
+ * target, where an envelope's normal agrees (superficial fascia). A trace step for each target. *out (*count) is owned by the caller. */
+SN_MUST_CHECK sn_status sn_find_neighbours(const sn_muscle *muscle, sn_index target_count, const sn_neighbour *targets,
+                                           const sn_neighbours_params *params, sn_trace *trace, sn_index *count, sn_external **out,
+                                           sn_error *error);
 
 #endif

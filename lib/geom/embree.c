@@ -36,6 +36,7 @@ struct sn_surface {
     sn_mesh open;      /* the triangles of no such piece; shares the positions of mesh, owns its triangles */
     sn_box open_box;
     sn_winding_tree winding; /* of open */
+    bool has_inside;         /* the fields above are filled: distances have a sign */
     bool closed;             /* no edge is a border, non-manifold or badly wound */
     RTCDevice device;
     RTCScene scene;
@@ -287,7 +288,16 @@ static void set_frame(sn_surface *s) {
     s->scale = size > 0.0 ? ldexp(1.0, -ilogb(size)) : 1.0;
 }
 
-sn_status sn_surface_create(const sn_mesh *mesh, sn_surface **out, sn_error *error) {
+/* What the sign of a distance needs. */
+static sn_status find_inside(sn_surface *s, sn_error *error) {
+    sn_status status = sn_topology_build(s->mesh, &s->topology, error);
+    if (status == SN_OK) status = find_parts(s, error);
+    if (status == SN_OK) status = sn_winding_tree_build(&s->open, &s->winding, error);
+    s->has_inside = status == SN_OK;
+    return status;
+}
+
+static sn_status create(const sn_mesh *mesh, bool with_inside, sn_surface **out, sn_error *error) {
     *out = NULL;
     sn_status status = sn_mesh_validate(mesh, error);
     if (status != SN_OK) return status;
@@ -295,10 +305,8 @@ sn_status sn_surface_create(const sn_mesh *mesh, sn_surface **out, sn_error *err
     if (s == NULL) return sn_fail_memory(error, "a search structure");
     s->mesh = mesh;
     set_frame(s);
-    status = sn_topology_build(mesh, &s->topology, error);
-    if (status == SN_OK) status = build_scene(s, error);
-    if (status == SN_OK) status = find_parts(s, error);
-    if (status == SN_OK) status = sn_winding_tree_build(&s->open, &s->winding, error);
+    status = build_scene(s, error);
+    if (status == SN_OK && with_inside) status = find_inside(s, error);
     if (status != SN_OK) {
         sn_surface_destroy(s);
         return status;
@@ -306,6 +314,10 @@ sn_status sn_surface_create(const sn_mesh *mesh, sn_surface **out, sn_error *err
     *out = s;
     return SN_OK;
 }
+
+sn_status sn_surface_create(const sn_mesh *mesh, sn_surface **out, sn_error *error) { return create(mesh, true, out, error); }
+
+sn_status sn_surface_create_plain(const sn_mesh *mesh, sn_surface **out, sn_error *error) { return create(mesh, false, out, error); }
 
 void sn_surface_destroy(sn_surface *surface) {
     if (surface == NULL) return;
@@ -458,7 +470,7 @@ static bool is_inside(const sn_surface *s, sn_vec3 point, const sn_closest *clos
 double sn_surface_signed_distance(const sn_surface *surface, sn_vec3 point, sn_closest *closest) {
     sn_closest c = find_closest(surface, point, INFINITY, SN_NONE);
     if (closest != NULL) *closest = c;
-    if (c.triangle == SN_NONE || c.distance == 0.0) return c.distance;
+    if (c.triangle == SN_NONE || c.distance == 0.0 || !surface->has_inside) return c.distance;
     return is_inside(surface, point, &c) ? -c.distance : c.distance;
 }
 

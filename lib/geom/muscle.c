@@ -35,8 +35,29 @@ void sn_attachments_free(sn_attachment *attachments, sn_index count) {
         free(attachments[i].method);
         free(attachments[i].vertices);
         free(attachments[i].distances);
+        free(attachments[i].reasons);
+        free(attachments[i].confidence);
     }
     free(attachments);
+}
+
+void sn_externals_free(sn_external *externals, sn_index count) {
+    for (sn_index i = 0; i < count && externals != NULL; i++) {
+        free(externals[i].target);
+        free(externals[i].fascia);
+        free(externals[i].vertices);
+        free(externals[i].triangles);
+        free(externals[i].barycentric);
+        free(externals[i].distances);
+        free(externals[i].minimum);
+        free(externals[i].weights);
+    }
+    free(externals);
+}
+
+const char *sn_attach_reason_name(sn_attach_reason reason) {
+    static const char *const names[SN_REASON_COUNT] = {NULL, "pin", "area", "contact", "voxel", "proximity", "nearest"};
+    return reason > 0 && reason < SN_REASON_COUNT ? names[reason] : NULL;
 }
 
 void sn_muscle_free(sn_muscle *muscle) {
@@ -46,6 +67,7 @@ void sn_muscle_free(sn_muscle *muscle) {
     sn_structure_free(&muscle->structure);
     sn_fibers_free(&muscle->fibers);
     sn_attachments_free(muscle->attachments, muscle->attachment_count);
+    sn_externals_free(muscle->externals, muscle->external_count);
     *muscle = (sn_muscle){0};
 }
 
@@ -56,6 +78,7 @@ unsigned sn_muscle_sections(const sn_muscle *muscle) {
     if (muscle->structure.sample_count > 0) sections |= SN_SECTION_STRUCTURE;
     if (muscle->fibers.directions != NULL || muscle->fibers.polyline_count > 0) sections |= SN_SECTION_FIBERS;
     if (muscle->has_attachments || muscle->attachment_count > 0) sections |= SN_SECTION_ATTACHMENTS;
+    if (muscle->has_externals || muscle->external_count > 0) sections |= SN_SECTION_EXTERNALS;
     return sections;
 }
 
@@ -208,6 +231,10 @@ static sn_status check_attachment(const sn_muscle *muscle, sn_index i, sn_index 
                            muscle->attachments[seen[v] - 1].bone, bone);
         if (attachment->distances != NULL && !isfinite(attachment->distances[k]))
             return sn_fail(error, SN_ERROR_INPUT, "attachments: bone '%s' has a distance that is not finite", bone);
+        if (attachment->reasons != NULL && sn_attach_reason_name((sn_attach_reason)attachment->reasons[k]) == NULL)
+            return sn_fail(error, SN_ERROR_INPUT, "attachments: bone '%s' has a reason that is none of 1 to %d", bone, SN_REASON_COUNT - 1);
+        if (attachment->confidence != NULL && !(attachment->confidence[k] >= 0.0 && attachment->confidence[k] <= 1.0))
+            return sn_fail(error, SN_ERROR_INPUT, "attachments: bone '%s' has a confidence that is not within [0,1]", bone);
         seen[v] = i + 1;
     }
     return SN_OK;
@@ -224,6 +251,42 @@ static sn_status check_attachments(const sn_muscle *muscle, sn_index *seen, sn_e
     return SN_OK;
 }
 
+static sn_status fail_external(const sn_external *e, const char *what, sn_error *error) {
+    return sn_fail(error, SN_ERROR_INPUT, "externals: target '%s' %s", e->target, what);
+}
+
+static bool in_unit_range(const double *values, int count) {
+    for (int i = 0; i < count; i++)
+        if (!(values[i] >= 0.0 && values[i] <= 1.0)) return false;
+    return true;
+}
+
+static sn_status check_external(const sn_muscle *muscle, sn_index i, sn_error *error) {
+    const sn_external *e = &muscle->externals[i];
+    if (e->target == NULL || *e->target == '\0') return fail_element(error, i, "externals: entry", "names no target");
+    bool complete = e->vertices && e->triangles && e->barycentric && e->distances && e->minimum && e->weights;
+    if (e->count < 0 || (e->count > 0 && !complete)) return fail_element(error, i, "externals: entry", "is incomplete");
+    for (sn_index k = 0; k < e->count; k++) {
+        const double *b = &e->barycentric[3 * (size_t)k];
+        if (e->vertices[k] < 0 || e->vertices[k] >= muscle->mesh.vertex_count || (k > 0 && e->vertices[k] <= e->vertices[k - 1]))
+            return fail_external(e, "has vertices that do not ascend, or that the mesh does not have", error);
+        if (e->triangles[k] < 0) return fail_external(e, "has a triangle that cannot be", error);
+        if (!in_unit_range(b, 3) || fabs(b[0] + b[1] + b[2] - 1.0) > 1e-6)
+            return fail_external(e, "has barycentric coordinates that are no point of a triangle", error);
+        if (!isfinite(e->distances[k]) || !isfinite(e->minimum[k])) return fail_external(e, "has a distance that is not finite", error);
+        if (!in_unit_range(&e->weights[3 * (size_t)k], 3)) return fail_external(e, "has a weight that is not within [0,1]", error);
+    }
+    return SN_OK;
+}
+
+static sn_status check_externals(const sn_muscle *muscle, sn_error *error) {
+    if (muscle->external_count < 0 || (muscle->external_count > 0 && muscle->externals == NULL))
+        return sn_fail(error, SN_ERROR_INPUT, "externals: the section is incomplete");
+    sn_status status = SN_OK;
+    for (sn_index i = 0; i < muscle->external_count && status == SN_OK; i++) status = check_external(muscle, i, error);
+    return status;
+}
+
 sn_status sn_muscle_validate(const sn_muscle *muscle, sn_error *error) {
     if (!isfinite(muscle->meters_per_unit) || muscle->meters_per_unit <= 0.0)
         return sn_fail(error, SN_ERROR_INPUT, "metersPerUnit is not a number above 0; write 1 for metres, 0.001 for millimetres");
@@ -235,6 +298,7 @@ sn_status sn_muscle_validate(const sn_muscle *muscle, sn_error *error) {
     if (status == SN_OK) status = check_structure(muscle, error);
     if (status == SN_OK) status = check_fibers(muscle, error);
     if (status == SN_OK) status = check_attachments(muscle, seen, error);
+    if (status == SN_OK) status = check_externals(muscle, error);
     free(seen);
     return status;
 }

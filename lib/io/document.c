@@ -252,13 +252,18 @@ static sn_status parse_fibers(const sn_json_value *value, sn_index vertex_count,
 
 static sn_status parse_attachment(const sn_json_value *value, sn_index vertex_count, sn_attachment *out, sn_error *error) {
     sn_json_value bone = sn_json_member(value, "bone"), method = sn_json_member(value, "method"),
-                  vertices = sn_json_member(value, "vertices"), distances = sn_json_member(value, "distances");
+                  vertices = sn_json_member(value, "vertices"), distances = sn_json_member(value, "distances"),
+                  reasons = sn_json_member(value, "reasons"), confidence = sn_json_member(value, "confidence");
     sn_status status = sn_json_expect_object(value, error);
     if (status == SN_OK) status = sn_json_require(&bone, "the name of a bone", error);
     if (status == SN_OK) status = sn_json_get_text(&bone, &out->bone, error);
     if (status == SN_OK) status = sn_json_get_text(&method, &out->method, error);
     if (status == SN_OK) status = sn_json_get_indices(&vertices, 1, -1, 0, vertex_count - 1, &out->count, &out->vertices, error);
     if (status == SN_OK && sn_json_has(&distances)) status = sn_json_get_numbers(&distances, 1, out->count, NULL, &out->distances, error);
+    if (status == SN_OK && sn_json_has(&reasons))
+        status = sn_json_get_indices(&reasons, 1, out->count, 1, SN_REASON_COUNT - 1, NULL, &out->reasons, error);
+    if (status == SN_OK && sn_json_has(&confidence))
+        status = sn_json_get_numbers(&confidence, 1, out->count, NULL, &out->confidence, error);
     return status;
 }
 
@@ -273,6 +278,41 @@ static sn_status parse_attachments(const sn_json_value *value, sn_muscle *muscle
     for (sn_index i = 0; i < count && status == SN_OK; i++) {
         sn_json_value attachment = sn_json_element(value, i);
         status = parse_attachment(&attachment, muscle->mesh.vertex_count, &muscle->attachments[i], error);
+    }
+    return status;
+}
+
+static sn_status parse_external(const sn_json_value *value, sn_index vertex_count, sn_external *out, sn_error *error) {
+    sn_json_value target = sn_json_member(value, "target"), fascia = sn_json_member(value, "fascia"),
+                  vertices = sn_json_member(value, "vertices"), triangles = sn_json_member(value, "triangles"),
+                  barycentric = sn_json_member(value, "barycentric"), distances = sn_json_member(value, "distances"),
+                  minimum = sn_json_member(value, "minimumDistances"), weights = sn_json_member(value, "weights");
+    sn_status status = sn_json_expect_object(value, error);
+    if (status == SN_OK) status = sn_json_require(&target, "the name of a muscle or an envelope", error);
+    if (status == SN_OK) status = sn_json_get_text(&target, &out->target, error);
+    if (status == SN_OK) status = sn_json_get_text(&fascia, &out->fascia, error);
+    if (status == SN_OK) status = sn_json_get_indices(&vertices, 1, -1, 0, vertex_count - 1, &out->count, &out->vertices, error);
+    if (status == SN_OK && out->count > SN_INDEX_MAX / 3) return sn_json_complain(value, error, "more numbers than sinew can count");
+    sn_index count = out->count;
+    if (status == SN_OK) status = sn_json_get_indices(&triangles, 1, count, 0, SN_INDEX_MAX, NULL, &out->triangles, error);
+    if (status == SN_OK) status = sn_json_get_numbers(&barycentric, 3, 3 * count, NULL, &out->barycentric, error);
+    if (status == SN_OK) status = sn_json_get_numbers(&distances, 1, count, NULL, &out->distances, error);
+    if (status == SN_OK) status = sn_json_get_numbers(&minimum, 1, count, NULL, &out->minimum, error);
+    if (status == SN_OK) status = sn_json_get_numbers(&weights, 3, 3 * count, NULL, &out->weights, error);
+    return status;
+}
+
+static sn_status parse_externals(const sn_json_value *value, sn_muscle *muscle, sn_error *error) {
+    if (!sn_json_has(value)) return SN_OK;
+    sn_index count;
+    sn_status status = sn_json_expect_list(value, SN_LIST_LIMIT, &count, error);
+    if (status != SN_OK) return status;
+    if ((muscle->externals = SN_NEW(sn_external, count)) == NULL) return sn_fail_memory(error, "externals");
+    muscle->external_count = count;
+    muscle->has_externals = true;
+    for (sn_index i = 0; i < count && status == SN_OK; i++) {
+        sn_json_value external = sn_json_element(value, i);
+        status = parse_external(&external, muscle->mesh.vertex_count, &muscle->externals[i], error);
     }
     return status;
 }
@@ -293,7 +333,7 @@ static sn_status parse_sections(const sn_json_value *top, sn_muscle *out, sn_err
     sn_json_value name = sn_json_member(top, "name"), unit = sn_json_member(top, "metersPerUnit"), mesh = sn_json_member(top, "mesh"),
                   roots = sn_json_member(top, "roots"), structure = sn_json_member(top, "structure"),
                   fibers = sn_json_member(top, "fibers"), attachments = sn_json_member(top, "attachments"),
-                  history = sn_json_member(top, "history");
+                  externals = sn_json_member(top, "externals"), history = sn_json_member(top, "history");
     sn_status status = sn_json_expect_format(top, FORMAT, NEWEST_VERSION, error);
     if (status == SN_OK) status = sn_json_get_text(&name, &out->name, error);
     if (status == SN_OK) status = sn_json_require(&unit, "the metres per unit of the coordinates, such as 0.001", error);
@@ -303,6 +343,7 @@ static sn_status parse_sections(const sn_json_value *top, sn_muscle *out, sn_err
     if (status == SN_OK) status = parse_structure(&structure, out->mesh.vertex_count, &out->structure, error);
     if (status == SN_OK) status = parse_fibers(&fibers, out->mesh.vertex_count, &out->fibers, error);
     if (status == SN_OK) status = parse_attachments(&attachments, out, error);
+    if (status == SN_OK) status = parse_externals(&externals, out, error);
     if (status == SN_OK) status = check_history(&history, error);
     return status;
 }
@@ -490,6 +531,29 @@ static sn_status write_attachments(const sn_muscle *muscle, sn_json *json, sn_er
         sn_json_indices(json, "vertices", attachment->vertices, (size_t)attachment->count);
         if (attachment->method != NULL) sn_json_text(json, "method", attachment->method);
         if (attachment->distances != NULL) sn_json_numbers(json, "distances", attachment->distances, (size_t)attachment->count);
+        if (attachment->reasons != NULL) sn_json_indices(json, "reasons", attachment->reasons, (size_t)attachment->count);
+        if (attachment->confidence != NULL) sn_json_numbers(json, "confidence", attachment->confidence, (size_t)attachment->count);
+        sn_json_close(json);
+    }
+    sn_json_close(json);
+    return SN_OK;
+}
+
+static sn_status write_externals(const sn_muscle *muscle, sn_json *json, sn_error *error) {
+    (void)error;
+    sn_json_array(json, "externals");
+    for (sn_index i = 0; i < muscle->external_count; i++) {
+        const sn_external *e = &muscle->externals[i];
+        size_t count = (size_t)e->count;
+        sn_json_object_line(json, NULL);
+        sn_json_text(json, "target", e->target);
+        if (e->fascia != NULL) sn_json_text(json, "fascia", e->fascia);
+        sn_json_indices(json, "vertices", e->vertices, count);
+        sn_json_indices(json, "triangles", e->triangles, count);
+        sn_json_numbers(json, "barycentric", e->barycentric, 3 * count);
+        sn_json_numbers(json, "distances", e->distances, count);
+        sn_json_numbers(json, "minimumDistances", e->minimum, count);
+        sn_json_numbers(json, "weights", e->weights, 3 * count);
         sn_json_close(json);
     }
     sn_json_close(json);
@@ -505,11 +569,13 @@ static const struct section {
     sn_status (*write)(const sn_muscle *muscle, sn_json *json, sn_error *error);
     unsigned stale;
 } sections[] = {
-    {SN_SECTION_MESH, "mesh", write_mesh, SN_SECTION_ROOTS | SN_SECTION_STRUCTURE | SN_SECTION_FIBERS | SN_SECTION_ATTACHMENTS},
+    {SN_SECTION_MESH, "mesh", write_mesh,
+     SN_SECTION_ROOTS | SN_SECTION_STRUCTURE | SN_SECTION_FIBERS | SN_SECTION_ATTACHMENTS | SN_SECTION_EXTERNALS},
     {SN_SECTION_ROOTS, "roots", write_roots, SN_SECTION_STRUCTURE | SN_SECTION_FIBERS},
     {SN_SECTION_STRUCTURE, "structure", write_structure, SN_SECTION_FIBERS},
     {SN_SECTION_FIBERS, "fibers", write_fibers, 0},
     {SN_SECTION_ATTACHMENTS, "attachments", write_attachments, 0},
+    {SN_SECTION_EXTERNALS, "externals", write_externals, 0},
 };
 enum { SECTION_COUNT = sizeof sections / sizeof *sections };
 
@@ -557,6 +623,7 @@ static sn_muscle written_part(const sn_muscle *muscle, unsigned from_muscle) {
     if (!(from_muscle & SN_SECTION_STRUCTURE)) part.structure = (sn_structure){0};
     if (!(from_muscle & SN_SECTION_FIBERS)) part.fibers = (sn_fibers){0};
     if (!(from_muscle & SN_SECTION_ATTACHMENTS)) part.attachment_count = 0;
+    if (!(from_muscle & SN_SECTION_EXTERNALS)) part.external_count = 0;
     return part;
 }
 

@@ -1,45 +1,48 @@
 /*
- * attach.c -- which vertices of a muscle move with which bone ([K21] 3.3): pins, contact, proximity.
+ * attach.c -- which vertices of a muscle move with which bone ([K21] 3.3): pins, areas, contact, proximity, and how sure that is.
  */
-#include "sinew/rig.h"
+#include "attach.h"
+#include "tips.h"
 
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-/* Why a vertex is attached; a bone's method is the union over its vertices. */
-enum { RULE_PIN = 1, RULE_CONTACT = 2, RULE_PROXIMITY = 4 };
-
 enum { VERTICES_PER_CHUNK = 256 };
 
-/* A detection under way. A "holder" is what a vertex may hang on: the bones in the order given, then bones that only pins name. */
+/* A detection under way. A "holder" is what a vertex may hang on: the bones in the order given, then bones that only pins or areas name. */
 typedef struct detection {
     const sn_muscle *muscle;
     sn_index bone_count;
     const sn_attach_bone *bones;
     const sn_attach_params *params;
+    sn_trace *trace;
+    sn_attach_report *report;
     sn_topology topology;
-    sn_box box;   /* of the muscle */
-    double reach; /* proximity: closer than this; 0 without */
+    sn_box box;           /* of the muscle */
+    double area;          /* of the muscle */
+    double reach;         /* proximity: closer than this; 0 without */
+    double pair_distance; /* of the pair rule */
     sn_index holder_count;
     const char **holders;  /* (holder_count) names; borrowed */
+    bool *has_area;        /* (holder_count) an area names it: it holds nothing by contact or proximity */
     sn_index *holder_of;   /* (vertex_count) SN_NONE = free */
     double *distance;      /* (vertex_count) signed, to the holder; NaN = not known */
-    unsigned char *rule;   /* (vertex_count) the RULE_ that attached it */
+    double *runner_up;     /* (vertex_count) signed, to the nearest other bone that would take it; INFINITY = none */
+    unsigned char *reason; /* (vertex_count) sn_attach_reason that attached it */
+    double *candidate;     /* (vertex_count) signed, to the bone under search; INFINITY = out of reach */
+    sn_index *list;        /* (vertex_count) scratch */
     double *chunk_nearest; /* (chunks) */
 } detection;
-
-/* ---- boxes --------------------------------------------------------------------------------------------------------------- */
-
-/* Distance of two boxes, 0 where they overlap; a point is a box without size. */
-static double box_gap(sn_box a, sn_box b) {
-    sn_vec3 apart = sn_max3(sn_sub(a.low, b.high), sn_sub(b.low, a.high));
-    return sn_norm(sn_max3(apart, sn_v3(0, 0, 0)));
-}
 
 /* ---- set-up ---------------------------------------------------------------------------------------------------------------- */
 
 sn_attach_params sn_attach_defaults(void) {
-    return (sn_attach_params){.methods = SN_ATTACH_CONTACT | SN_ATTACH_PROXIMITY, .distance = -1.0};
+    return (sn_attach_params){.methods = SN_ATTACH_CONTACT | SN_ATTACH_PROXIMITY,
+                              .distance = -1.0,
+                              .pair_distance = -1.0,
+                              .pair_share = 0.008,
+                              .landmark_reach = -1.0};
 }
 
 static sn_status check_bone(const detection *d, sn_index b, sn_error *error) {
@@ -57,6 +60,7 @@ static sn_status check_input(const detection *d, sn_error *error) {
     for (sn_index b = 0; b < d->bone_count && status == SN_OK; b++) status = check_bone(d, b, error);
     if (status == SN_OK && !isfinite(d->params->distance))
         status = sn_fail(error, SN_ERROR_USAGE, "the distance of attachment must be a finite number");
+    if (status == SN_OK && d->params->voxels < 0) status = sn_fail(error, SN_ERROR_USAGE, "the number of voxels cannot be negative");
     return status;
 }
 
@@ -73,140 +77,124 @@ static sn_index find_holder(const detection *d, const char *name) {
     return SN_NONE;
 }
 
-static void name_holders(detection *d) {
+static sn_index add_holder(detection *d, const char *name) {
+    sn_index found = find_holder(d, name);
+    if (found != SN_NONE) return found;
+    d->holders[d->holder_count] = name;
+    return d->holder_count++;
+}
+
+/* Where bones are given, an area's bone must be one of them: anything else is a slip of the pen. */
+static sn_status name_holders(detection *d, sn_error *error) {
     for (sn_index b = 0; b < d->bone_count; b++) d->holders[d->holder_count++] = d->bones[b].name;
-    for (sn_index p = 0; p < d->params->pin_count; p++) {
-        if (find_holder(d, d->params->pins[p].bone) == SN_NONE) d->holders[d->holder_count++] = d->params->pins[p].bone;
+    for (sn_index a = 0; a < d->params->area_count; a++) {
+        const char *name = d->params->areas[a].bone;
+        if (d->bone_count > 0 && (find_holder(d, name) == SN_NONE || find_holder(d, name) >= d->bone_count))
+            return sn_fail(error, SN_ERROR_INPUT,
+                           "the landmarks name bone \"%s\", which is not among the bones given; give its mesh, or correct the name", name);
+        d->has_area[add_holder(d, name)] = true;
     }
+    for (sn_index p = 0; p < d->params->pin_count; p++) add_holder(d, d->params->pins[p].bone);
+    return SN_OK;
+}
+
+static sn_status allocate(detection *d, sn_error *error) {
+    sn_index vertices = d->muscle->mesh.vertex_count;
+    size_t holders = (size_t)d->bone_count + (size_t)d->params->pin_count + (size_t)d->params->area_count;
+    d->holders = SN_NEW(const char *, holders);
+    d->has_area = SN_NEW(bool, holders);
+    d->holder_of = SN_NEW(sn_index, vertices);
+    d->distance = SN_NEW(double, vertices);
+    d->runner_up = SN_NEW(double, vertices);
+    d->reason = SN_NEW(unsigned char, vertices);
+    d->candidate = SN_NEW(double, vertices);
+    d->list = SN_NEW(sn_index, vertices);
+    d->chunk_nearest = SN_NEW(double, sn_chunk_count(vertices, VERTICES_PER_CHUNK));
+    d->report->pairs = SN_NEW(sn_attach_pair, d->bone_count);
+    d->report->areas = SN_NEW(sn_attach_area, d->params->area_count);
+    bool complete = d->holders && d->has_area && d->holder_of && d->distance && d->runner_up && d->reason && d->candidate && d->list &&
+                    d->chunk_nearest && d->report->pairs && d->report->areas;
+    return complete ? SN_OK : sn_fail_memory(error, "attachments");
 }
 
 static sn_status set_up(detection *d, sn_error *error) {
     sn_status status = check_input(d, error);
     if (status == SN_OK) status = sn_topology_build(&d->muscle->mesh, &d->topology, error);
+    if (status == SN_OK) status = allocate(d, error);
     if (status != SN_OK) return status;
-    sn_index vertices = d->muscle->mesh.vertex_count;
-    d->holders = SN_NEW(const char *, (size_t)d->bone_count + (size_t)d->params->pin_count);
-    d->holder_of = SN_NEW(sn_index, vertices);
-    d->distance = SN_NEW(double, vertices);
-    d->rule = SN_NEW(unsigned char, vertices);
-    d->chunk_nearest = SN_NEW(double, sn_chunk_count(vertices, VERTICES_PER_CHUNK));
-    if (d->holders == NULL || d->holder_of == NULL || d->distance == NULL || d->rule == NULL || d->chunk_nearest == NULL)
-        return sn_fail_memory(error, "attachments");
-    for (sn_index v = 0; v < vertices; v++) {
+    for (sn_index v = 0; v < d->muscle->mesh.vertex_count; v++) {
         d->holder_of[v] = SN_NONE;
         d->distance[v] = NAN;
+        d->runner_up[v] = INFINITY;
     }
     d->box = sn_mesh_box(&d->muscle->mesh);
+    d->area = sn_mesh_area(&d->muscle->mesh);
     if (d->params->methods & SN_ATTACH_PROXIMITY) d->reach = d->params->distance >= 0.0 ? d->params->distance : default_reach(d);
-    name_holders(d);
-    return SN_OK;
+    d->pair_distance = d->params->pair_distance >= 0.0 ? d->params->pair_distance : 0.002 / d->muscle->meters_per_unit;
+    d->report->distance = d->reach;
+    d->report->pair_distance = d->pair_distance;
+    return name_holders(d, error);
 }
 
 static void tear_down(detection *d) {
     sn_topology_free(&d->topology);
     free(d->holders);
+    free(d->has_area);
     free(d->holder_of);
     free(d->distance);
-    free(d->rule);
+    free(d->runner_up);
+    free(d->reason);
+    free(d->candidate);
+    free(d->list);
     free(d->chunk_nearest);
 }
 
-/* ---- pins ------------------------------------------------------------------------------------------------------------------- */
+/* ---- pins and areas --------------------------------------------------------------------------------------------------------- */
+
+static void hold(detection *d, sn_index v, sn_index holder, double distance, sn_attach_reason reason) {
+    d->holder_of[v] = holder;
+    d->distance[v] = distance;
+    d->reason[v] = (unsigned char)reason;
+}
+
+/* Vertices that the user gave to a bone: no other bone takes them. */
+static bool is_given(const detection *d, sn_index v) { return d->reason[v] == SN_REASON_PIN || d->reason[v] == SN_REASON_AREA; }
 
 static sn_status apply_pin(detection *d, const sn_attach_pin *pin, sn_error *error) {
     sn_index count, *vertices = NULL, holder = find_holder(d, pin->bone);
     sn_error reason = {0};
     sn_status status = sn_select_vertices(&d->muscle->mesh, &d->topology, &pin->selector, &count, &vertices, &reason);
     if (status != SN_OK) return sn_fail(error, status, "pin to \"%s\": %s", pin->bone, reason.text);
-    for (sn_index i = 0; i < count; i++) {
-        if (d->rule[vertices[i]] == RULE_PIN) continue; /* the pin given first holds it */
-        d->rule[vertices[i]] = RULE_PIN;
-        d->holder_of[vertices[i]] = holder;
-    }
+    for (sn_index i = 0; i < count; i++)
+        if (!is_given(d, vertices[i])) hold(d, vertices[i], holder, NAN, SN_REASON_PIN); /* the pin given first holds it */
     free(vertices);
     return SN_OK;
 }
 
-static bool holds_any(const detection *d, sn_index holder) {
-    for (sn_index v = 0; v < d->muscle->mesh.vertex_count; v++) {
-        if (d->holder_of[v] == holder) return true;
-    }
-    return false;
+static sn_status apply_area(detection *d, const sn_area_ground *ground, sn_index number, bool *inside, sn_error *error) {
+    const sn_landmark_area *area = &d->params->areas[number];
+    sn_attach_area *report = &d->report->areas[number];
+    double reach = d->params->landmark_reach >= 0.0 ? d->params->landmark_reach : 0.010 / d->muscle->meters_per_unit;
+    *report = (sn_attach_area){.area = number};
+    if (sn_trace_stopped(d->trace)) return SN_STOPPED;
+    sn_status status = sn_area_patch(ground, area, reach, d->trace, inside, report, error);
+    if (status != SN_OK && status != SN_STOPPED) return status;
+    d->report->area_count = number + 1;
+    for (sn_index v = 0; v < d->muscle->mesh.vertex_count; v++)
+        if (inside[v] && !is_given(d, v)) hold(d, v, find_holder(d, area->bone), NAN, SN_REASON_AREA);
+    return status;
 }
 
-/* ---- one bone ---------------------------------------------------------------------------------------------------------------- */
-
-typedef struct bone_search {
-    detection *d;
-    sn_index bone;
-    const sn_surface *surface;
-    sn_box box; /* of the bone */
-} bone_search;
-
-/* Signed distance of a vertex to the bone; INFINITY where it is outside and farther than `limit`. */
-static double distance_within(const bone_search *s, sn_vec3 p, double limit) {
-    double gap = box_gap((sn_box){p, p}, s->box);
-    if (gap > limit) return INFINITY;
-    if (gap > 0.0) return sn_surface_closest(s->surface, p, limit).distance; /* out of the box is outside */
-    return sn_surface_signed_distance(s->surface, p, NULL);
+static sn_status apply_areas(detection *d, sn_error *error) {
+    if (d->params->area_count == 0) return SN_OK;
+    sn_area_ground ground = {0};
+    bool *inside = SN_NEW(bool, d->muscle->mesh.vertex_count);
+    sn_status status = inside != NULL ? sn_area_ground_create(d->muscle, &d->topology, &ground, error) : sn_fail_memory(error, "areas");
+    for (sn_index a = 0; a < d->params->area_count && status == SN_OK; a++) status = apply_area(d, &ground, a, inside, error);
+    sn_area_ground_free(&ground);
+    free(inside);
+    return status;
 }
-
-static int rule_for(const detection *d, double distance) {
-    if ((d->params->methods & SN_ATTACH_CONTACT) && distance <= 0.0) return RULE_CONTACT;
-    if ((d->params->methods & SN_ATTACH_PROXIMITY) && distance < d->reach) return RULE_PROXIMITY;
-    return 0;
-}
-
-static void offer(detection *d, sn_index v, sn_index bone, double distance) {
-    if (d->rule[v] == RULE_PIN) {
-        if (d->holder_of[v] == bone) d->distance[v] = distance;
-        return;
-    }
-    int rule = rule_for(d, distance);
-    if (rule == 0 || (d->holder_of[v] != SN_NONE && !(distance < d->distance[v]))) return;
-    d->holder_of[v] = bone;
-    d->distance[v] = distance;
-    d->rule[v] = (unsigned char)rule;
-}
-
-/* A vertex needs its distance only if that is within reach, or may be the nearest of its chunk, or it is pinned to this bone. */
-static void search_vertices(void *user, sn_index begin, sn_index end, sn_index chunk) {
-    const bone_search *s = user;
-    detection *d = s->d;
-    double nearest = INFINITY;
-    for (sn_index v = begin; v < end; v++) {
-        bool pinned_here = d->rule[v] == RULE_PIN && d->holder_of[v] == s->bone;
-        double limit = pinned_here ? INFINITY : fmax(d->reach, nearest);
-        double distance = distance_within(s, d->muscle->mesh.positions[v], limit);
-        nearest = fmin(nearest, distance);
-        offer(d, v, s->bone, distance);
-    }
-    d->chunk_nearest[chunk] = nearest;
-}
-
-static sn_status search_bone(detection *d, sn_pool *pool, sn_index bone, sn_box box, double *nearest, sn_error *error) {
-    sn_surface *surface = NULL;
-    sn_error reason = {0};
-    sn_status status = sn_surface_create(d->bones[bone].mesh, &surface, &reason);
-    if (status != SN_OK) return sn_fail(error, status, "bone \"%s\": %s", d->bones[bone].name, reason.text);
-    bone_search search = {.d = d, .bone = bone, .surface = surface, .box = box};
-    sn_index vertices = d->muscle->mesh.vertex_count;
-    sn_parallel_for(pool, vertices, VERTICES_PER_CHUNK, search_vertices, &search);
-    *nearest = INFINITY;
-    for (sn_index c = 0; c < sn_chunk_count(vertices, VERTICES_PER_CHUNK); c++) *nearest = fmin(*nearest, d->chunk_nearest[c]);
-    sn_surface_destroy(surface);
-    return SN_OK;
-}
-
-/* A bone whose box is out of reach can hold nothing: no search structure is built for it. */
-static sn_status try_bone(detection *d, sn_pool *pool, sn_index bone, sn_attach_pair *pair, sn_error *error) {
-    sn_box box = sn_mesh_box(d->bones[bone].mesh);
-    *pair = (sn_attach_pair){.bone = bone, .nearest = box_gap(d->box, box)};
-    pair->culled = pair->nearest > d->reach && !holds_any(d, bone);
-    return pair->culled ? SN_OK : search_bone(d, pool, bone, box, &pair->nearest, error);
-}
-
-/* ---- results --------------------------------------------------------------------------------------------------------------------- */
 
 /* The vertices that a holder has now, ascending, in list (vertex_count). */
 static sn_index held_vertices(const detection *d, sn_index holder, sn_index *list) {
@@ -217,38 +205,285 @@ static sn_index held_vertices(const detection *d, sn_index holder, sn_index *lis
     return count;
 }
 
-static bool trace_bone(const detection *d, const sn_attach_pair *pair, sn_index *scratch, sn_trace *trace) {
-    sn_index count = sn_trace_wanted(trace) ? held_vertices(d, pair->bone, scratch) : 0;
-    return SN_TRACE(trace, "bone", sn_trace_text("bone", d->bones[pair->bone].name), sn_trace_number("culled", pair->culled),
-                    sn_trace_number("nearest", pair->nearest), sn_trace_indices("vertices", scratch, count));
+/* ---- one bone: the distance of every vertex ------------------------------------------------------------------------------------ */
+
+typedef struct bone_distances {
+    detection *d;
+    sn_index bone;
+    double reach;
+    const sn_bone_search *search;
+} bone_distances;
+
+/* Signed distance of a vertex to the bone; INFINITY where it is outside and farther than `limit`. */
+static double distance_within(const sn_bone_search *s, sn_vec3 p, double limit) {
+    double gap = sn_box_gap((sn_box){p, p}, s->box);
+    if (gap > limit) return INFINITY;
+    if (gap > 0.0) return sn_surface_closest(s->surface, p, limit).distance; /* out of the box is outside */
+    return sn_surface_signed_distance(s->surface, p, NULL);
 }
 
-static sn_status try_bones(detection *d, sn_trace *trace, sn_attach_report *report, sn_error *error) {
+/* A vertex needs its distance only if that is within reach, or may be the nearest of its chunk, or it was given to this bone. */
+static void measure_range(void *user, sn_index begin, sn_index end, sn_index chunk) {
+    const bone_distances *m = user;
+    detection *d = m->d;
+    double nearest = INFINITY;
+    for (sn_index v = begin; v < end; v++) {
+        bool given_here = is_given(d, v) && d->holder_of[v] == m->bone;
+        double limit = given_here ? INFINITY : fmax(m->reach, nearest);
+        d->candidate[v] = distance_within(m->search, d->muscle->mesh.positions[v], limit);
+        if (given_here) d->distance[v] = d->candidate[v];
+        nearest = fmin(nearest, d->candidate[v]);
+    }
+    d->chunk_nearest[chunk] = nearest;
+}
+
+static double measure(detection *d, const sn_bone_search *search, sn_index bone, double reach) {
+    bone_distances m = {.d = d, .bone = bone, .reach = reach, .search = search};
+    sn_index vertices = d->muscle->mesh.vertex_count;
+    double nearest = INFINITY;
+    sn_parallel_for(search->pool, vertices, VERTICES_PER_CHUNK, measure_range, &m);
+    for (sn_index c = 0; c < sn_chunk_count(vertices, VERTICES_PER_CHUNK); c++) nearest = fmin(nearest, d->chunk_nearest[c]);
+    return nearest;
+}
+
+/* ---- one bone: what it holds ------------------------------------------------------------------------------------------------------ */
+
+/* Bones with areas, and all bones where only pins and areas count, hold nothing by distance. */
+static bool holds_by_distance(const detection *d, sn_index bone) { return d->params->methods != 0 && !d->has_area[bone]; }
+
+static bool asks_pair_rule(const detection *d, sn_index bone) { return d->bones[bone].if_nearby && holds_by_distance(d, bone); }
+
+/* How far from a bone anything is looked for. */
+static double bone_reach(const detection *d, sn_index bone) {
+    return asks_pair_rule(d, bone) ? fmax(d->reach, d->pair_distance) : d->reach;
+}
+
+/* A free vertex, or one that a farther bone holds. */
+static void offer(detection *d, sn_index v, sn_index bone, sn_attach_reason reason) {
+    double distance = d->candidate[v];
+    if (is_given(d, v)) return;
+    if (d->holder_of[v] == SN_NONE) {
+        hold(d, v, bone, distance, reason);
+    } else if (distance < d->distance[v]) {
+        d->runner_up[v] = d->distance[v];
+        hold(d, v, bone, distance, reason);
+    } else {
+        d->runner_up[v] = fmin(d->runner_up[v], distance);
+    }
+}
+
+static int reason_for(const detection *d, sn_index v, const sn_voxels *voxels) {
+    double distance = d->candidate[v];
+    if ((d->params->methods & SN_ATTACH_CONTACT) && distance <= 0.0) return SN_REASON_CONTACT;
+    if ((d->params->methods & SN_ATTACH_CONTACT) && sn_voxels_on_boundary(voxels, d->muscle->mesh.positions[v])) return SN_REASON_VOXEL;
+    if ((d->params->methods & SN_ATTACH_PROXIMITY) && distance < d->reach) return SN_REASON_PROXIMITY;
+    return 0;
+}
+
+static sn_index offer_all(detection *d, sn_index bone, const sn_voxels *voxels) {
+    sn_index offered = 0;
+    for (sn_index v = 0; v < d->muscle->mesh.vertex_count; v++) {
+        int reason = reason_for(d, v, voxels);
+        if (reason == 0) continue;
+        offer(d, v, bone, (sn_attach_reason)reason);
+        offered++;
+    }
+    return offered;
+}
+
+/* The rule found the bone nearby, but no vertex is in reach: those within the rule's distance, or else the nearest one. */
+static void offer_nearest(detection *d, sn_index bone, double nearest) {
+    double limit = fmax(d->pair_distance, nearest);
+    for (sn_index v = 0; v < d->muscle->mesh.vertex_count; v++)
+        if (d->candidate[v] <= limit) offer(d, v, bone, SN_REASON_NEAREST);
+}
+
+static sn_status hold_bone(detection *d, const sn_bone_search *search, const sn_attach_pair *pair, sn_error *error) {
+    sn_voxels voxels = {0};
+    if (!holds_by_distance(d, pair->bone)) return SN_OK;
+    if (d->params->voxels > 0 && (d->params->methods & SN_ATTACH_CONTACT)) {
+        sn_status status = sn_voxels_build(search->bone, d->params->voxels, &voxels, error);
+        if (status != SN_OK) return status;
+    }
+    bool both = (d->params->methods & SN_ATTACH_CONTACT) && (d->params->methods & SN_ATTACH_PROXIMITY);
+    if (offer_all(d, pair->bone, &voxels) == 0 && both && d->bones[pair->bone].if_nearby) offer_nearest(d, pair->bone, pair->nearest);
+    sn_voxels_free(&voxels);
+    return SN_OK;
+}
+
+/* The pair rule: a vertex in the bone decides at once; else dense samples do. */
+static sn_status judge(detection *d, const sn_bone_search *search, sn_attach_pair *pair, sn_error *error) {
+    pair->nearby = true;
+    if (!asks_pair_rule(d, pair->bone)) return SN_OK;
+    pair->penetrates = pair->nearest <= 0.0;
+    if (!pair->penetrates) {
+        sn_pair_probe probe;
+        sn_status status = sn_probe_pair(search, d->pair_distance, d->area, &probe, error);
+        if (status != SN_OK) return status;
+        pair->penetrates = probe.penetrates;
+        pair->area_share = probe.area_share;
+        pair->nearby = probe.penetrates || probe.area_share > d->params->pair_share;
+    }
+    return SN_TRACE(d->trace, "pair", sn_trace_text("bone", d->bones[pair->bone].name), sn_trace_number("nearest", pair->nearest),
+                    sn_trace_number("penetrates", pair->penetrates), sn_trace_number("areaShare", pair->area_share),
+                    sn_trace_number("nearby", pair->nearby))
+               ? SN_STOPPED
+               : SN_OK;
+}
+
+static sn_status search_bone(detection *d, sn_pool *pool, sn_attach_pair *pair, sn_box box, sn_error *error) {
+    const sn_attach_bone *bone = &d->bones[pair->bone];
+    sn_surface *surface = NULL;
+    sn_error reason = {0};
+    sn_status status = sn_surface_create(bone->mesh, &surface, &reason);
+    if (status != SN_OK) return sn_fail(error, status, "bone \"%s\": %s", bone->name, reason.text);
+    sn_bone_search search = {.muscle = &d->muscle->mesh, .bone = bone->mesh, .surface = surface, .box = box, .pool = pool};
+    pair->nearest = measure(d, &search, pair->bone, bone_reach(d, pair->bone));
+    status = judge(d, &search, pair, error);
+    if (status == SN_OK && pair->nearby) status = hold_bone(d, &search, pair, error);
+    sn_surface_destroy(surface);
+    return status;
+}
+
+static bool holds_any(const detection *d, sn_index holder) {
+    for (sn_index v = 0; v < d->muscle->mesh.vertex_count; v++) {
+        if (d->holder_of[v] == holder) return true;
+    }
+    return false;
+}
+
+/* A bone whose box is out of reach can hold nothing: no search structure is built for it. */
+static sn_status try_bone(detection *d, sn_pool *pool, sn_index bone, sn_attach_pair *pair, sn_error *error) {
+    sn_box box = sn_mesh_box(d->bones[bone].mesh);
+    *pair = (sn_attach_pair){.bone = bone, .nearest = sn_box_gap(d->box, box), .area_share = NAN, .position = NAN, .girth = NAN};
+    pair->culled = pair->nearest > bone_reach(d, bone) && !holds_any(d, bone);
+    return pair->culled ? SN_OK : search_bone(d, pool, pair, box, error);
+}
+
+static bool trace_bone(const detection *d, const sn_attach_pair *pair) {
+    sn_index count = sn_trace_wanted(d->trace) ? held_vertices(d, pair->bone, d->list) : 0;
+    return SN_TRACE(d->trace, "bone", sn_trace_text("bone", d->bones[pair->bone].name), sn_trace_number("culled", pair->culled),
+                    sn_trace_number("nearest", pair->nearest), sn_trace_indices("vertices", d->list, count));
+}
+
+static sn_status try_bones(detection *d, sn_error *error) {
     sn_status status = SN_OK;
     sn_pool *pool = sn_pool_create(d->params->threads); /* without one the loop runs on this thread */
-    sn_index *scratch = SN_NEW(sn_index, d->muscle->mesh.vertex_count);
-    if (scratch == NULL) status = sn_fail_memory(error, "attachments");
     for (sn_index b = 0; b < d->bone_count && status == SN_OK; b++) {
-        if (sn_trace_stopped(trace))
+        if (sn_trace_stopped(d->trace)) {
             status = SN_STOPPED;
-        else
-            status = try_bone(d, pool, b, &report->pairs[b], error);
-        if (status != SN_OK) break;
-        report->pair_count++;
-        if (trace_bone(d, &report->pairs[b], scratch, trace)) status = SN_STOPPED;
+            break;
+        }
+        status = try_bone(d, pool, b, &d->report->pairs[b], error);
+        if (status != SN_OK && status != SN_STOPPED) break;
+        d->report->pair_count++;
+        if (status == SN_OK && trace_bone(d, &d->report->pairs[b])) status = SN_STOPPED;
     }
-    free(scratch);
     sn_pool_destroy(pool);
     return status;
 }
 
-static const char *method_name(unsigned rules) {
-    static const char *const names[8] = {"none",      "pin",           "contact",           "pin+contact",
-                                         "proximity", "pin+proximity", "contact+proximity", "pin+contact+proximity"};
-    return names[rules & 7u];
+/* ---- tendons that slide ---------------------------------------------------------------------------------------------------------- */
+
+enum { SLICES = 20 };
+
+/* The muscle from tip to tip. */
+typedef struct profile {
+    double *along;        /* (vertex_count) 0 at one tip, 1 at the other; NaN on other components */
+    double girth[SLICES]; /* surface area of each twentieth, relative to the largest */
+} profile;
+
+static int slice_of(double along) { return (int)fmin(along * SLICES, SLICES - 1); }
+
+static sn_status find_along(const detection *d, double *along, sn_error *error) {
+    const sn_mesh *mesh = &d->muscle->mesh;
+    surface_survey survey;
+    tips ends;
+    double *other = SN_NEW(double, mesh->vertex_count);
+    sn_status status = other != NULL ? survey_surface(mesh, &d->topology, &survey, error) : sn_fail_memory(error, "attachments");
+    if (status == SN_OK) status = find_tips(mesh, &d->topology, survey.main_vertex, NULL, &ends, error);
+    if (status == SN_OK) status = sn_edge_distance(mesh, &d->topology, 1, &ends.end[0], along, NULL, error);
+    if (status == SN_OK) status = sn_edge_distance(mesh, &d->topology, 1, &ends.end[1], other, NULL, error);
+    for (sn_index v = 0; v < mesh->vertex_count && status == SN_OK; v++) along[v] = along[v] / (along[v] + other[v]);
+    free(other);
+    return status;
 }
 
-/* Distances are there if all of them are known: not for pins to a bone without a mesh. */
+static void measure_girth(const detection *d, profile *p) {
+    const sn_mesh *mesh = &d->muscle->mesh;
+    double largest = 0.0;
+    for (sn_index t = 0; t < mesh->triangle_count; t++) {
+        const sn_index *v = mesh->triangles[t].v;
+        double area = sn_norm(sn_area_vector(mesh->positions[v[0]], mesh->positions[v[1]], mesh->positions[v[2]]));
+        for (int k = 0; k < 3; k++)
+            if (!isnan(p->along[v[k]])) p->girth[slice_of(p->along[v[k]])] += area;
+    }
+    for (int i = 0; i < SLICES; i++) largest = fmax(largest, p->girth[i]);
+    for (int i = 0; i < SLICES && largest > 0.0; i++) p->girth[i] /= largest;
+}
+
+static void place_pair(const detection *d, const profile *p, sn_attach_pair *pair) {
+    double position = 0.0, girth = 0.0;
+    sn_index count = held_vertices(d, pair->bone, d->list), placed = 0;
+    for (sn_index i = 0; i < count; i++) {
+        double along = p->along[d->list[i]];
+        if (isnan(along)) continue;
+        position += along;
+        girth += p->girth[slice_of(along)];
+        placed++;
+    }
+    if (placed == 0) return;
+    pair->position = position / placed;
+    pair->girth = girth / placed;
+}
+
+static bool was_given(const detection *d, sn_index bone) {
+    for (sn_index v = 0; v < d->muscle->mesh.vertex_count; v++)
+        if (d->holder_of[v] == bone && is_given(d, v)) return true;
+    return false;
+}
+
+/* A tendon slides over what lies on its way: where the muscle is less than a fifth as thick as its belly, with bones that hold it nearer
+ * to both tips. On the dog three of four such pairs are no attachments, where one of five is in all. */
+static bool looks_sliding(const detection *d, const sn_attach_pair *pair) {
+    bool before = false, behind = false;
+    for (sn_index p = 0; p < d->report->pair_count; p++) {
+        before = before || d->report->pairs[p].position < pair->position - 0.05;
+        behind = behind || d->report->pairs[p].position > pair->position + 0.05;
+    }
+    return pair->girth < 0.2 && before && behind && !was_given(d, pair->bone);
+}
+
+static sn_status find_sliding(detection *d, sn_error *error) {
+    sn_attach_report *r = d->report;
+    profile p = {.along = SN_NEW(double, d->muscle->mesh.vertex_count)};
+    bool any = false;
+    for (sn_index i = 0; i < r->pair_count; i++) any = any || holds_any(d, r->pairs[i].bone);
+    sn_status status = p.along != NULL ? SN_OK : sn_fail_memory(error, "attachments");
+    if (status == SN_OK && any) status = find_along(d, p.along, error);
+    if (status == SN_OK && any) {
+        measure_girth(d, &p);
+        for (sn_index i = 0; i < r->pair_count; i++) place_pair(d, &p, &r->pairs[i]);
+        for (sn_index i = 0; i < r->pair_count; i++) r->pairs[i].sliding = looks_sliding(d, &r->pairs[i]);
+    }
+    free(p.along);
+    return status;
+}
+
+/* ---- results --------------------------------------------------------------------------------------------------------------------- */
+
+/* The methods that a holder's vertices came by, joined with '+'. */
+static void join_methods(const detection *d, sn_index holder, char *text, size_t size) {
+    unsigned reasons = 0;
+    size_t used = 0;
+    for (sn_index v = 0; v < d->muscle->mesh.vertex_count; v++)
+        if (d->holder_of[v] == holder) reasons |= 1u << d->reason[v];
+    for (int r = 1; r < SN_REASON_COUNT && used < size; r++)
+        if (reasons & 1u << r)
+            used += (size_t)snprintf(text + used, size - used, "%s%s", used > 0 ? "+" : "", sn_attach_reason_name((sn_attach_reason)r));
+}
+
+/* Distances are there if all of them are known: not for bones without a mesh. */
 static void fill_distances(const detection *d, sn_attachment *a) {
     for (sn_index i = 0; i < a->count; i++) {
         a->distances[i] = d->distance[a->vertices[i]];
@@ -259,28 +494,48 @@ static void fill_distances(const detection *d, sn_attachment *a) {
     }
 }
 
+/* How sure it is that a vertex moves with its bone. Given by the user: 1. In the bone: 0.5 on its surface to 1 at a depth of the pair
+ * distance. Near it: 0.5 on the surface to 0 at the reach. Times 0.5 where another bone is as near, up to 1 where that one is farther by
+ * the pair distance. Times 0.5 where the pair looks like a sliding tendon. */
+static double confidence_of(const detection *d, sn_index v, bool sliding) {
+    double scale = fmax(d->pair_distance, 1e-300), distance = d->distance[v];
+    if (is_given(d, v)) return 1.0;
+    double reach = fmax(d->reason[v] == SN_REASON_PROXIMITY ? d->reach : scale, distance);
+    double depth = distance <= 0.0 ? 0.5 + 0.5 * fmin(1.0, -distance / scale) : 0.5 * (1.0 - distance / reach);
+    double margin = 0.5 + 0.5 * fmin(1.0, (d->runner_up[v] - distance) / scale);
+    return depth * margin * (sliding ? 0.5 : 1.0);
+}
+
+static bool is_sliding(const detection *d, sn_index holder) {
+    return holder < d->report->pair_count && d->report->pairs[holder].sliding; /* the pairs are in the order of the bones */
+}
+
 static sn_status fill_attachment(const detection *d, sn_index holder, sn_index count, sn_attachment *out, sn_error *error) {
-    unsigned rules = 0;
-    for (sn_index v = 0; v < d->muscle->mesh.vertex_count; v++) {
-        if (d->holder_of[v] == holder) rules |= d->rule[v];
-    }
+    char method[96] = "";
+    join_methods(d, holder, method, sizeof method);
     out->bone = sn_strdup(d->holders[holder]);
-    out->method = sn_strdup(method_name(rules));
+    out->method = sn_strdup(method);
     out->vertices = SN_NEW(sn_index, count);
     out->distances = SN_NEW(double, count);
-    if (out->bone == NULL || out->method == NULL || out->vertices == NULL || out->distances == NULL)
+    out->reasons = SN_NEW(sn_index, count);
+    out->confidence = SN_NEW(double, count);
+    if (!out->bone || !out->method || !out->vertices || !out->distances || !out->reasons || !out->confidence)
         return sn_fail_memory(error, "attachments");
     out->count = held_vertices(d, holder, out->vertices);
+    for (sn_index i = 0; i < count; i++) {
+        out->reasons[i] = d->reason[out->vertices[i]];
+        out->confidence[i] = confidence_of(d, out->vertices[i], is_sliding(d, holder));
+    }
     fill_distances(d, out);
     return SN_OK;
 }
 
 /* One attachment for each holder that holds anything. */
-static sn_status collect(const detection *d, sn_index *count, sn_attachment **out, sn_attach_report *report, sn_error *error) {
+static sn_status collect(const detection *d, sn_index *count, sn_attachment **out, sn_error *error) {
     sn_status status = SN_OK;
-    sn_index *held = SN_NEW(sn_index, d->holder_count);
+    sn_attach_report *report = d->report;
+    sn_index *held = SN_NEW(sn_index, d->holder_count), made = 0;
     sn_attachment *list = SN_NEW(sn_attachment, d->holder_count);
-    sn_index made = 0;
     if (held == NULL || list == NULL) status = sn_fail_memory(error, "attachments");
     for (sn_index v = 0; v < d->muscle->mesh.vertex_count && status == SN_OK; v++) {
         if (d->holder_of[v] == SN_NONE) continue;
@@ -306,14 +561,14 @@ sn_status sn_attach_detect(const sn_muscle *muscle, sn_index bone_count, const s
     *count = 0;
     *out = NULL;
     *report = (sn_attach_report){0};
-    detection d = {.muscle = muscle, .bone_count = bone_count, .bones = bones, .params = params};
+    detection d = {.muscle = muscle, .bone_count = bone_count, .bones = bones, .params = params, .trace = trace, .report = report};
     sn_status status = set_up(&d, error);
-    report->distance = d.reach;
     for (sn_index p = 0; p < params->pin_count && status == SN_OK; p++) status = apply_pin(&d, &params->pins[p], error);
-    if (status == SN_OK && (report->pairs = SN_NEW(sn_attach_pair, bone_count)) == NULL) status = sn_fail_memory(error, "attachments");
-    if (status == SN_OK) status = try_bones(&d, trace, report, error);
+    if (status == SN_OK) status = apply_areas(&d, error);
+    if (status == SN_OK) status = try_bones(&d, error);
+    if (status == SN_OK) status = find_sliding(&d, error);
     bool stopped = status == SN_STOPPED;
-    if (status == SN_OK || stopped) status = collect(&d, count, out, report, error);
+    if (status == SN_OK || stopped) status = collect(&d, count, out, error);
     tear_down(&d);
     if (status != SN_OK) sn_attach_report_free(report);
     return status == SN_OK && stopped ? SN_STOPPED : status;
@@ -321,5 +576,15 @@ sn_status sn_attach_detect(const sn_muscle *muscle, sn_index bone_count, const s
 
 void sn_attach_report_free(sn_attach_report *report) {
     free(report->pairs);
+    free(report->areas);
     *report = (sn_attach_report){0};
+}
+
+void sn_landmark_areas_free(sn_landmark_area *areas, sn_index count) {
+    for (sn_index i = 0; i < count && areas != NULL; i++) {
+        free(areas[i].bone);
+        free(areas[i].name);
+        free(areas[i].landmarks);
+    }
+    free(areas);
 }

@@ -71,8 +71,8 @@ vertices() { tr -d ' \n' | grep -o "\"bone\":\"$1\",\"vertices\":\[[0-9,]*\]" | 
     attach -q $bones --report report.json strip.off -o out.json
     tr -d ' \n' < report.json > report
     grep -q '"attached":8,' report
-    grep -q '{"bone":"left","vertices":4,"nearest":-1,"culled":false}' report
-    grep -q '{"bone":"right","vertices":4,"nearest":-1,"culled":false}' report
+    grep -q '{"bone":"left","vertices":4,"nearest":-1,"culled":false,"nearby":true,"position":0.[0-9]*,"girth":[0-9.]*,"looksSliding":false}' report
+    grep -q '{"bone":"right","vertices":4,"nearest":-1,"culled":false,"nearby":true,"position":0.[0-9]*,"girth":[0-9.]*,"looksSliding":false}' report
     grep -q '{"bone":"moon","vertices":0,"nearest":990,"culled":true}' report
 }
 

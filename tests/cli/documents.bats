@@ -86,12 +86,12 @@ chain() {
 @test "members that sinew does not know go through every tool, equal and in order" {
     chain
     sed '$d' 1.json > start.json
-    printf '  ,"zeta": {"a": [1, 2.50, {"b": null}], "t": "\\u00fa\\n"},\n  "externals": [], "alpha": 1e-7}\n' >> start.json
+    printf '  ,"zeta": {"a": [1, 2.50, {"b": null}], "t": "\\u00fa\\n"},\n  "omega": [], "alpha": 1e-7}\n' >> start.json
     cp start.json in.json
     for tool in mesh-clean root-select build-structure fiber-flow "attach-detect --bone lower=bone.off"; do
         "$BIN"/$tool in.json -o out.json
-        [ "$(member out.json '[d["zeta"], d["externals"], d["alpha"]]')" = "$(member start.json '[d["zeta"], d["externals"], d["alpha"]]')" ]
-        [ "$(member out.json '[k for k in d if k in ("zeta", "externals", "alpha", "history")]')" = '["zeta", "externals", "alpha", "history"]' ]
+        [ "$(member out.json '[d["zeta"], d["omega"], d["alpha"]]')" = "$(member start.json '[d["zeta"], d["omega"], d["alpha"]]')" ]
+        [ "$(member out.json '[k for k in d if k in ("zeta", "omega", "alpha", "history")]')" = '["zeta", "omega", "alpha", "history"]' ]
         mv out.json in.json
     done
 }

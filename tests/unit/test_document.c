@@ -45,7 +45,7 @@ static const char *const full =
     "    {\"bone\": \"humerus\", \"vertices\": [0,2], \"method\": \"contact\", \"distances\": [0.1,-0.2]},\n"
     "    {\"bone\": \"radius\", \"vertices\": []}\n"
     "  ],\n"
-    "  \"externals\": [[1,2.50],\"a\",null],\n"
+    "  \"omega\": [[1,2.50],\"a\",null],\n"
     "  \"x-studio\": {\n"
     "    \"shot\": 12\n"
     "  },\n"
@@ -373,7 +373,7 @@ static void every_defect_is_named(void **state) {
         {"\"vertices\": [0,2]", "\"vertices\": [2,0]", "attachments: the vertices of bone 'humerus' do not ascend"},
         {"\"distances\": [0.1,-0.2]", "\"distances\": [0.1]", "attachments[0].distances: expected an array of 2 numbers"},
         {"{\"tool\": \"mesh-clean\"", "7, {\"tool\": \"mesh-clean\"", "history[0]: expected an object, found 7"},
-        {"\"x-studio\"", "\"externals\"", "duplicate"},
+        {"\"x-studio\"", "\"omega\"", "duplicate"},
         {"  ]\n}\n", "  ]\n", "not valid JSON"},
     };
     for (size_t i = 0; i < sizeof defects / sizeof *defects; i++) {

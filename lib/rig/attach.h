@@ -1,0 +1,63 @@
+/* attach.h -- what the rules of attachment share. Private to lib/rig. */
+#ifndef SINEW_RIG_ATTACH_H
+#define SINEW_RIG_ATTACH_H
+
+#include "sinew/rig.h"
+
+/* One bone under search. */
+typedef struct sn_bone_search {
+    const sn_mesh *muscle;
+    const sn_mesh *bone;
+    const sn_surface *surface; /* of the bone */
+    sn_box box;                /* of the bone */
+    sn_pool *pool;
+} sn_bone_search;
+
+/* Distance of two boxes, 0 where they overlap; a point is a box without size. */
+static inline double sn_box_gap(sn_box a, sn_box b) {
+    sn_vec3 apart = sn_max3(sn_sub(a.low, b.high), sn_sub(b.low, a.high));
+    return sn_norm(sn_max3(apart, sn_v3(0, 0, 0)));
+}
+
+/* ---- attach_pairs.c: is this bone near this muscle? ------------------------------------------------------------------ */
+
+typedef struct sn_pair_probe {
+    double area_share; /* of the muscle's surface that lies within the distance of the bone */
+    bool penetrates;   /* some point of the surface is in the bone */
+} sn_pair_probe;
+
+/* Dense samples of the muscle's surface against the bone; `area` is that of the muscle. */
+SN_MUST_CHECK sn_status sn_probe_pair(const sn_bone_search *search, double distance, double area, sn_pair_probe *out, sn_error *error);
+
+/* ---- attach_voxels.c: the bone as [K21] 3.2 sees it ------------------------------------------------------------------- */
+
+typedef struct sn_voxels {
+    sn_box box;              /* of the bone */
+    sn_index size[3];        /* cells along each axis */
+    unsigned char *boundary; /* a bit a cell: some triangle touches it */
+} sn_voxels;
+
+/* About `cells` cells in all, as near to cubes as whole numbers allow. */
+SN_MUST_CHECK sn_status sn_voxels_build(const sn_mesh *bone, sn_index cells, sn_voxels *out, sn_error *error);
+void sn_voxels_free(sn_voxels *voxels);
+bool sn_voxels_on_boundary(const sn_voxels *voxels, sn_vec3 point); /* the point's cell is one of the boundary */
+
+/* ---- attach_area.c: patches with landmarks around them ------------------------------------------------------------------ */
+
+/* What every area of one muscle is drawn on. */
+typedef struct sn_area_ground {
+    const sn_muscle *muscle;
+    const sn_topology *topology;
+    sn_surface *surface;
+    sn_path_finder *finder;
+    double *vertex_area; /* (vertex_count) a third of the triangles around it */
+    double total_area;
+} sn_area_ground;
+
+SN_MUST_CHECK sn_status sn_area_ground_create(const sn_muscle *muscle, const sn_topology *topology, sn_area_ground *out, sn_error *error);
+void sn_area_ground_free(sn_area_ground *ground);
+/* inside (vertex_count): the vertices of the patch; where the trace stopped, those along what was drawn of its boundary. */
+SN_MUST_CHECK sn_status sn_area_patch(const sn_area_ground *ground, const sn_landmark_area *area, double reach, sn_trace *trace,
+                                      bool *inside, sn_attach_area *report, sn_error *error);
+
+#endif
