@@ -21,10 +21,10 @@ static bool decode_group(sn_byte_source *source) {
     while (count < 4 && source->at < source->end) {
         unsigned char c = *source->at++;
         if (is_blank(c)) continue;
-        values[count] = value_of(c);
+        int value = value_of(c);
         bool pad_before = count > 0 && values[count - 1] == 64;
-        if (values[count] < 0 || (values[count] == 64 && count < 2) || (pad_before && values[count] != 64)) return false;
-        count++;
+        if (value < 0 || (value == 64 && count < 2) || (pad_before && value != 64)) return false;
+        values[count++] = value;
     }
     if (count < 4) return false;
     source->pending_count = values[2] == 64 ? 1 : values[3] == 64 ? 2 : 3;

@@ -191,7 +191,7 @@ static sn_status skip_array(vtk_file *file, value_type type, int64_t rows, int64
 
 static sn_status read_points(vtk_file *file) {
     sn_reader *reader = file->reader;
-    int64_t count;
+    int64_t count = 0;
     sn_scalar type = SN_FLOAT32;
     sn_status status = read_count(file, "the count of points", &count);
     if (status == SN_OK && file->has_points) return sn_reader_fail(reader, SN_NONE, "the file has POINTS twice");
@@ -212,7 +212,7 @@ static sn_status read_points(vtk_file *file) {
 typedef enum cell_kind { POLYGONS, STRIPS, PASSED_OVER } cell_kind;
 
 static sn_status read_corner(vtk_file *file, sn_scalar type) {
-    double vertex;
+    double vertex = 0.0;
     sn_status status = read_value(file, type, "cells", &vertex);
     if (status != SN_OK) return status;
     if (!(vertex >= 0.0 && vertex <= SN_INDEX_MAX) || vertex != floor(vertex)) {
@@ -234,7 +234,7 @@ static sn_status read_rows(vtk_file *file, cell_kind kind, int64_t cells, int64_
     if (kind == PASSED_OVER) return skip_values(file, SN_INT32, size, "cells");
     sn_status status = begin_values(file, SN_INT32, size, "cells");
     for (int64_t i = 0; status == SN_OK && i < cells; i++) {
-        double corners;
+        double corners = 0.0;
         if (size-- < 1) return sn_reader_fail(file->reader, SN_NONE, "the cells have more numbers than were promised");
         status = read_value(file, SN_INT32, "cells", &corners);
         if (status != SN_OK) return status;
@@ -256,7 +256,7 @@ static sn_status read_offsets(vtk_file *file, int64_t count, int64_t corners, in
     int64_t *offsets = *out = SN_NEW(int64_t, count);
     if (offsets == NULL) return sn_fail_memory(file->reader->error, "cells");
     for (int64_t i = 0; i < count; i++) {
-        double value;
+        double value = 0.0;
         status = read_value(file, type, "OFFSETS", &value);
         if (status != SN_OK) return status;
         double least = i > 0 ? (double)offsets[i - 1] : 0.0;
@@ -291,7 +291,7 @@ static sn_status read_split_cells(vtk_file *file, cell_kind kind, int64_t count,
 }
 
 static sn_status read_cells(vtk_file *file, cell_kind kind) {
-    int64_t count, size;
+    int64_t count = 0, size = 0;
     sn_status status = read_count(file, "the count of cells", &count);
     if (status == SN_OK) status = read_count(file, "the count of the cells' numbers", &size);
     if (status != SN_OK) return status;
@@ -370,7 +370,7 @@ static sn_status read_scalars(vtk_file *file) {
 /* Numbers 0..1 in text, bytes in binary. */
 static sn_status read_colour_scalars(vtk_file *file) {
     sn_span name;
-    int64_t components;
+    int64_t components = 0;
     sn_status status = read_name(file, &name);
     if (status == SN_OK) status = read_count(file, "the count of components", &components);
     if (status != SN_OK) return status;
@@ -380,7 +380,7 @@ static sn_status read_colour_scalars(vtk_file *file) {
 
 static sn_status read_lookup_table(vtk_file *file) {
     sn_span name;
-    int64_t size;
+    int64_t size = 0;
     sn_status status = read_name(file, &name);
     if (status == SN_OK) status = read_count(file, "the size of a lookup table", &size);
     value_type type = {.kind = NUMBERS, .scalar = SN_UINT8};
@@ -389,7 +389,7 @@ static sn_status read_lookup_table(vtk_file *file) {
 
 static sn_status read_texture_coordinates(vtk_file *file) {
     sn_span name;
-    int64_t components;
+    int64_t components = 0;
     value_type type;
     sn_status status = read_name(file, &name);
     if (status == SN_OK) status = read_count(file, "the count of texture coordinates", &components);
@@ -414,7 +414,7 @@ static sn_status read_field_array(vtk_file *file) {
     }
     if (!sn_reader_find_line(file->reader)) return sn_reader_fail(file->reader, SN_NONE, "the file ends within a FIELD; it is cut short");
     sn_span name;
-    int64_t components, rows;
+    int64_t components = 0, rows = 0;
     value_type type;
     sn_status status = read_name(file, &name);
     if (status == SN_OK && sn_span_is(name, "NULL_ARRAY")) return SN_OK;
@@ -426,7 +426,7 @@ static sn_status read_field_array(vtk_file *file) {
 
 static sn_status read_field(vtk_file *file) {
     sn_span name;
-    int64_t count;
+    int64_t count = 0;
     sn_status status = read_name(file, &name);
     if (status == SN_OK) status = read_count(file, "the count of arrays", &count);
     for (int64_t i = 0; status == SN_OK && i < count; i++) status = read_field_array(file);

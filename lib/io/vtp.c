@@ -256,7 +256,7 @@ static sn_status read_offsets(vtp_file *file, const sn_vtp_array *array, int64_t
 }
 
 static sn_status read_corner(vtp_file *file, sn_vtp_values *values, sn_index first, int64_t points) {
-    double vertex;
+    double vertex = 0.0;
     sn_status status = sn_vtp_next(values, &vertex);
     if (status != SN_OK) return status;
     if (vertex >= 0.0 && vertex < (double)points && vertex == floor(vertex)) {
