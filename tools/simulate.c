@@ -15,12 +15,14 @@
 enum { FORMAT_PC2, FORMAT_PLY };
 static const char *const FORMATS[] = {"pc2", "ply", NULL};
 static const char *const LAWS[] = {"projected", "paper", "isochoric", NULL};
+static const char *const SCHEMES[] = {"guarded", "romeo", "kohout", NULL};
+static const char *const ANISOTROPIES[] = {"scheme", "none", "pbd", "xpbd", NULL};
 
 typedef struct choices {
     const char *frames, *log, *fail_on;
     double rate, preroll;
     int64_t substeps, iterations;
-    int format, law;
+    int format, law, scheme, anisotropy;
     bool plan;
 } choices;
 
@@ -31,7 +33,10 @@ static const cli_option OPTIONS[] = {
     {0, "rate", "N", CLI_NUMBER, &given.rate, 0, 1e-6, 1e6, NULL, "frames per second instead of the scene's"},
     {0, "preroll", "SECONDS", CLI_NUMBER, &given.preroll, 0, 0, 1e6, NULL, "let it settle this long at the first frame's inputs"},
     {0, "law", "LAW", CLI_CHOICE, &given.law, 0, 0, 0, LAWS, "fibre law of all muscles: projected, paper or isochoric"},
+    {0, "anisotropy", "FORM", CLI_CHOICE, &given.anisotropy, 0, 0, 0, ANISOTROPIES,
+     "surface edges along the fibres yield: scheme, none, pbd or xpbd"},
     {0, NULL, NULL, CLI_HEADING, NULL, 0, 0, 0, NULL, "Solver:"},
+    {0, "scheme", "SCHEME", CLI_CHOICE, &given.scheme, 0, 0, 0, SCHEMES, "guarded, or a paper to the letter: romeo, kohout"},
     {0, "substeps", "N", CLI_INTEGER, &given.substeps, 0, 1, 1e6, NULL, "substeps per frame instead of the scene's"},
     {0, "iterations", "N", CLI_INTEGER, &given.iterations, 0, 1, 1e6, NULL,
      "iterations per substep, where a muscle has no number of its own"},
@@ -49,8 +54,10 @@ static const cli_tool TOOL = {
     .shared = CLI_TAKES_INPUT | CLI_HAS_OUTPUT | CLI_HAS_TRACE | CLI_HAS_REPORT | CLI_HAS_THREADS,
     .options = OPTIONS,
     .option_count = sizeof OPTIONS / sizeof *OPTIONS,
-    .notes = "-o is NAME.pc2 for one muscle, or a folder with one cache per muscle. --stop-after takes FRAME[:SUBSTEP[:ITERATION]].\n"
-             "--fail-on knows volume, nan, triangle, internal, radial, mesh, dihedral and energy; '<' and '>' compare.",
+    .notes =
+        "-o is NAME.pc2 for one muscle, or a folder with one cache per muscle. --stop-after takes FRAME[:SUBSTEP[:ITERATION]].\n"
+        "--fail-on knows volume, nan, triangle, internal, radial, mesh, dihedral, area, energy, elastic, residual, skipped and clamped;\n"
+        "'<' and '>' compare.",
 };
 
 /* "A:B" or "A" into whole numbers; unset parts keep their value. Returns how many there were; 0 = not of this form. */
@@ -80,11 +87,18 @@ static double read_internal(const sn_statistics *s) { return s->residuals[SN_ROW
 static double read_radial(const sn_statistics *s) { return s->residuals[SN_ROWS_RADIAL].max; }
 static double read_mesh(const sn_statistics *s) { return s->residuals[SN_ROWS_MESH].max; }
 static double read_dihedral(const sn_statistics *s) { return s->residuals[SN_ROWS_DIHEDRAL].max; }
+static double read_area(const sn_statistics *s) { return s->residuals[SN_ROWS_AREA].max; }
 static double read_energy(const sn_statistics *s) { return s->kinetic_energy; }
+static double read_elastic(const sn_statistics *s) { return s->elastic_energy; }
+static double read_residual(const sn_statistics *s) { return s->residual; }
+static double read_skipped(const sn_statistics *s) { return (double)(s->skipped_edges + s->skipped_hinges + s->skipped_triangles); }
+static double read_clamped(const sn_statistics *s) { return (double)s->clamped_hinges; }
 
 static const measure MEASURES[] = {
-    {"volume", read_volume}, {"nan", read_nan},   {"triangle", read_triangle}, {"internal", read_internal},
-    {"radial", read_radial}, {"mesh", read_mesh}, {"dihedral", read_dihedral}, {"energy", read_energy},
+    {"volume", read_volume},   {"nan", read_nan},         {"triangle", read_triangle}, {"internal", read_internal},
+    {"radial", read_radial},   {"mesh", read_mesh},       {"dihedral", read_dihedral}, {"energy", read_energy},
+    {"area", read_area},       {"elastic", read_elastic}, {"residual", read_residual}, {"skipped", read_skipped},
+    {"clamped", read_clamped},
 };
 enum { MEASURE_COUNT = sizeof MEASURES / sizeof *MEASURES, MAX_LIMITS = 32 };
 
@@ -160,6 +174,9 @@ static void apply_options(job *j) {
     if (cli_given(&j->c, "substeps")) scene->solver.substeps = (sn_index)given.substeps;
     if (cli_given(&j->c, "iterations")) scene->solver.iterations = (sn_index)given.iterations;
     for (sn_index i = 0; cli_given(&j->c, "law") && i < scene->muscle_count; i++) scene->muscles[i].law = (sn_fiber_law)given.law;
+    for (sn_index i = 0; cli_given(&j->c, "anisotropy") && i < scene->muscle_count; i++)
+        scene->muscles[i].anisotropy = (sn_anisotropy)given.anisotropy;
+    if (cli_given(&j->c, "scheme")) scene->solver.scheme = (sn_scheme)given.scheme;
     if (j->c.threads > 0) scene->solver.threads = j->c.threads;
 }
 
@@ -332,11 +349,15 @@ static void write_statistics(const job *j, sn_json *json, const sn_statistics *s
     sn_json_number(json, "volume_error", s->volume_error);
     write_errors(json, s, plan);
     sn_json_number(json, "smallest_triangle", s->smallest_triangle);
+    sn_json_number(json, "residual", s->residual);
     sn_json_number(json, "kinetic_energy", s->kinetic_energy);
+    sn_json_number(json, "elastic_energy", s->elastic_energy);
     sn_json_integer(json, "nan", s->nan_points);
     sn_json_integer(json, "skipped_edges", s->skipped_edges);
     sn_json_integer(json, "skipped_hinges", s->skipped_hinges);
     sn_json_integer(json, "clamped_hinges", s->clamped_hinges);
+    sn_json_integer(json, "held_triangles", s->held_triangles);
+    sn_json_integer(json, "skipped_triangles", s->skipped_triangles);
     sn_json_close(json);
 }
 
@@ -480,6 +501,7 @@ static void write_muscle_plan(sn_json *json, const sn_plan_muscle *plan) {
 
 static void write_plan_members(sn_json *json, const sn_model *model) {
     sn_json_text(json, "solver", "xpbd");
+    sn_json_text(json, "scheme", sn_scheme_name(model->scene->solver.scheme));
     sn_json_number(json, "substepDuration", model->substep_duration);
     sn_json_array(json, "muscles");
     for (sn_index i = 0; i < model->plan.muscle_count; i++) write_muscle_plan(json, &model->plan.muscles[i]);

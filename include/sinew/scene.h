@@ -19,33 +19,51 @@ typedef struct sn_scene_bone {
 
 typedef enum sn_fiber_law { SN_LAW_PROJECTED, SN_LAW_PAPER, SN_LAW_ISOCHORIC } sn_fiber_law;
 
+/* [K21] 3.1: an edge along the fibres yields. k = 1 - |u.v| (edge and fibre direction) multiplies the correction (PBD form) or the
+ * stiffness (XPBD form) of the surface edges. SCHEME: the PBD form under the scheme `kohout`, else none. */
+typedef enum sn_anisotropy { SN_ANISOTROPY_SCHEME, SN_ANISOTROPY_NONE, SN_ANISOTROPY_PBD, SN_ANISOTROPY_XPBD } sn_anisotropy;
+
 /* A graph of knots (x ascending); 0 knots = the default of its use. */
-typedef struct sn_knots { sn_index count; double *x, *y; } sn_knots;
+typedef struct sn_knots {
+    sn_index count;
+    double *x, *y;
+} sn_knots;
 
 typedef struct sn_scene_muscle {
     char *name;
     char *uri;
     sn_muscle rig;
-    sn_channel activation;      /* in [0,1] */
-    double contraction;         /* a = contraction x activation; in [0,0.99]; default 0.5 */
-    double rest_activation;     /* a0 = contraction x rest_activation; in [0,1]; default 0 */
+    sn_channel activation;  /* in [0,1] */
+    double contraction;     /* a = contraction x activation; in [0,0.99]; default 0.5 */
+    double rest_activation; /* a0 = contraction x rest_activation; in [0,1]; default 0 */
     sn_fiber_law law;
-    double stiffness_relaxed;   /* N/m, default 5e5: interpolated to active in log scale by activation; 0 = none at all */
-    double stiffness_active;    /* N/m, default 5e7 */
-    double stiffness_internal;  /* factor on the stiffness of internal and radial rows; default 1; 0 = no internal structure */
-    double stiffness_dihedral;  /* k_b / k in m^2: hinge stiffness over edge stiffness; default 7.5e-5; 0 = none */
-    double stiffness_volume;    /* k_V V0 / k: default 4000; 0 = none */
-    sn_knots volume_ratio;      /* activation in [0,1] -> goal volume over rest volume; default 1 */
-    double density;             /* kg/m^3; default 1060 */
-    double damping;             /* rate, 1/s; default 5 */
-    sn_index iterations;        /* per substep; 0 = the solver's */
-    bool enabled;               /* false = left out */
+    double stiffness_relaxed;  /* N/m, default 5e5: interpolated to active in log scale by activation; 0 = none at all */
+    double stiffness_active;   /* N/m, default 5e7 */
+    double stiffness_internal; /* factor on the stiffness of internal and radial rows; default 1; 0 = no internal structure */
+    double stiffness_dihedral; /* k_b / k in m^2: hinge stiffness over edge stiffness; default 7.5e-5; 0 = none */
+    double stiffness_volume;   /* k_V V0 / k: default 4000; 0 = none */
+    bool stiffness_scaled;     /* edges and hinges by the area beside them (numerics.md 9); default true */
+    sn_knots stiffness_curve;  /* activation in [0,1] -> N/m, in log scale; 0 knots = straight from relaxed to active */
+    char *activation_map;      /* vertex attribute of the rig's mesh in [0,1]: share of the contraction; NULL = 1 everywhere */
+    char *stiffness_map;       /* vertex attribute above 0: factor on the stiffness of distances; NULL = 1 everywhere */
+    sn_anisotropy anisotropy;
+    double least_area;     /* no triangle below this share of its rest area; in [0,1); default 0.5; 0 = no such rows */
+    sn_knots volume_ratio; /* activation in [0,1] -> goal volume over rest volume; default 1 */
+    double density;        /* kg/m^3; default 1060 */
+    bool unit_mass;        /* every point 1 kg, whatever the density; default false */
+    double damping;        /* rate, 1/s; default 5 */
+    sn_index iterations;   /* per substep; 0 = the solver's */
+    bool enabled;          /* false = left out */
 } sn_scene_muscle;
 
 typedef enum sn_solver_method { SN_SOLVER_XPBD } sn_solver_method;
 
+/* How `xpbd` goes about it: guarded is sinew's own; the others are the papers', to the letter ([R18] alg. 1, [K21] alg. 2). */
+typedef enum sn_scheme { SN_SCHEME_GUARDED, SN_SCHEME_ROMEO, SN_SCHEME_KOHOUT } sn_scheme;
+
 typedef struct sn_solver_settings {
     sn_solver_method method;
+    sn_scheme scheme;
     sn_index substeps;   /* per frame; default 16 */
     sn_index iterations; /* per substep; default 2: a single one lets rows that disagree pump energy into the muscle */
     int threads;         /* 0 = all */
@@ -59,10 +77,10 @@ typedef struct sn_scene {
     sn_index muscle_count;
     sn_scene_muscle *muscles;
     sn_motion motion;
-    sn_vec3 gravity;     /* m/s^2; default 0 */
-    double rate;         /* frames per second; default 24 */
+    sn_vec3 gravity;                  /* m/s^2; default 0 */
+    double rate;                      /* frames per second; default 24 */
     sn_index first_frame, last_frame; /* inclusive; frame f is at time f / rate; default 0, 0 */
-    double preroll;      /* seconds of settling at the first frame's inputs before it; default 0 */
+    double preroll;                   /* seconds of settling at the first frame's inputs before it; default 0 */
     sn_solver_settings solver;
 } sn_scene;
 

@@ -10,8 +10,8 @@
  *   sn_step             one frame further; writes the state only; no allocation, printing or I/O
  *
  * Back end `xpbd` ([R18] alg. 1, guarded): per substep predict, carry the attached vertices with their bones, then per iteration
- * project internal, radial and mesh distances, dihedral angles, and last the volume. Muscles run in parallel, each one in one thread
- * and in row order, so that the bits do not depend on the number of threads.
+ * project internal, radial and mesh distances, dihedral angles, least areas, and last the volume. Muscles run in parallel, each one in one
+ * thread and in row order, so that the bits do not depend on the number of threads.
  */
 #ifndef SINEW_SIM_H
 #define SINEW_SIM_H
@@ -23,13 +23,23 @@
 
 /* ---- the plan: what runs, what was left out, and why ------------------------------------------------------------------ */
 
-/* The groups of rows, in the order in which they are projected. */
-typedef enum sn_row_kind { SN_ROWS_INTERNAL, SN_ROWS_RADIAL, SN_ROWS_MESH, SN_ROWS_DIHEDRAL, SN_ROWS_VOLUME, SN_ROW_KINDS } sn_row_kind;
+/* The groups of rows, in the order in which the guarded scheme projects them. */
+typedef enum sn_row_kind {
+    SN_ROWS_INTERNAL,
+    SN_ROWS_RADIAL,
+    SN_ROWS_MESH,
+    SN_ROWS_DIHEDRAL,
+    SN_ROWS_AREA,
+    SN_ROWS_VOLUME,
+    SN_ROW_KINDS
+} sn_row_kind;
 #define SN_DISTANCE_KINDS 3 /* the first three are distances */
 
 typedef enum sn_left_out {
     SN_RUNS,             /* not left out */
     SN_OUT_NO_STIFFNESS, /* its stiffness is 0 at every activation */
+    SN_OUT_SETTING,      /* the scene switches it off */
+    SN_OUT_SCHEME,       /* the scheme has no such rows */
     SN_OUT_NO_STRUCTURE, /* the document has no internal structure */
     SN_OUT_OPEN_SURFACE, /* an open surface encloses no volume */
     SN_OUT_FLAT,         /* the rest volume is 0 */
@@ -61,8 +71,9 @@ typedef struct sn_plan {
     sn_plan_muscle *muscles; /* (muscle_count) one per muscle of the scene, disabled ones too */
 } sn_plan;
 
-const char *sn_row_kind_name(sn_row_kind kind);   /* "internal", "radial", "mesh", "dihedral", "volume" */
+const char *sn_row_kind_name(sn_row_kind kind);   /* "internal", "radial", "mesh", "dihedral", "area", "volume" */
 const char *sn_left_out_text(sn_left_out reason); /* half a sentence; "" for SN_RUNS */
+const char *sn_scheme_name(sn_scheme scheme);     /* "guarded", "romeo", "kohout" */
 const char *sn_fiber_law_name(sn_fiber_law law);  /* "projected", "paper", "isochoric" */
 
 /* ---- the constraint table --------------------------------------------------------------------------------------------- */
@@ -76,6 +87,11 @@ typedef struct sn_distance_row {
 typedef struct sn_hinge_row {
     sn_index point[4];
 } sn_hinge_row;
+
+/* J = |n| / (2 A0) >= the scene's least area. */
+typedef struct sn_area_row {
+    sn_index point[3];
+} sn_area_row;
 
 /* The square of a goal length is a sum of terms (of the row) times factors (of the activation); see distance.c. */
 #define SN_LAW_TERMS 3
@@ -99,18 +115,28 @@ typedef struct sn_model_muscle {
     sn_index *kinematic_points;                     /* (kinematic_count) grouped by site */
     sn_site *sites;                                 /* (site_count) one per attachment with vertices */
     sn_index distance_start[SN_DISTANCE_KINDS + 1]; /* rows of kind k are distance_start[k] .. distance_start[k + 1] - 1 */
+    sn_index distance_batched[SN_DISTANCE_KINDS];   /* so many of each kind come first, in fours that share no point */
     sn_distance_row *distances;                     /* (distance_start[SN_DISTANCE_KINDS]) */
     double (*distance_terms)[SN_LAW_TERMS];         /* (the same) m^2: the goal length's dependence on activation */
-    sn_index hinge_count;
-    sn_hinge_row *hinges;       /* (hinge_count) */
-    double *hinge_angles;       /* (hinge_count) theta0, rad */
+    double *distance_softness;                      /* (the same) 1 / factor on the stiffness; NULL = 1 for all */
+    double *distance_gain;                          /* (the same) factor on the correction ([K21] 3.1, PBD form); NULL = 1 for all */
+    double *distance_share;                         /* (the same) share of the contraction, by the activation map; NULL = 1 for all */
+    sn_index hinge_count, hinge_batched;
+    sn_hinge_row *hinges;   /* (hinge_count) */
+    double *hinge_angles;   /* (hinge_count) theta0, rad */
+    double *hinge_softness; /* (hinge_count) 1 / factor on the stiffness; NULL = 1 for all */
+    sn_index area_count;
+    sn_area_row *areas;         /* (area_count) */
+    double *area_scales;        /* (area_count) 1 / (2 A0), 1/m^2 */
     bool keeps_volume;          /* the volume row runs */
     double rest_volume;         /* V0, m^3; NaN for an open or flat surface */
+    sn_curve *stiffness_curve;  /* ln k over activation; NULL = straight from relaxed to active */
     sn_curve *volume_ratio;     /* g(activation); NULL = 1 */
     double rest_ratio;          /* g(rest activation) */
     double mass;                /* kg, all points together */
     double mean_edge, diagonal; /* m */
     sn_index iterations;        /* per substep */
+    bool contracts;             /* activation is felt: not under the scheme `kohout` */
 } sn_model_muscle;
 
 typedef struct sn_model {
@@ -144,10 +170,14 @@ typedef struct sn_statistics {
     sn_residual residuals[SN_ROW_KINDS];
     double smallest_triangle;              /* least area over rest area; NaN where no triangle has a rest area */
     sn_index smallest_triangle_index;      /* SN_NONE = none */
+    double residual;                       /* |dPhi/dx| / (k L) of the last substep, Phi = |x - y|^2_M / (2 h^2) + E; NaN inside a substep */
     double kinetic_energy;                 /* J */
+    double elastic_energy;                 /* J: sum of k C^2 / 2 over the rows, as if none were rigid */
     sn_index nan_points, first_nan;        /* points whose position is not finite; the first of them or SN_NONE */
     int64_t skipped_edges, skipped_hinges; /* projections in the last frame that a guard left out */
     int64_t clamped_hinges;                /* and that the dihedral clamp limited */
+    int64_t held_triangles;                /* projections of triangles below their least area */
+    int64_t skipped_triangles;             /* and those of triangles without a plane, which a guard left out */
 } sn_statistics;
 
 /* ---- the state ------------------------------------------------------------------------------------------------------------ */
@@ -210,11 +240,16 @@ SN_MUST_CHECK sn_status sn_settle(const sn_model *model, sn_state *state, const 
  * bits of a run that was not stopped. SN_STOPPED: stopped on the way, by the options or the trace. options NULL = none. */
 SN_MUST_CHECK sn_status sn_step(const sn_model *model, sn_state *state, const sn_step_options *options, sn_error *error);
 
+/* Project the rows of one kind of a muscle once, as the first iteration of a substep does under `xpbd`: to measure what they cost. */
+void sn_project(const sn_model *model, sn_state *state, sn_index muscle, sn_row_kind kind);
+
 /* ---- single constraints: value and gradients, for tests, pictures and other back ends ------------------------------------- */
 
 /* Guards (numerics.md 5): an edge with l^2 below the first has no direction; a hinge with |n|^2 <= the second x |e|^4 has no angle. */
 #define SN_EDGE_GUARD 1e-24
 #define SN_HINGE_GUARD 1e-12
+/* A triangle with J^2 below this has no plane to be opened in. */
+#define SN_AREA_GUARD 1e-24
 /* A dihedral error beyond this is projected as this: it removes the blow-ups (numerics.md 2). Radians. */
 #define SN_HINGE_CLAMP 0.3
 
@@ -222,6 +257,10 @@ SN_MUST_CHECK sn_status sn_step(const sn_model *model, sn_state *state, const sn
 bool sn_distance_constraint(sn_vec3 p0, sn_vec3 p1, double goal, double *value, sn_vec3 gradients[2]);
 /* C = wrap(theta - rest), theta = atan2((n1 x n2).e, n1.n2), n1 = (a-c) x (b-c), n2 = (b-d) x (a-d); p = {a,b,c,d}; false: guard. */
 bool sn_hinge_constraint(const sn_vec3 p[4], double rest, double *value, sn_vec3 gradients[4]);
+/* C = |n| / (2 rest_area) - least; unilateral: it is projected where C < 0 only; false: guard. */
+bool sn_area_constraint(const sn_vec3 p[3], double rest_area, double least, double *value, sn_vec3 gradients[3]);
+/* [K21] eq. 9 with the absolute value that it leaves out: 1 - |u.v|, u and v of any length; 1 where one of them vanishes. */
+double sn_anisotropy_factor(sn_vec3 edge, sn_vec3 fiber);
 /* V = 1/6 sum p_i . (p_j x p_k) relative to the mean point; gradients (vertex_count, nullable) are dV/dp_i. */
 double sn_volume_constraint(sn_index vertex_count, const sn_point *points, sn_index triangle_count, const sn_triangle *triangles,
                             sn_vec3 *gradients);

@@ -7,8 +7,10 @@
 #define FORMAT "sinew-scene"
 enum { NEWEST_VERSION = 1, FRAME_LIMIT = 100000000, COUNT_LIMIT = 1000000 };
 
-static const char *const law_names[] = {"projected", "paper", "isochoric", NULL}; /* in the order of sn_fiber_law */
-static const char *const method_names[] = {"xpbd", NULL};                         /* in the order of sn_solver_method */
+static const char *const law_names[] = {"projected", "paper", "isochoric", NULL};      /* in the order of sn_fiber_law */
+static const char *const scheme_names[] = {"guarded", "romeo", "kohout", NULL};        /* in the order of sn_scheme */
+static const char *const anisotropy_names[] = {"scheme", "none", "pbd", "xpbd", NULL}; /* in the order of sn_anisotropy */
+static const char *const method_names[] = {"xpbd", NULL};                              /* in the order of sn_solver_method */
 
 /* What the parts of a scene need of the whole. */
 typedef struct reader {
@@ -33,19 +35,22 @@ static sn_status parse_frames(const sn_json_value *value, sn_scene *scene, sn_er
 }
 
 static sn_status parse_solver(const sn_json_value *value, sn_solver_settings *out, sn_error *error) {
-    static const char *const known[] = {"method", "substeps", "iterations", "threads", NULL};
+    static const char *const known[] = {"method", "scheme", "substeps", "iterations", "threads", NULL};
     if (!sn_json_has(value)) return SN_OK;
     sn_json_value method = sn_json_member(value, "method"), substeps = sn_json_member(value, "substeps"),
                   iterations = sn_json_member(value, "iterations"), threads = sn_json_member(value, "threads");
-    int choice = (int)out->method;
+    sn_json_value scheme_name = sn_json_member(value, "scheme");
+    int choice = (int)out->method, scheme = (int)out->scheme;
     sn_index thread_count = out->threads;
     sn_status status = sn_json_expect_object(value, error);
     if (status == SN_OK) status = sn_json_get_choice(&method, method_names, &choice, error);
+    if (status == SN_OK) status = sn_json_get_choice(&scheme_name, scheme_names, &scheme, error);
     if (status == SN_OK) status = sn_json_get_index(&substeps, 1, COUNT_LIMIT, &out->substeps, error);
     if (status == SN_OK) status = sn_json_get_index(&iterations, 1, COUNT_LIMIT, &out->iterations, error);
     if (status == SN_OK) status = sn_json_get_index(&threads, 0, 1024, &thread_count, error);
     if (status != SN_OK) return status;
     out->method = (sn_solver_method)choice;
+    out->scheme = (sn_scheme)scheme;
     out->threads = thread_count;
     sn_json_warn_unknown(value, known);
     return SN_OK;
@@ -136,28 +141,29 @@ static sn_status parse_bones(const sn_json_value *value, const reader *in, sn_er
 
 /* ---- reading: muscles ------------------------------------------------------------------------------------------------- */
 
-static sn_status parse_stiffness(const sn_json_value *value, sn_scene_muscle *out, sn_error *error) {
-    static const char *const known[] = {"relaxed", "active", "internal", "dihedral", "volume", NULL};
-    if (!sn_json_has(value)) return SN_OK;
-    sn_json_value relaxed = sn_json_member(value, "relaxed"), active = sn_json_member(value, "active"),
-                  internal = sn_json_member(value, "internal"), dihedral = sn_json_member(value, "dihedral"),
-                  volume = sn_json_member(value, "volume");
-    sn_status status = sn_json_expect_object(value, error);
-    if (status == SN_OK) status = sn_json_get_number(&relaxed, 0.0, INFINITY, &out->stiffness_relaxed, error);
-    if (status == SN_OK) status = sn_json_get_number(&active, 0.0, INFINITY, &out->stiffness_active, error);
-    if (status == SN_OK) status = sn_json_get_number(&internal, 0.0, INFINITY, &out->stiffness_internal, error);
-    if (status == SN_OK) status = sn_json_get_number(&dihedral, 0.0, INFINITY, &out->stiffness_dihedral, error);
-    if (status == SN_OK) status = sn_json_get_number(&volume, 0.0, INFINITY, &out->stiffness_volume, error);
-    if (status == SN_OK) sn_json_warn_unknown(value, known);
-    return status;
-}
-
 static sn_status alloc_knots(sn_index count, sn_knots *out, sn_error *error) {
     out->x = SN_NEW(double, count);
     out->y = SN_NEW(double, count);
     if (out->x == NULL || out->y == NULL) return sn_fail_memory(error, "a curve");
     out->count = count;
     return SN_OK;
+}
+
+/* [[activation, value], ...] with activations ascending in [0,1] and values above 0. */
+static sn_status parse_curve(const sn_json_value *value, sn_knots *out, sn_error *error) {
+    sn_index count = sn_json_length(value);
+    sn_status status = count > 0 ? alloc_knots(count, out, error) : sn_json_complain(value, error, "there is no [activation, value]");
+    for (sn_index i = 0; i < count && status == SN_OK; i++) {
+        sn_json_value knot = sn_json_element(value, i);
+        double pair[2] = {0};
+        status = sn_json_get_fixed(&knot, 2, pair, error);
+        out->x[i] = pair[0];
+        out->y[i] = pair[1];
+        if (status == SN_OK && (pair[0] < 0.0 || pair[0] > 1.0 || pair[1] <= 0.0))
+            status = sn_json_complain(&knot, error, "expected [activation in [0,1], value above 0], found [%g,%g]", pair[0], pair[1]);
+        if (status == SN_OK && i > 0 && pair[0] <= out->x[i - 1]) status = sn_json_complain(&knot, error, "the activations do not ascend");
+    }
+    return status;
 }
 
 /* A number is the ratio at full activation, reached in a straight line from 1 at rest. */
@@ -176,35 +182,72 @@ static sn_status parse_volume_ratio(const sn_json_value *value, sn_knots *out, s
     if (!sn_json_has(value)) return SN_OK;
     if (sn_json_is_number(value)) return parse_full_ratio(value, out, error);
     if (!sn_json_is_array(value)) return sn_json_mismatch(value, error, "a number above 0, or [[activation, ratio], ...]");
-    sn_index count = sn_json_length(value);
-    sn_status status = count > 0 ? alloc_knots(count, out, error) : sn_json_complain(value, error, "there is no [activation, ratio]");
-    for (sn_index i = 0; i < count && status == SN_OK; i++) {
-        sn_json_value knot = sn_json_element(value, i);
-        double pair[2] = {0};
-        status = sn_json_get_fixed(&knot, 2, pair, error);
-        out->x[i] = pair[0];
-        out->y[i] = pair[1];
-        if (status == SN_OK && (pair[0] < 0.0 || pair[0] > 1.0 || pair[1] <= 0.0))
-            status = sn_json_complain(&knot, error, "expected [activation in [0,1], ratio above 0], found [%g,%g]", pair[0], pair[1]);
-        if (status == SN_OK && i > 0 && pair[0] <= out->x[i - 1]) status = sn_json_complain(&knot, error, "the activations do not ascend");
-    }
+    return parse_curve(value, out, error);
+}
+
+static sn_status parse_stiffness_curve(const sn_json_value *value, sn_knots *out, sn_error *error) {
+    if (!sn_json_has(value)) return SN_OK;
+    if (!sn_json_is_array(value)) return sn_json_mismatch(value, error, "[[activation, stiffness], ...]");
+    return parse_curve(value, out, error);
+}
+
+static sn_status parse_stiffness(const sn_json_value *value, sn_scene_muscle *out, sn_error *error) {
+    static const char *const known[] = {"relaxed", "active", "internal", "dihedral", "volume", "areaScaled", "curve", NULL};
+    if (!sn_json_has(value)) return SN_OK;
+    sn_json_value relaxed = sn_json_member(value, "relaxed"), active = sn_json_member(value, "active"),
+                  internal = sn_json_member(value, "internal"), dihedral = sn_json_member(value, "dihedral"),
+                  volume = sn_json_member(value, "volume"), scaled = sn_json_member(value, "areaScaled"),
+                  curve = sn_json_member(value, "curve");
+    sn_status status = sn_json_expect_object(value, error);
+    if (status == SN_OK) status = sn_json_get_bool(&scaled, &out->stiffness_scaled, error);
+    if (status == SN_OK) status = parse_stiffness_curve(&curve, &out->stiffness_curve, error);
+    if (status == SN_OK) status = sn_json_get_number(&relaxed, 0.0, INFINITY, &out->stiffness_relaxed, error);
+    if (status == SN_OK) status = sn_json_get_number(&active, 0.0, INFINITY, &out->stiffness_active, error);
+    if (status == SN_OK) status = sn_json_get_number(&internal, 0.0, INFINITY, &out->stiffness_internal, error);
+    if (status == SN_OK) status = sn_json_get_number(&dihedral, 0.0, INFINITY, &out->stiffness_dihedral, error);
+    if (status == SN_OK) status = sn_json_get_number(&volume, 0.0, INFINITY, &out->stiffness_volume, error);
+    if (status == SN_OK) sn_json_warn_unknown(value, known);
     return status;
+}
+
+/* "maps": { "activation": ATTRIBUTE, "stiffness": ATTRIBUTE } */
+static sn_status parse_maps(const sn_json_value *value, sn_scene_muscle *out, sn_error *error) {
+    static const char *const known[] = {"activation", "stiffness", NULL};
+    if (!sn_json_has(value)) return SN_OK;
+    sn_json_value activation = sn_json_member(value, "activation"), stiffness = sn_json_member(value, "stiffness");
+    sn_status status = sn_json_expect_object(value, error);
+    if (status == SN_OK) status = sn_json_get_text(&activation, &out->activation_map, error);
+    if (status == SN_OK) status = sn_json_get_text(&stiffness, &out->stiffness_map, error);
+    if (status == SN_OK) sn_json_warn_unknown(value, known);
+    return status;
+}
+
+static sn_status parse_muscle_choices(const sn_json_value *value, sn_scene_muscle *out, sn_error *error) {
+    static const char *const masses[] = {"density", "unit", NULL};
+    sn_json_value law = sn_json_member(value, "law"), anisotropy = sn_json_member(value, "anisotropy"),
+                  mass = sn_json_member(value, "mass"), maps = sn_json_member(value, "maps");
+    int fiber_law = (int)out->law, yielding = (int)out->anisotropy, unit = out->unit_mass;
+    sn_status status = sn_json_get_choice(&law, law_names, &fiber_law, error);
+    if (status == SN_OK) status = sn_json_get_choice(&anisotropy, anisotropy_names, &yielding, error);
+    if (status == SN_OK) status = sn_json_get_choice(&mass, masses, &unit, error);
+    out->law = (sn_fiber_law)fiber_law;
+    out->anisotropy = (sn_anisotropy)yielding;
+    out->unit_mass = unit == 1;
+    return status == SN_OK ? parse_maps(&maps, out, error) : status;
 }
 
 static sn_status parse_muscle_numbers(const sn_json_value *value, sn_scene_muscle *out, sn_error *error) {
     sn_json_value contraction = sn_json_member(value, "contraction"), rest = sn_json_member(value, "restActivation"),
-                  law = sn_json_member(value, "law"), density = sn_json_member(value, "density"),
+                  least_area = sn_json_member(value, "leastArea"), density = sn_json_member(value, "density"),
                   damping = sn_json_member(value, "damping"), iterations = sn_json_member(value, "iterations"),
                   stiffness = sn_json_member(value, "stiffness"), ratio = sn_json_member(value, "volumeRatio");
-    int choice = (int)out->law;
     sn_status status = sn_json_get_number(&contraction, 0.0, 0.99, &out->contraction, error);
     if (status == SN_OK) status = sn_json_get_number(&rest, 0.0, 1.0, &out->rest_activation, error);
-    if (status == SN_OK) status = sn_json_get_choice(&law, law_names, &choice, error);
+    if (status == SN_OK) status = sn_json_get_number(&least_area, 0.0, 0.99, &out->least_area, error);
     if (status == SN_OK) status = sn_json_get_number(&density, SN_JSON_POSITIVE, INFINITY, &out->density, error);
     if (status == SN_OK) status = sn_json_get_number(&damping, 0.0, INFINITY, &out->damping, error);
     if (status == SN_OK) status = sn_json_get_index(&iterations, 0, COUNT_LIMIT, &out->iterations, error);
     if (status == SN_OK) status = parse_stiffness(&stiffness, out, error);
-    out->law = (sn_fiber_law)choice;
     return status == SN_OK ? parse_volume_ratio(&ratio, &out->volume_ratio, error) : status;
 }
 
@@ -232,9 +275,9 @@ static sn_status name_muscle(sn_scene_muscle *out, sn_error *error) {
 }
 
 static sn_status parse_muscle(const sn_json_value *value, const reader *in, sn_scene_muscle *out, sn_error *error) {
-    static const char *const known[] = {"name",           "rig",        "enabled",   "activation",  "contraction",
-                                        "restActivation", "law",        "stiffness", "volumeRatio", "density",
-                                        "damping",        "iterations", NULL};
+    static const char *const known[] = {"name",      "rig",        "enabled",     "activation", "contraction", "restActivation",
+                                        "law",       "stiffness",  "volumeRatio", "density",    "damping",     "iterations",
+                                        "leastArea", "anisotropy", "mass",        "maps",       NULL};
     sn_json_value name = sn_json_member(value, "name"), rig = sn_json_member(value, "rig"), enabled = sn_json_member(value, "enabled"),
                   activation = sn_json_member(value, "activation");
     sn_scene_muscle_defaults(out);
@@ -244,6 +287,7 @@ static sn_status parse_muscle(const sn_json_value *value, const reader *in, sn_s
     if (status == SN_OK) status = sn_json_get_text(&rig, &out->uri, error);
     if (status == SN_OK) status = sn_json_get_bool(&enabled, &out->enabled, error);
     if (status == SN_OK) status = parse_muscle_numbers(value, out, error);
+    if (status == SN_OK) status = parse_muscle_choices(value, out, error);
     if (status == SN_OK && out->enabled) status = load_rig(&rig, out, in->scene, error);
     if (status == SN_OK) status = name_muscle(out, error);
     if (status == SN_OK) status = sn_activation_parse(&activation, in->clock, out->name, &out->activation, error);
@@ -305,6 +349,7 @@ sn_status sn_scene_parse(const sn_blob *blob, bool load_bones, sn_scene *out, sn
 static void write_solver(const sn_solver_settings *solver, sn_json *json) {
     sn_json_object(json, "solver");
     sn_json_text(json, "method", method_names[solver->method]);
+    sn_json_text(json, "scheme", scheme_names[solver->scheme]);
     sn_json_integer(json, "substeps", solver->substeps);
     sn_json_integer(json, "iterations", solver->iterations);
     sn_json_integer(json, "threads", solver->threads);
@@ -320,13 +365,17 @@ static void write_bone(const sn_scene *scene, const sn_scene_bone *bone, sn_json
     sn_json_close(json);
 }
 
-static void write_volume_ratio(const sn_knots *knots, sn_json *json) {
-    if (knots->count == 0) {
-        sn_json_number(json, "volumeRatio", 1.0);
-        return;
-    }
-    sn_json_array(json, "volumeRatio");
+static void write_curve(const char *key, const sn_knots *knots, sn_json *json) {
+    sn_json_array(json, key);
     for (sn_index i = 0; i < knots->count; i++) sn_json_numbers(json, NULL, (const double[2]){knots->x[i], knots->y[i]}, 2);
+    sn_json_close(json);
+}
+
+static void write_maps(const sn_scene_muscle *muscle, sn_json *json) {
+    if (muscle->activation_map == NULL && muscle->stiffness_map == NULL) return;
+    sn_json_object(json, "maps");
+    if (muscle->activation_map != NULL) sn_json_text(json, "activation", muscle->activation_map);
+    if (muscle->stiffness_map != NULL) sn_json_text(json, "stiffness", muscle->stiffness_map);
     sn_json_close(json);
 }
 
@@ -337,6 +386,8 @@ static void write_stiffness(const sn_scene_muscle *muscle, sn_json *json) {
     sn_json_number(json, "internal", muscle->stiffness_internal);
     sn_json_number(json, "dihedral", muscle->stiffness_dihedral);
     sn_json_number(json, "volume", muscle->stiffness_volume);
+    sn_json_bool(json, "areaScaled", muscle->stiffness_scaled);
+    if (muscle->stiffness_curve.count > 0) write_curve("curve", &muscle->stiffness_curve, json);
     sn_json_close(json);
 }
 
@@ -350,7 +401,14 @@ static void write_muscle(const sn_scene_muscle *muscle, sn_json *json) {
     sn_json_number(json, "restActivation", muscle->rest_activation);
     sn_json_text(json, "law", law_names[muscle->law]);
     write_stiffness(muscle, json);
-    write_volume_ratio(&muscle->volume_ratio, json);
+    sn_json_text(json, "anisotropy", anisotropy_names[muscle->anisotropy]);
+    sn_json_number(json, "leastArea", muscle->least_area);
+    if (muscle->volume_ratio.count > 0)
+        write_curve("volumeRatio", &muscle->volume_ratio, json);
+    else
+        sn_json_number(json, "volumeRatio", 1.0);
+    write_maps(muscle, json);
+    sn_json_text(json, "mass", muscle->unit_mass ? "unit" : "density");
     sn_json_number(json, "density", muscle->density);
     sn_json_number(json, "damping", muscle->damping);
     sn_json_integer(json, "iterations", muscle->iterations);

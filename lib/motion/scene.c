@@ -15,6 +15,8 @@ void sn_scene_muscle_defaults(sn_scene_muscle *muscle) {
     muscle->stiffness_internal = 1.0;
     muscle->stiffness_dihedral = 7.5e-5;
     muscle->stiffness_volume = 4000.0;
+    muscle->stiffness_scaled = true;
+    muscle->least_area = 0.5;
     muscle->density = 1060.0;
     muscle->damping = 5.0;
     muscle->iterations = 0;
@@ -36,13 +38,20 @@ static void free_bone(sn_scene_bone *bone) {
     sn_mesh_free(&bone->mesh);
 }
 
+static void free_knots(sn_knots *knots) {
+    free(knots->x);
+    free(knots->y);
+}
+
 static void free_muscle(sn_scene_muscle *muscle) {
     free(muscle->name);
     free(muscle->uri);
     sn_muscle_free(&muscle->rig);
     sn_channel_free(&muscle->activation);
-    free(muscle->volume_ratio.x);
-    free(muscle->volume_ratio.y);
+    free_knots(&muscle->stiffness_curve);
+    free_knots(&muscle->volume_ratio);
+    free(muscle->activation_map);
+    free(muscle->stiffness_map);
 }
 
 void sn_scene_free(sn_scene *scene) {
@@ -92,16 +101,30 @@ static sn_status check_activation(const sn_scene_muscle *muscle, sn_error *error
     return SN_OK;
 }
 
-static sn_status check_volume_ratio(const sn_scene_muscle *muscle, sn_error *error) {
-    const sn_knots *knots = &muscle->volume_ratio;
+/* Activations ascending in [0,1], values above 0. */
+static sn_status check_curve(const sn_scene_muscle *muscle, const char *what, const sn_knots *knots, sn_error *error) {
     for (sn_index i = 0; i < knots->count; i++) {
         if (!within(knots->x[i], 0.0, 1.0) || (i > 0 && knots->x[i] <= knots->x[i - 1]))
-            return sn_fail(error, SN_ERROR_INPUT, "muscle \"%s\": the activations of its volume ratio must ascend within [0,1]",
-                           name_of(muscle->name));
+            return sn_fail(error, SN_ERROR_INPUT, "muscle \"%s\": the activations of its %s must ascend within [0,1]",
+                           name_of(muscle->name), what);
         if (!isfinite(knots->y[i]) || knots->y[i] <= 0.0)
-            return sn_fail(error, SN_ERROR_INPUT, "muscle \"%s\": volume ratio is %g; it must be above 0", name_of(muscle->name),
-                           knots->y[i]);
+            return sn_fail(error, SN_ERROR_INPUT, "muscle \"%s\": %s is %g; it must be above 0", name_of(muscle->name), what, knots->y[i]);
     }
+    return SN_OK;
+}
+
+/* The painted map that a muscle names: one number per vertex, finite, in [low, high]. */
+static sn_status check_map(const sn_scene_muscle *muscle, const char *attribute, double low, double high, sn_error *error) {
+    if (attribute == NULL) return SN_OK;
+    const sn_mesh *mesh = &muscle->rig.mesh;
+    const sn_attribute *map = sn_mesh_attribute(mesh, attribute);
+    if (map == NULL || map->components != 1)
+        return sn_fail(error, SN_ERROR_INPUT, "muscle \"%s\": its mesh has no attribute \"%s\" of one number per vertex",
+                       name_of(muscle->name), attribute);
+    for (sn_index v = 0; v < mesh->vertex_count; v++)
+        if (!within(map->values[v], low, high))
+            return sn_fail(error, SN_ERROR_INPUT, "muscle \"%s\": attribute \"%s\" is %g at vertex %ld; it must be in [%g,%g]",
+                           name_of(muscle->name), attribute, map->values[v], (long)v, low, high);
     return SN_OK;
 }
 
@@ -118,6 +141,7 @@ static sn_status check_settings(const sn_scene_muscle *muscle, sn_error *error) 
         {"stiffness.internal", muscle->stiffness_internal, 0.0, HUGE_VAL},
         {"stiffness.dihedral", muscle->stiffness_dihedral, 0.0, HUGE_VAL},
         {"stiffness.volume", muscle->stiffness_volume, 0.0, HUGE_VAL},
+        {"leastArea", muscle->least_area, 0.0, 0.99},
         {"damping", muscle->damping, 0.0, HUGE_VAL},
         {"iterations", muscle->iterations, 0.0, SN_INDEX_MAX},
     };
@@ -138,6 +162,8 @@ static bool has_bone(const sn_scene *scene, const char *name) {
 
 static sn_status check_rig(const sn_scene *scene, const sn_scene_muscle *muscle, sn_error *error) {
     sn_status status = sn_muscle_validate(&muscle->rig, error);
+    if (status == SN_OK) status = check_map(muscle, muscle->activation_map, 0.0, 1.0, error);
+    if (status == SN_OK) status = check_map(muscle, muscle->stiffness_map, 1e-6, 1e6, error);
     for (sn_index i = 0; i < muscle->rig.attachment_count && status == SN_OK; i++) {
         const char *bone = muscle->rig.attachments[i].bone;
         if (!has_bone(scene, bone))
@@ -159,7 +185,8 @@ static sn_status check_muscle(const sn_scene *scene, sn_index i, sn_error *error
         return sn_fail(error, SN_ERROR_INPUT, "muscle \"%s\": its fibre law is not known", name_of(muscle->name));
     sn_status status = check_settings(muscle, error);
     if (status == SN_OK) status = check_activation(muscle, error);
-    if (status == SN_OK) status = check_volume_ratio(muscle, error);
+    if (status == SN_OK) status = check_curve(muscle, "volume ratio", &muscle->volume_ratio, error);
+    if (status == SN_OK) status = check_curve(muscle, "stiffness", &muscle->stiffness_curve, error);
     return status == SN_OK && muscle->enabled ? check_rig(scene, muscle, error) : status;
 }
 

@@ -8,60 +8,85 @@
  *   g_d = -|e| n2/q2                                      g_b = -((a-c).e/|e|) n1/q1 - ((a-d).e/|e|) n2/q2
  */
 #include "rows.h"
+#include "wide.h"
 
-#include <float.h>
 #include <stdlib.h>
 
 /* atan(t) for |t| <= 0.66 to 2e-16: t + t z P(z) / Q(z), z = t^2; the coefficients are those of Moshier's Cephes library. */
-static inline double arc_tangent(double t) {
-    double z = t * t;
-    double p = -6.485021904942025371773e1 +
-               z * (-1.228866684490136173410e2 +
-                    z * (-7.500855792314704667340e1 + z * (-1.615753718733365076637e1 + z * -8.750608600031904122785e-1)));
-    double q = 1.945506571482613964425e2 +
-               z * (4.853903996359136964868e2 +
-                    z * (4.328810604912902668951e2 + z * (1.650270098316988542046e2 + z * (2.485846490142306297962e1 + z))));
+SN_INLINE wide arc_tangent(wide t) {
+    wide z = t * t;
+    wide p = wide_splat(-8.750608600031904122785e-1);
+    p = p * z + wide_splat(-1.615753718733365076637e1);
+    p = p * z + wide_splat(-7.500855792314704667340e1);
+    p = p * z + wide_splat(-1.228866684490136173410e2);
+    p = p * z + wide_splat(-6.485021904942025371773e1);
+    wide q = z + wide_splat(2.485846490142306297962e1);
+    q = q * z + wide_splat(1.650270098316988542046e2);
+    q = q * z + wide_splat(4.328810604912902668951e2);
+    q = q * z + wide_splat(4.853903996359136964868e2);
+    q = q * z + wide_splat(1.945506571482613964425e2);
     return t + t * (z * p / q);
 }
 
 /* The angle in [-pi, pi] whose sine and cosine are in the ratio sine : cosine, not both 0. Ours, not the C library's atan2, whose last bit
  * differs between processors; to 4e-16. */
-static inline double angle_of(double sine, double cosine) {
-    static const double TAN_PI_8 = 0.41421356237309504880;
-    double s = fabs(sine), c = fabs(cosine), low = s < c ? s : c, high = s < c ? c : s;
-    bool upper = low > TAN_PI_8 * high; /* atan(low / high) = pi/4 + atan((low - high) / (low + high)) */
-    double angle = arc_tangent((upper ? low - high : low) / (upper ? low + high : high));
-    if (upper) angle += SN_PI / 4.0;
-    if (s > c) angle = SN_PI / 2.0 - angle;
-    if (cosine < 0.0) angle = SN_PI - angle;
-    return copysign(angle, sine);
+SN_INLINE wide angle_of(wide sine, wide cosine) {
+    wide s = wide_abs(sine), c = wide_abs(cosine);
+    wide_mask steep = wide_less(c, s);
+    wide low = wide_select(steep, c, s), high = wide_select(steep, s, c);
+    wide_mask upper =
+        wide_less(wide_splat(0.41421356237309504880) * high, low); /* tan pi/8; atan(low/high) = pi/4 + atan((low-high)/(low+high)) */
+    wide angle = arc_tangent(wide_select(upper, low - high, low) / wide_select(upper, low + high, high));
+    angle = wide_select(upper, angle + wide_splat(SN_PI / 4.0), angle);
+    angle = wide_select(steep, wide_splat(SN_PI / 2.0) - angle, angle);
+    angle = wide_select(wide_less(cosine, wide_splat(0.0)), wide_splat(SN_PI) - angle, angle);
+    return wide_copysign(angle, sine);
 }
 
-static inline double wrap(double angle) {
-    if (angle > SN_PI) return angle - 2.0 * SN_PI;
-    if (angle <= -SN_PI) return angle + 2.0 * SN_PI;
-    return angle;
+/* Into (-pi, pi], from (-3 pi, 3 pi). */
+SN_INLINE wide wrap(wide angle) {
+    wide turn = wide_splat(2.0 * SN_PI), half = wide_splat(SN_PI);
+    wide lower = wide_select(wide_less(half, angle), angle - turn, angle);
+    return wide_select(wide_less(-half, angle), lower, angle + turn);
 }
 
 /* Value and gradients at points a, b, c, d; false where an area or the edge vanishes, or is not finite. */
-static inline bool hinge(const sn_vec3 p[4], double rest, double *value, sn_vec3 g[4]) {
-    sn_vec3 e = sn_sub(p[1], p[0]);
-    sn_vec3 ac = sn_sub(p[0], p[2]), bc = sn_sub(p[1], p[2]), ad = sn_sub(p[0], p[3]), bd = sn_sub(p[1], p[3]);
-    sn_vec3 n1 = sn_cross(ac, bc), n2 = sn_cross(bd, ad);
-    double e2 = sn_norm2(e), q1 = sn_norm2(n1), q2 = sn_norm2(n2);
-    double least = SN_HINGE_GUARD * e2 * e2;
-    if (!(e2 >= SN_EDGE_GUARD && q1 > least && q2 > least && q1 <= DBL_MAX && q2 <= DBL_MAX)) return false;
-    double length = sqrt(e2);
-    sn_vec3 unit = sn_scale(e, 1.0 / length), m1 = sn_scale(n1, 1.0 / q1), m2 = sn_scale(n2, 1.0 / q2);
-    *value = wrap(angle_of(sn_dot(sn_cross(n1, n2), unit), sn_dot(n1, n2)) - rest);
-    g[0] = sn_add_scaled(sn_scale(m1, sn_dot(bc, unit)), m2, sn_dot(bd, unit));
-    g[1] = sn_neg(sn_add_scaled(sn_scale(m1, sn_dot(ac, unit)), m2, sn_dot(ad, unit)));
-    g[2] = sn_scale(m1, -length);
-    g[3] = sn_scale(m2, -length);
-    return true;
+SN_INLINE wide_mask hinge(const wide_point p[4], wide rest, wide *value, wide_vec3 g[4]) {
+    wide_vec3 e = wide_between(p[1], p[0]), ac = wide_between(p[0], p[2]), bc = wide_between(p[1], p[2]);
+    wide_vec3 ad = wide_between(p[0], p[3]), bd = wide_between(p[1], p[3]);
+    wide_vec3 n1 = wide_cross(ac, bc), n2 = wide_cross(bd, ad);
+    wide e2 = wide_dot(e, e), q1 = wide_dot(n1, n1), q2 = wide_dot(n2, n2), least = wide_splat(SN_HINGE_GUARD) * e2 * e2;
+    wide most = wide_splat(DBL_MAX);
+    wide_mask good = ~wide_less(e2, wide_splat(SN_EDGE_GUARD)) & wide_less(least, q1) & wide_less(least, q2) & ~wide_less(most, q1) &
+                     ~wide_less(most, q2); /* a NaN is in one of the areas, and less than nothing */
+    wide length = wide_sqrt(e2), one = wide_splat(1.0);
+    wide_vec3 unit = wide_scale(e, one / length), m1 = wide_scale(n1, one / q1), m2 = wide_scale(n2, one / q2);
+    *value = wrap(angle_of(wide_dot(wide_cross(n1, n2), unit), wide_dot(n1, n2)) - rest);
+    g[0] = wide_add(wide_scale(m1, wide_dot(bc, unit)), wide_scale(m2, wide_dot(bd, unit)));
+    g[1] = wide_add(wide_scale(m1, -wide_dot(ac, unit)), wide_scale(m2, -wide_dot(ad, unit)));
+    g[2] = wide_scale(m1, -length);
+    g[3] = wide_scale(m2, -length);
+    return good;
 }
 
-bool sn_hinge_constraint(const sn_vec3 p[4], double rest, double *value, sn_vec3 gradients[4]) { return hinge(p, rest, value, gradients); }
+bool sn_hinge_constraint(const sn_vec3 p[4], double rest, double *value, sn_vec3 gradients[4]) {
+    static const sn_index FIRST = 0;
+    wide_point points[4];
+    wide_vec3 g[4];
+    wide c;
+    for (int i = 0; i < 4; i++) {
+        const sn_point point = {p[i].x, p[i].y, p[i].z, 0.0};
+        points[i] = wide_gather(&point, &FIRST, 0, 1);
+    }
+    if (wide_count(hinge(points, wide_splat(rest), &c, g), 1) == 0) return false;
+    wide_store(value, c, 1);
+    for (int i = 0; i < 4; i++) {
+        wide_store(&gradients[i].x, g[i].x, 1);
+        wide_store(&gradients[i].y, g[i].y, 1);
+        wide_store(&gradients[i].z, g[i].z, 1);
+    }
+    return true;
+}
 
 /* ---- building the rows ---------------------------------------------------------------------------------------------------- */
 
@@ -96,63 +121,143 @@ static void add_hinge(const sn_build *build, const sn_edge *edge) {
         p[i] = m->rest[row.point[i]];
         inverse_mass += m->inverse_mass[row.point[i]];
     }
-    if (!hinge(p, 0.0, &angle, gradients)) {
+    if (!sn_hinge_constraint(p, 0.0, &angle, gradients)) {
         group->degenerate++;
     } else if (inverse_mass == 0.0) {
         group->kinematic++;
     } else {
+        if (m->hinge_softness != NULL) {
+            double area = m->rest_area[edge->triangle[0]] + m->rest_area[edge->triangle[1]];
+            m->hinge_softness[m->hinge_count] = 2.0 / sqrt(3.0) * area / sn_norm2(sn_sub(p[0], p[1]));
+        }
         m->hinges[m->hinge_count] = row;
         m->hinge_angles[m->hinge_count++] = angle;
     }
+}
+
+static int compare_numbers(const void *a, const void *b) {
+    double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+/* k_i sum |g_i|^2 at rest over k: how stiff a hinge is for its points. */
+static double rest_rigidity(const sn_model_muscle *m, sn_index row) {
+    sn_vec3 p[4], g[4];
+    double angle, sum = 0.0;
+    for (int i = 0; i < 4; i++) p[i] = m->rest[m->hinges[row].point[i]];
+    if (!sn_hinge_constraint(p, 0.0, &angle, g)) return 0.0;
+    for (int i = 0; i < 4; i++) sum += sn_norm2(g[i]);
+    return sum / m->hinge_softness[row];
+}
+
+/* A hinge between slivers is stiffer than all others together: cap it at so many times the median. */
+static const double RIGIDITY_CAP = 10.0;
+
+static sn_status cap_rigidity(sn_model_muscle *m, sn_error *error) {
+    if (m->hinge_softness == NULL || m->hinge_count == 0) return SN_OK;
+    double *sorted = SN_NEW(double, m->hinge_count);
+    if (sorted == NULL) return sn_fail_memory(error, "dihedral rows");
+    for (sn_index r = 0; r < m->hinge_count; r++) sorted[r] = rest_rigidity(m, r);
+    qsort(sorted, (size_t)m->hinge_count, sizeof *sorted, compare_numbers);
+    double most = RIGIDITY_CAP * sorted[m->hinge_count / 2];
+    for (sn_index r = 0; r < m->hinge_count; r++) m->hinge_softness[r] *= fmax(1.0, rest_rigidity(m, r) / most);
+    free(sorted);
+    return SN_OK;
+}
+
+static sn_status batch_hinges(sn_model_muscle *m, sn_error *error) {
+    sn_index n = m->hinge_count, *order = SN_NEW(sn_index, n);
+    if (order == NULL) return sn_fail_memory(error, "dihedral rows");
+    sn_status status = sn_batch_order(n, 4, m->hinges->point, m->vertex_count, order, &m->hinge_batched, error);
+    if (status == SN_OK) status = sn_batch_sort(m->hinges, n, sizeof *m->hinges, order, error);
+    if (status == SN_OK) status = sn_batch_sort(m->hinge_angles, n, sizeof *m->hinge_angles, order, error);
+    if (status == SN_OK) status = sn_batch_sort(m->hinge_softness, n, sizeof *m->hinge_softness, order, error);
+    free(order);
+    return status;
 }
 
 sn_status sn_hinge_build(const sn_build *build, sn_error *error) {
     sn_model_muscle *m = build->model;
     sn_plan_group *group = &build->plan->groups[SN_ROWS_DIHEDRAL];
     if (group->reason != SN_RUNS) return SN_OK;
-    m->hinges = SN_NEW(sn_hinge_row, build->topology->edge_count);
-    m->hinge_angles = SN_NEW(double, build->topology->edge_count);
-    if (m->hinges == NULL || m->hinge_angles == NULL) return sn_fail_memory(error, "dihedral rows");
+    size_t most = (size_t)build->topology->edge_count;
+    m->hinges = SN_NEW(sn_hinge_row, most);
+    m->hinge_angles = SN_NEW(double, most);
+    if (build->scaled) m->hinge_softness = SN_NEW(double, most);
+    if (m->hinges == NULL || m->hinge_angles == NULL || (build->scaled && m->hinge_softness == NULL))
+        return sn_fail_memory(error, "dihedral rows");
     for (sn_index i = 0; i < build->topology->edge_count; i++) add_hinge(build, &build->topology->edges[i]);
     group->rows = m->hinge_count;
-    return SN_OK;
+    sn_status status = cap_rigidity(m, error);
+    return status == SN_OK ? batch_hinges(m, error) : status;
 }
 
 /* ---- projecting ----------------------------------------------------------------------------------------------------------- */
 
-static inline void move(sn_point *point, sn_vec3 gradient, double change) {
-    double scale = point->w * change;
-    point->x += scale * gradient.x, point->y += scale * gradient.y, point->z += scale * gradient.z;
+/* What the rows of one sweep share. */
+typedef struct rows {
+    sn_point *points;
+    const sn_index *index;  /* (4 x rows) */
+    const double *angles;   /* (rows) */
+    const double *softness; /* (rows) nullable */
+    double *lambda;         /* (rows) */
+} rows;
+
+typedef struct tally {
+    int64_t skipped, clamped;
+} tally;
+
+/* Rows r .. r + lanes - 1, which share no point. */
+SN_INLINE void project_batch(const rows *in, sn_index r, const sn_sweep *sweep, int lanes, tally *out) {
+    const sn_index *index = in->index + 4 * (size_t)r;
+    wide_point p[4];
+    wide_vec3 g[4];
+    wide c, sum = wide_splat(0.0);
+    for (int i = 0; i < 4; i++) p[i] = wide_gather(in->points, index + i, 4, lanes);
+    wide_mask good = hinge(p, wide_load(in->angles + r, lanes), &c, g), far = wide_less(wide_splat(sweep->clamp), wide_abs(c)) & good;
+    c = wide_select(far, wide_copysign(wide_splat(sweep->clamp), c), c);
+    wide lambda = sweep->first ? wide_splat(0.0) : wide_load(in->lambda + r, lanes), compliance = wide_splat(sweep->compliance);
+    if (in->softness != NULL) compliance = compliance * wide_load(in->softness + r, lanes);
+    for (int i = 0; i < 4; i++) sum = sum + p[i].w * wide_dot(g[i], g[i]);
+    wide change = wide_splat(sweep->gain) * (-c - compliance * lambda) / (sum + compliance);
+    wide_store(in->lambda + r, wide_select(good, lambda + change, lambda), lanes);
+    for (int i = 0; i < 4; i++) wide_scatter(in->points, index + i, 4, wide_move(p[i], g[i], p[i].w * change, good), lanes);
+    out->skipped += wide_count(~good, lanes);
+    out->clamped += wide_count(far, lanes);
+}
+
+SN_WIDE_KERNEL static tally project_rows(const rows *in, sn_index batched, sn_index end, const sn_sweep *sweep) {
+    tally out = {0, 0};
+    sn_index r = 0;
+    for (; r < batched; r += WIDE_LANES) project_batch(in, r, sweep, WIDE_LANES, &out);
+    for (; r < end; r++) project_batch(in, r, sweep, 1, &out);
+    return out;
+}
+
+void sn_hinge_sweep(const sn_model_muscle *m, sn_muscle_state *s, const sn_sweep *sweep) {
+    if (m->hinge_count == 0) return;
+    const rows in = {s->points, m->hinges->point, m->hinge_angles, m->hinge_softness, s->hinge_lambda};
+    tally done = project_rows(&in, m->hinge_batched, m->hinge_count, sweep);
+    s->statistics.skipped_hinges += done.skipped;
+    s->statistics.clamped_hinges += done.clamped;
+}
+
+double sn_hinge_energy(const sn_model_muscle *m, const sn_muscle_state *s, double k, sn_vec3 *gradient) {
+    double energy = 0.0;
+    for (sn_index r = 0; r < m->hinge_count; r++) {
+        const sn_index *point = m->hinges[r].point;
+        double stiffness = m->hinge_softness != NULL ? k / m->hinge_softness[r] : k, c;
+        sn_vec3 p[4], g[4];
+        for (int i = 0; i < 4; i++) p[i] = sn_point_position(&s->points[point[i]]);
+        if (!sn_hinge_constraint(p, m->hinge_angles[r], &c, g)) continue;
+        energy += 0.5 * stiffness * c * c;
+        for (int i = 0; gradient != NULL && i < 4; i++) gradient[point[i]] = sn_add_scaled(gradient[point[i]], g[i], stiffness * c);
+    }
+    return energy;
 }
 
 static inline void load(const sn_muscle_state *s, const sn_hinge_row *row, sn_vec3 p[4]) {
     for (int i = 0; i < 4; i++) p[i] = sn_point_position(&s->points[row->point[i]]);
-}
-
-void sn_hinge_sweep(const sn_model_muscle *m, sn_muscle_state *s, double compliance, bool first) {
-    int64_t skipped = 0, clamped = 0;
-    for (sn_index r = 0; r < m->hinge_count; r++) {
-        const sn_hinge_row *row = &m->hinges[r];
-        double lambda = first ? 0.0 : s->hinge_lambda[r], c;
-        sn_vec3 p[4], g[4];
-        load(s, row, p);
-        s->hinge_lambda[r] = lambda;
-        if (!hinge(p, m->hinge_angles[r], &c, g)) {
-            skipped++;
-            continue;
-        }
-        if (fabs(c) > SN_HINGE_CLAMP) {
-            c = copysign(SN_HINGE_CLAMP, c);
-            clamped++;
-        }
-        double sum = 0.0;
-        for (int i = 0; i < 4; i++) sum += s->points[row->point[i]].w * sn_norm2(g[i]);
-        double change = (-c - compliance * lambda) / (sum + compliance);
-        s->hinge_lambda[r] = lambda + change;
-        for (int i = 0; i < 4; i++) move(&s->points[row->point[i]], g[i], change);
-    }
-    s->statistics.skipped_hinges += skipped;
-    s->statistics.clamped_hinges += clamped;
 }
 
 sn_residual sn_hinge_residual(const sn_model_muscle *m, const sn_muscle_state *s) {
@@ -162,7 +267,7 @@ sn_residual sn_hinge_residual(const sn_model_muscle *m, const sn_muscle_state *s
         sn_vec3 p[4], g[4];
         double c = 0.0;
         load(s, &m->hinges[r], p);
-        if (!hinge(p, m->hinge_angles[r], &c, g)) continue;
+        if (!sn_hinge_constraint(p, m->hinge_angles[r], &c, g)) continue;
         sum += c * c;
         if (residual.worst == SN_NONE || fabs(c) > residual.max) residual.max = fabs(c), residual.worst = r;
     }

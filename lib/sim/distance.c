@@ -10,8 +10,8 @@
  *               with phi = |f| and u = e / (1 - phi a0), both by component ([R18] eqs. 4-7): not invariant under rotation of the rest pose
  */
 #include "rows.h"
+#include "wide.h"
 
-#include <float.h>
 #include <stdlib.h>
 
 /* ---- the laws ------------------------------------------------------------------------------------------------------------- */
@@ -67,10 +67,13 @@ double sn_goal_length(sn_fiber_law law, const double terms[SN_LAW_TERMS], double
 
 void sn_distance_goals(const sn_model_muscle *m, sn_muscle_state *s) {
     if (s->goal_contraction == s->contraction && s->goal_ratio == s->volume_goal) return;
-    double factors[SN_LAW_TERMS];
-    double a0 = m->source->contraction * m->source->rest_activation;
+    double factors[SN_LAW_TERMS], a0 = m->contracts ? m->source->contraction * m->source->rest_activation : 0.0;
     law_factors(m->source->law, s->contraction, a0, s->volume_goal, factors);
-    for (sn_index r = 0; r < m->distance_start[SN_DISTANCE_KINDS]; r++) s->goals[r] = goal_length(m->distance_terms[r], factors);
+    for (sn_index r = 0; r < m->distance_start[SN_DISTANCE_KINDS]; r++) {
+        const double *share = m->distance_share;
+        if (share != NULL) law_factors(m->source->law, share[r] * s->contraction, share[r] * a0, s->volume_goal, factors);
+        s->goals[r] = goal_length(m->distance_terms[r], factors);
+    }
     s->goal_contraction = s->contraction;
     s->goal_ratio = s->volume_goal;
 }
@@ -87,16 +90,43 @@ static sn_vec3 sample_axis(const sn_build *build, sn_index sample) {
     return axes != NULL ? axes[sample] : sn_v3(0, 0, 0);
 }
 
-/* Append a row, unless both of its points are carried by bones. */
-static void add_row(const sn_build *build, sn_row_kind kind, sn_index p0, sn_index p1, sn_vec3 f0, sn_vec3 f1) {
+double sn_anisotropy_factor(sn_vec3 edge, sn_vec3 fiber) { return fmax(0.0, 1.0 - fabs(sn_dot(sn_normalize(edge), sn_normalize(fiber)))); }
+
+/* The mean of a map over the vertices of a row; the samples inside have no map: they take that of the surface. */
+static double map_mean(const sn_build *build, const char *attribute, sn_index p0, sn_index p1) {
+    const double *values = sn_mesh_attribute(&build->source->rig.mesh, attribute)->values;
+    bool first = p0 < build->model->vertex_count, second = p1 < build->model->vertex_count;
+    if (!first && !second) return 1.0;
+    return ((first ? values[p0] : values[p1]) + (second ? values[p1] : values[p0])) / 2.0;
+}
+
+/* Factors of one row on stiffness, correction and contraction. */
+static void set_factors(const sn_build *build, sn_row_kind kind, sn_index row, sn_vec3 axis, double area) {
+    sn_model_muscle *m = build->model;
+    const sn_index *p = m->distances[row].point;
+    sn_vec3 edge = sn_sub(m->rest[p[0]], m->rest[p[1]]);
+    double stiffness = 1.0, yielding = kind == SN_ROWS_MESH ? sn_anisotropy_factor(edge, axis) : 1.0;
+    /* a spring stands for the strip of membrane beside it: k (2 / sqrt 3) (A1 + A2) / l^2, 1 between equilateral triangles */
+    if (build->scaled && kind == SN_ROWS_MESH) stiffness = fmin(fmax(2.0 / sqrt(3.0) * area / sn_norm2(edge), 0.2), 5.0);
+    if (build->source->stiffness_map != NULL) stiffness *= map_mean(build, build->source->stiffness_map, p[0], p[1]);
+    if (build->anisotropy == SN_ANISOTROPY_XPBD) stiffness *= fmax(yielding, 1e-6);
+    if (m->distance_softness != NULL) m->distance_softness[row] = 1.0 / stiffness;
+    if (m->distance_gain != NULL) m->distance_gain[row] = yielding;
+    if (m->distance_share != NULL) m->distance_share[row] = map_mean(build, build->source->activation_map, p[0], p[1]);
+}
+
+/* Append a row, unless both of its points are carried by bones. area: of the triangles beside it, m^2. */
+static void add_row(const sn_build *build, sn_row_kind kind, sn_index p0, sn_index p1, sn_vec3 f0, sn_vec3 f1, double area) {
     sn_model_muscle *m = build->model;
     if (m->inverse_mass[p0] == 0.0 && m->inverse_mass[p1] == 0.0) {
         build->plan->groups[kind].kinematic++;
         return;
     }
     sn_index row = m->distance_start[kind + 1]++;
-    double a0 = build->source->contraction * build->source->rest_activation;
     m->distances[row] = (sn_distance_row){{p0, p1}};
+    set_factors(build, kind, row, edge_axis(build->source->law, f0, f1), area);
+    double share = m->distance_share != NULL ? m->distance_share[row] : 1.0;
+    double a0 = m->contracts ? share * build->source->contraction * build->source->rest_activation : 0.0;
     sn_law_terms(build->source->law, sn_sub(m->rest[p0], m->rest[p1]), f0, f1, a0, m->distance_terms[row]);
 }
 
@@ -107,41 +137,82 @@ static void add_internal(const sn_build *build) {
     for (sn_index i = 0; i < structure->sample_count; i++) {
         sn_index parent = structure->parents[i];
         if (parent != SN_NONE)
-            add_row(build, SN_ROWS_INTERNAL, first + parent, first + i, sample_axis(build, parent), sample_axis(build, i));
+            add_row(build, SN_ROWS_INTERNAL, first + parent, first + i, sample_axis(build, parent), sample_axis(build, i), 0.0);
     }
 }
 
-/* Surface vertices to their samples. */
+/* Surface vertices to their samples; from sixteen places of the surface in turn, since neighbours hang on the same sample and would wait
+ * for each other. */
 static void add_radial(const sn_build *build) {
+    enum { PLACES = 16 };
     const sn_structure *structure = &build->source->rig.structure;
-    sn_index first = build->model->vertex_count;
-    for (sn_index v = 0; v < build->model->vertex_count; v++) {
-        sn_index sample = structure->vertex_sample[v];
-        if (sample != SN_NONE) add_row(build, SN_ROWS_RADIAL, first + sample, v, sample_axis(build, sample), vertex_axis(build, v));
+    sn_index first = build->model->vertex_count, run = (first + PLACES - 1) / PLACES;
+    for (sn_index i = 0; i < run; i++) {
+        for (sn_index place = 0; place < PLACES; place++) {
+            sn_index v = place * run + i, sample = v < first ? structure->vertex_sample[v] : SN_NONE;
+            if (sample != SN_NONE)
+                add_row(build, SN_ROWS_RADIAL, first + sample, v, sample_axis(build, sample), vertex_axis(build, v), 0.0);
+        }
     }
 }
 
 static void add_mesh(const sn_build *build) {
     for (sn_index i = 0; i < build->topology->edge_count; i++) {
-        const sn_index *v = build->topology->edges[i].v;
-        add_row(build, SN_ROWS_MESH, v[0], v[1], vertex_axis(build, v[0]), vertex_axis(build, v[1]));
+        const sn_edge *edge = &build->topology->edges[i];
+        const sn_index *v = edge->v;
+        double area = 0.0;
+        for (int k = 0; k < 2; k++) area += edge->triangle[k] != SN_NONE ? build->model->rest_area[edge->triangle[k]] : 0.0;
+        add_row(build, SN_ROWS_MESH, v[0], v[1], vertex_axis(build, v[0]), vertex_axis(build, v[1]), area);
     }
+}
+
+/* Rows of one kind into batches. */
+static sn_status batch_kind(const sn_build *build, sn_row_kind kind, sn_index *order, sn_error *error) {
+    sn_model_muscle *m = build->model;
+    sn_index begin = m->distance_start[kind], count = m->distance_start[kind + 1] - begin;
+    const struct {
+        void *array;
+        size_t size;
+    } columns[] = {
+        {m->distances + begin, sizeof *m->distances},
+        {m->distance_terms + begin, sizeof *m->distance_terms},
+        {m->distance_softness != NULL ? m->distance_softness + begin : NULL, sizeof(double)},
+        {m->distance_gain != NULL ? m->distance_gain + begin : NULL, sizeof(double)},
+        {m->distance_share != NULL ? m->distance_share + begin : NULL, sizeof(double)},
+    };
+    sn_status status = sn_batch_order(count, 2, m->distances[begin].point, m->point_count, order, &m->distance_batched[kind], error);
+    for (size_t i = 0; status == SN_OK && i < sizeof columns / sizeof *columns; i++)
+        status = sn_batch_sort(columns[i].array, count, columns[i].size, order, error);
+    return status;
+}
+
+static sn_status alloc_rows(const sn_build *build, size_t most, sn_error *error) {
+    sn_model_muscle *m = build->model;
+    const sn_scene_muscle *source = build->source;
+    bool soft = build->scaled || source->stiffness_map != NULL || build->anisotropy == SN_ANISOTROPY_XPBD, made = true;
+    made = (m->distances = SN_NEW(sn_distance_row, most + 1)) != NULL && made;
+    made = (m->distance_terms = sn_alloc(most, sizeof(*m->distance_terms))) != NULL && made;
+    if (soft) made = (m->distance_softness = SN_NEW(double, most)) != NULL && made;
+    if (build->anisotropy == SN_ANISOTROPY_PBD) made = (m->distance_gain = SN_NEW(double, most)) != NULL && made;
+    if (source->activation_map != NULL) made = (m->distance_share = SN_NEW(double, most)) != NULL && made;
+    return made ? SN_OK : sn_fail_memory(error, "distance rows");
 }
 
 sn_status sn_distance_build(const sn_build *build, sn_error *error) {
     static void (*const ADD[SN_DISTANCE_KINDS])(const sn_build *) = {add_internal, add_radial, add_mesh};
     sn_model_muscle *m = build->model;
     size_t most = (size_t)build->topology->edge_count + (size_t)build->plan->samples + (size_t)build->plan->vertices;
-    if (most > (size_t)SN_INDEX_MAX) return sn_fail_memory(error, "distance rows");
-    m->distances = SN_NEW(sn_distance_row, most);
-    m->distance_terms = sn_alloc(most, sizeof(*m->distance_terms));
-    if (m->distances == NULL || m->distance_terms == NULL) return sn_fail_memory(error, "distance rows");
-    for (int kind = 0; kind < SN_DISTANCE_KINDS; kind++) {
+    if (most > (size_t)SN_INDEX_MAX / 2) return sn_fail_memory(error, "distance rows");
+    sn_index *order = SN_NEW(sn_index, most);
+    sn_status status = order != NULL ? alloc_rows(build, most, error) : sn_fail_memory(error, "distance rows");
+    for (int kind = 0; status == SN_OK && kind < SN_DISTANCE_KINDS; kind++) {
         m->distance_start[kind + 1] = m->distance_start[kind];
         if (build->plan->groups[kind].reason == SN_RUNS) ADD[kind](build);
         build->plan->groups[kind].rows = m->distance_start[kind + 1] - m->distance_start[kind];
+        status = batch_kind(build, (sn_row_kind)kind, order, error);
     }
-    return SN_OK;
+    free(order);
+    return status;
 }
 
 /* ---- projecting ----------------------------------------------------------------------------------------------------------- */
@@ -149,27 +220,60 @@ sn_status sn_distance_build(const sn_build *build, sn_error *error) {
 /* A length that can be projected: long enough to have a direction, and neither NaN nor infinite. */
 static inline bool has_direction(double square) { return square >= SN_EDGE_GUARD && square <= DBL_MAX; }
 
-void sn_distance_sweep(const sn_model_muscle *m, sn_muscle_state *s, sn_row_kind kind, double compliance, bool first) {
-    sn_point *points = s->points;
+/* What the rows of one sweep share. */
+typedef struct rows {
+    sn_point *points;
+    const sn_index *index;         /* (2 x rows) */
+    const double *goals;           /* (rows) */
+    const double *softness, *gain; /* (rows) nullable */
+    double *lambda;                /* (rows) */
+} rows;
+
+/* Rows r .. r + lanes - 1, which share no point; returns how many of them had no direction. */
+SN_INLINE int64_t project_batch(const rows *in, sn_index r, const sn_sweep *sweep, int lanes) {
+    const sn_index *index = in->index + 2 * (size_t)r;
+    wide_point p0 = wide_gather(in->points, index, 2, lanes), p1 = wide_gather(in->points, index + 1, 2, lanes);
+    wide lambda = sweep->first ? wide_splat(0.0) : wide_load(in->lambda + r, lanes), compliance = wide_splat(sweep->compliance);
+    if (in->softness != NULL) compliance = compliance * wide_load(in->softness + r, lanes);
+    wide_vec3 d = wide_between(p0, p1);
+    wide square = wide_dot(d, d), length = wide_sqrt(square);
+    wide_mask good =
+        ~wide_less(square, wide_splat(SN_EDGE_GUARD)) & ~wide_less(wide_splat(DBL_MAX), square) & ~(wide_mask)(square != square);
+    wide change = (wide_load(in->goals + r, lanes) - length - compliance * lambda) / (p0.w + p1.w + compliance);
+    if (in->gain != NULL) change = change * wide_load(in->gain + r, lanes);
+    change = change * wide_splat(sweep->gain);
+    wide step = change / length;
+    wide_store(in->lambda + r, wide_select(good, lambda + change, lambda), lanes);
+    wide_scatter(in->points, index, 2, wide_move(p0, d, p0.w * step, good), lanes);
+    wide_scatter(in->points, index + 1, 2, wide_move(p1, d, -(p1.w * step), good), lanes);
+    return wide_count(~good, lanes);
+}
+
+SN_WIDE_KERNEL static int64_t project_rows(const rows *in, sn_index begin, sn_index batched, sn_index end, const sn_sweep *sweep) {
     int64_t skipped = 0;
+    for (; begin < batched; begin += WIDE_LANES) skipped += project_batch(in, begin, sweep, WIDE_LANES);
+    for (; begin < end; begin++) skipped += project_batch(in, begin, sweep, 1);
+    return skipped;
+}
+
+void sn_distance_sweep(const sn_model_muscle *m, sn_muscle_state *s, sn_row_kind kind, const sn_sweep *sweep) {
+    const rows in = {s->points, m->distances->point, s->goals, m->distance_softness, m->distance_gain, s->distance_lambda};
+    sn_index begin = m->distance_start[kind], end = m->distance_start[kind + 1];
+    s->statistics.skipped_edges += project_rows(&in, begin, begin + m->distance_batched[kind], end, sweep);
+}
+
+double sn_distance_energy(const sn_model_muscle *m, const sn_muscle_state *s, sn_row_kind kind, double k, sn_vec3 *gradient) {
+    double energy = 0.0;
     for (sn_index r = m->distance_start[kind]; r < m->distance_start[kind + 1]; r++) {
-        sn_point *p0 = &points[m->distances[r].point[0]], *p1 = &points[m->distances[r].point[1]];
-        double lambda = first ? 0.0 : s->distance_lambda[r];
-        double dx = p0->x - p1->x, dy = p0->y - p1->y, dz = p0->z - p1->z;
-        double square = dx * dx + dy * dy + dz * dz;
-        if (!has_direction(square)) {
-            s->distance_lambda[r] = lambda;
-            skipped++;
+        const sn_index *point = m->distances[r].point;
+        double stiffness = m->distance_softness != NULL ? k / m->distance_softness[r] : k, c;
+        sn_vec3 g[2];
+        if (!sn_distance_constraint(sn_point_position(&s->points[point[0]]), sn_point_position(&s->points[point[1]]), s->goals[r], &c, g))
             continue;
-        }
-        double length = sqrt(square);
-        double change = (s->goals[r] - length - compliance * lambda) / (p0->w + p1->w + compliance);
-        s->distance_lambda[r] = lambda + change;
-        double scale0 = p0->w * change / length, scale1 = p1->w * change / length;
-        p0->x += scale0 * dx, p0->y += scale0 * dy, p0->z += scale0 * dz;
-        p1->x -= scale1 * dx, p1->y -= scale1 * dy, p1->z -= scale1 * dz;
+        energy += 0.5 * stiffness * c * c;
+        for (int i = 0; gradient != NULL && i < 2; i++) gradient[point[i]] = sn_add_scaled(gradient[point[i]], g[i], stiffness * c);
     }
-    s->statistics.skipped_edges += skipped;
+    return energy;
 }
 
 bool sn_distance_constraint(sn_vec3 p0, sn_vec3 p1, double goal, double *value, sn_vec3 gradients[2]) {

@@ -4,7 +4,9 @@
 #include "rows.h"
 
 /* Between relaxed and active in log scale ([R18] 3.3); a stiffness of 0 at one end is 0 at every activation but the other end's. */
-static double stiffness_at(const sn_scene_muscle *source, double activation) {
+static double stiffness_at(const sn_model_muscle *m, double activation) {
+    const sn_scene_muscle *source = m->source;
+    if (m->stiffness_curve != NULL) return exp(sn_curve_at(m->stiffness_curve, activation));
     double relaxed = source->stiffness_relaxed, active = source->stiffness_active;
     if (relaxed == active || activation <= 0.0) return relaxed;
     if (activation >= 1.0) return active;
@@ -14,31 +16,26 @@ static double stiffness_at(const sn_scene_muscle *source, double activation) {
 
 void sn_inputs_update(const sn_model_muscle *m, sn_muscle_state *s, double time) {
     double activation = sn_channel_at(&m->source->activation, time);
-    s->contraction = m->source->contraction * activation;
+    s->contraction = m->contracts ? m->source->contraction * activation : 0.0;
     if (activation != s->activation) {
-        s->stiffness = stiffness_at(m->source, activation);
-        s->volume_goal = m->volume_ratio != NULL ? sn_curve_at(m->volume_ratio, activation) / m->rest_ratio : 1.0;
+        s->stiffness = stiffness_at(m, m->contracts ? activation : 0.0);
+        s->volume_goal = m->volume_ratio != NULL && m->contracts ? sn_curve_at(m->volume_ratio, activation) / m->rest_ratio : 1.0;
         s->activation = activation;
     }
     sn_distance_goals(m, s);
 }
 
-double sn_row_compliance(const sn_model_muscle *m, const sn_muscle_state *s, sn_row_kind kind, double h) {
+double sn_row_stiffness(const sn_model_muscle *m, const sn_muscle_state *s, sn_row_kind kind) {
     const sn_scene_muscle *source = m->source;
-    double k = s->stiffness;
     switch (kind) {
     case SN_ROWS_INTERNAL:
     case SN_ROWS_RADIAL:
-        k *= source->stiffness_internal;
-        break;
+        return s->stiffness * source->stiffness_internal;
     case SN_ROWS_DIHEDRAL:
-        k *= source->stiffness_dihedral;
-        break;
+        return s->stiffness * source->stiffness_dihedral;
     case SN_ROWS_VOLUME:
-        k *= source->stiffness_volume / fabs(m->rest_volume);
-        break;
+        return s->stiffness * source->stiffness_volume / fabs(m->rest_volume);
     default:
-        break;
+        return s->stiffness;
     }
-    return k > 0.0 ? 1.0 / (k * h * h) : -1.0;
 }

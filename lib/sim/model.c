@@ -77,6 +77,12 @@ static void lump_masses(sn_model_muscle *m, const sn_scene_muscle *source) {
     for (sn_index i = 0; i < m->point_count; i++) m->inverse_mass[i] = sum / (mass[i] * m->mass);
 }
 
+/* Each point 1 kg. */
+static void give_unit_masses(sn_model_muscle *m) {
+    for (sn_index i = 0; i < m->point_count; i++) m->inverse_mass[i] = 1.0;
+    m->mass = m->point_count;
+}
+
 /* ---- one muscle ----------------------------------------------------------------------------------------------------------- */
 
 static sn_status make_volume_ratio(const sn_build *build, sn_error *error) {
@@ -90,9 +96,23 @@ static sn_status make_volume_ratio(const sn_build *build, sn_error *error) {
     return SN_OK;
 }
 
+/* Knots of ln k: between two of them the stiffness runs in log scale, as it does from relaxed to active. */
+static sn_status make_stiffness_curve(const sn_build *build, sn_error *error) {
+    const sn_knots *knots = &build->source->stiffness_curve;
+    if (knots->count == 0) return SN_OK;
+    double *logarithms = SN_NEW(double, knots->count);
+    if (logarithms == NULL) return sn_fail_memory(error, "the stiffness curve");
+    for (sn_index i = 0; i < knots->count; i++) logarithms[i] = log(knots->y[i]);
+    sn_status status = sn_curve_create(knots->count, knots->x, logarithms, &build->model->stiffness_curve, error);
+    free(logarithms);
+    return status;
+}
+
 static sn_status build_muscle(const sn_build *build, sn_error *error) {
     sn_model_muscle *m = build->model;
+    const sn_scheme_rules *rules = sn_scheme_rules_of(build->scene->solver.scheme);
     sn_status status;
+    m->contracts = rules->contracts;
     m->source = build->source;
     m->vertex_count = build->source->rig.mesh.vertex_count;
     m->iterations = build->source->iterations > 0 ? build->source->iterations : build->scene->solver.iterations;
@@ -102,21 +122,40 @@ static sn_status build_muscle(const sn_build *build, sn_error *error) {
     if ((status = copy_triangles(build, error)) != SN_OK) return status;
     if (!(m->mean_edge > 0.0) || !isfinite(m->mean_edge))
         return sn_fail(error, SN_ERROR_INPUT, "muscle \"%s\": all edges of its mesh have zero length", build->source->name);
-    lump_masses(m, build->source);
+    if (build->source->unit_mass || rules->unit_mass)
+        give_unit_masses(m);
+    else
+        lump_masses(m, build->source);
     if ((status = make_volume_ratio(build, error)) != SN_OK) return status;
+    if ((status = make_stiffness_curve(build, error)) != SN_OK) return status;
     if ((status = sn_kinematics_build(build, error)) != SN_OK) return status;
     if ((status = sn_distance_build(build, error)) != SN_OK) return status;
     if ((status = sn_hinge_build(build, error)) != SN_OK) return status;
+    if ((status = sn_area_build(build, error)) != SN_OK) return status;
     sn_volume_build(build);
     sn_plan_count(build);
     return SN_OK;
+}
+
+/* Without fibres there is nothing to yield along. */
+static sn_anisotropy anisotropy_of(const sn_scheme_rules *rules, const sn_scene_muscle *source) {
+    if (source->rig.fibers.directions == NULL) return SN_ANISOTROPY_NONE;
+    if (source->anisotropy != SN_ANISOTROPY_SCHEME) return source->anisotropy;
+    return rules->yields ? SN_ANISOTROPY_PBD : SN_ANISOTROPY_NONE;
 }
 
 static sn_status add_muscle(sn_model *model, const sn_scene_muscle *source, sn_plan_muscle *plan, sn_error *error) {
     *plan = (sn_plan_muscle){.name = source->name, .enabled = source->enabled};
     if (!source->enabled) return SN_OK;
     sn_topology topology = {0};
-    sn_build build = {model->scene, source, &topology, &model->muscles[model->muscle_count++], plan};
+    const sn_scheme_rules *rules = sn_scheme_rules_of(model->scene->solver.scheme);
+    sn_build build = {.scene = model->scene,
+                      .source = source,
+                      .topology = &topology,
+                      .model = &model->muscles[model->muscle_count++],
+                      .plan = plan,
+                      .scaled = rules->scales && source->stiffness_scaled,
+                      .anisotropy = anisotropy_of(rules, source)};
     plan->vertices = source->rig.mesh.vertex_count;
     plan->triangles = source->rig.mesh.triangle_count;
     sn_status status = sn_topology_build(&source->rig.mesh, &topology, error);
@@ -163,8 +202,15 @@ static void free_muscle(sn_model_muscle *m) {
     free(m->sites);
     free(m->distances);
     free(m->distance_terms);
+    free(m->distance_softness);
+    free(m->distance_gain);
+    free(m->distance_share);
     free(m->hinges);
     free(m->hinge_angles);
+    free(m->hinge_softness);
+    free(m->areas);
+    free(m->area_scales);
+    sn_curve_destroy(m->stiffness_curve);
     sn_curve_destroy(m->volume_ratio);
 }
 

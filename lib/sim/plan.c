@@ -6,7 +6,7 @@
 #include "rows.h"
 
 const char *sn_row_kind_name(sn_row_kind kind) {
-    static const char *const NAMES[SN_ROW_KINDS] = {"internal", "radial", "mesh", "dihedral", "volume"};
+    static const char *const NAMES[SN_ROW_KINDS] = {"internal", "radial", "mesh", "dihedral", "area", "volume"};
     return NAMES[kind];
 }
 
@@ -16,6 +16,10 @@ const char *sn_left_out_text(sn_left_out reason) {
         return "";
     case SN_OUT_NO_STIFFNESS:
         return "its stiffness is 0";
+    case SN_OUT_SETTING:
+        return "the scene switches it off";
+    case SN_OUT_SCHEME:
+        return "the scheme has no such constraint";
     case SN_OUT_NO_STRUCTURE:
         return "the document has no internal structure (build-structure makes one)";
     case SN_OUT_OPEN_SURFACE:
@@ -59,7 +63,11 @@ void sn_plan_decide(const sn_build *build) {
     groups[SN_ROWS_INTERNAL].reason = groups[SN_ROWS_RADIAL].reason = inside;
     groups[SN_ROWS_MESH].reason = has_stiffness(source, 1.0) ? SN_RUNS : SN_OUT_NO_STIFFNESS;
     groups[SN_ROWS_DIHEDRAL].reason = has_stiffness(source, source->stiffness_dihedral) ? SN_RUNS : SN_OUT_NO_STIFFNESS;
+    groups[SN_ROWS_AREA].reason = !(source->least_area > 0.0) ? SN_OUT_SETTING : groups[SN_ROWS_MESH].reason;
     groups[SN_ROWS_VOLUME].reason = volume_reason(build);
+    for (int kind = 0; kind < SN_ROW_KINDS; kind++)
+        if (!sn_scheme_has(build->scene->solver.scheme, (sn_row_kind)kind)) groups[kind].reason = SN_OUT_SCHEME;
+    inside = groups[SN_ROWS_INTERNAL].reason;
     build->plan->samples = inside == SN_RUNS ? source->rig.structure.sample_count : 0;
     build->plan->fibers = source->rig.fibers.directions != NULL;
 }
@@ -73,13 +81,37 @@ static size_t state_bytes(const sn_model_muscle *m) {
     return bytes;
 }
 
-static size_t model_bytes(const sn_model_muscle *m) {
+/* Bytes of one row of a kind in the model; of an array that is NULL there are none. */
+static size_t row_bytes(const sn_model_muscle *m, sn_row_kind kind) {
+    const void *extra[] = {m->distance_softness, m->distance_gain, m->distance_share};
+    size_t bytes = 0;
+    switch (kind) {
+    case SN_ROWS_DIHEDRAL:
+        return sizeof(sn_hinge_row) + (m->hinge_softness != NULL ? 2 : 1) * sizeof(double);
+    case SN_ROWS_AREA:
+        return sizeof(sn_area_row) + sizeof(double);
+    case SN_ROWS_VOLUME:
+        return 0;
+    default:
+        for (int i = 0; i < 3; i++) bytes += extra[i] != NULL ? sizeof(double) : 0;
+        return bytes + sizeof(sn_distance_row) + sizeof(*m->distance_terms);
+    }
+}
+
+/* And in the state: goal and lambda; the gradient of the volume. */
+static size_t row_state_bytes(const sn_model_muscle *m, sn_row_kind kind) {
+    if (kind < SN_DISTANCE_KINDS) return 2 * sizeof(double);
+    if (kind == SN_ROWS_DIHEDRAL) return sizeof(double);
+    return kind == SN_ROWS_VOLUME ? (size_t)m->vertex_count * sizeof(sn_vec3) : 0;
+}
+
+static size_t model_bytes(const sn_build *build) {
+    const sn_model_muscle *m = build->model;
     size_t points = (size_t)m->point_count * (sizeof(sn_vec3) + sizeof(double));
     size_t triangles = (size_t)m->triangle_count * (sizeof(sn_triangle) + sizeof(double));
-    size_t distances = (size_t)m->distance_start[SN_DISTANCE_KINDS] * (sizeof(sn_distance_row) + sizeof(*m->distance_terms));
-    size_t hinges = (size_t)m->hinge_count * (sizeof(sn_hinge_row) + sizeof(double));
-    size_t sites = (size_t)m->site_count * sizeof(sn_site) + (size_t)m->kinematic_count * sizeof(sn_index);
-    return sizeof(*m) + points + triangles + distances + hinges + sites;
+    size_t sites = (size_t)m->site_count * sizeof(sn_site) + (size_t)m->kinematic_count * sizeof(sn_index), rows = 0;
+    for (int kind = 0; kind < SN_ROW_KINDS; kind++) rows += (size_t)build->plan->groups[kind].rows * row_bytes(m, (sn_row_kind)kind);
+    return sizeof(*m) + points + triangles + rows + sites;
 }
 
 /* XPBD feels a stiffness only where k h^2 w is not far above 1 (numerics.md 1). */
@@ -96,12 +128,10 @@ void sn_plan_count(const sn_build *build) {
     sn_plan_group *groups = build->plan->groups;
     for (int kind = 0; kind < SN_ROW_KINDS; kind++) {
         if (groups[kind].reason == SN_RUNS && groups[kind].rows == 0) groups[kind].reason = SN_OUT_NOTHING;
-        size_t row = kind < SN_DISTANCE_KINDS   ? sizeof(sn_distance_row) + sizeof(*m->distance_terms) + 2 * sizeof(double)
-                     : kind == SN_ROWS_DIHEDRAL ? sizeof(sn_hinge_row) + 2 * sizeof(double)
-                                                : (size_t)m->vertex_count * sizeof(sn_vec3);
+        size_t row = row_bytes(m, (sn_row_kind)kind) + row_state_bytes(m, (sn_row_kind)kind);
         groups[kind].bytes = (size_t)groups[kind].rows * row;
         if (kind < SN_DISTANCE_KINDS && groups[kind].rows > 0) measure_rigidity(build, (sn_row_kind)kind);
     }
-    build->plan->model_bytes = model_bytes(m);
+    build->plan->model_bytes = model_bytes(build);
     build->plan->state_bytes = state_bytes(m);
 }

@@ -13,16 +13,49 @@ typedef struct sn_build {
     const sn_topology *topology;
     sn_model_muscle *model;
     sn_plan_muscle *plan;
+    bool scaled;              /* stiffness by area */
+    sn_anisotropy anisotropy; /* as it runs: NONE, PBD or XPBD */
 } sn_build;
+
+/* ---- scheme.c ---- */
+
+typedef struct sn_scheme_rules {
+    int count;
+    sn_row_kind order[SN_ROW_KINDS]; /* (count) as they are projected */
+    double gain[SN_ROW_KINDS];       /* factor on each correction */
+    double hinge_clamp;              /* rad */
+    int volume_projections;          /* at most */
+    double most_speed;               /* of a point, beside its bones: diagonals of the muscle per second; 0 = any */
+    double keep;                     /* factor on the velocities per step; 0 = the muscle's rate of damping */
+    bool plain;                      /* no compliance: plain position based dynamics */
+    bool unit_mass;                  /* points of 1 kg */
+    bool contracts;                  /* activation shortens, stiffens and swells */
+    bool scales;                     /* stiffness by area, where the muscle wants it */
+    bool yields;                     /* anisotropy where the muscle leaves it to the scheme */
+} sn_scheme_rules;
+
+const sn_scheme_rules *sn_scheme_rules_of(sn_scheme scheme);
+bool sn_scheme_has(sn_scheme scheme, sn_row_kind kind);
+
+/* How one group is projected now. */
+typedef struct sn_sweep {
+    double compliance; /* alpha / h^2 */
+    double gain;       /* factor on the correction */
+    double clamp;      /* of hinges, rad */
+    int projections;   /* of the volume, at most */
+    bool first;        /* lambda starts at 0 */
+} sn_sweep;
 
 /* ---- the back ends: which of them steps is decided by sn_backend_of (step.c) and nowhere else ---- */
 
 /* One substep of one muscle, or a part of its iterations: those from `begin` to before `end`. The inputs are up to date. */
 typedef struct sn_substep {
-    double h;              /* s */
-    sn_vec3 gravity;       /* m/s^2 */
+    double h;        /* s */
+    sn_vec3 gravity; /* m/s^2 */
+    const sn_scheme_rules *rules;
     const sn_rigid *poses; /* (joints) at the substep's end */
     sn_index begin, end;   /* iterations; the substep starts with 0 and ends with m->iterations */
+    bool measure;          /* leave the residual at the end in the statistics */
 } sn_substep;
 
 typedef struct sn_backend {
@@ -39,6 +72,13 @@ void sn_plan_decide(const sn_build *build);
 /* After the rows are built: groups left empty, bytes. */
 void sn_plan_count(const sn_build *build);
 
+/* ---- batch.c ---- */
+/* An order of rows of `size` points each, points (count x size): the first *batched rows come in fours that share no point. */
+SN_MUST_CHECK sn_status sn_batch_order(sn_index count, sn_index size, const sn_index *points, sn_index point_count, sn_index *order,
+                                       sn_index *batched, sn_error *error);
+/* Put an array (count) of elements of `size` bytes into that order; NULL is fine. */
+SN_MUST_CHECK sn_status sn_batch_sort(void *array, sn_index count, size_t size, const sn_index *order, sn_error *error);
+
 /* ---- kinematic.c ---- */
 SN_MUST_CHECK sn_status sn_kinematics_build(const sn_build *build, sn_error *error);
 /* Put every attached vertex where its bone carries it: exactly pose(rest). poses (joints). */
@@ -50,26 +90,37 @@ void sn_kinematics_carry(const sn_model_muscle *m, sn_muscle_state *s, const sn_
 SN_MUST_CHECK sn_status sn_distance_build(const sn_build *build, sn_error *error);
 /* Goal lengths for the contraction and volume goal in the state; nothing is done where those have not changed. */
 void sn_distance_goals(const sn_model_muscle *m, sn_muscle_state *s);
-/* One Gauss-Seidel sweep; compliance is alpha / h^2; `first`: lambda starts at 0. */
-void sn_distance_sweep(const sn_model_muscle *m, sn_muscle_state *s, sn_row_kind kind, double compliance, bool first);
+/* One Gauss-Seidel sweep. */
+void sn_distance_sweep(const sn_model_muscle *m, sn_muscle_state *s, sn_row_kind kind, const sn_sweep *sweep);
+/* Sum of k C^2 / 2, J; its gradient is added to gradient (point_count), N; nullable. */
+double sn_distance_energy(const sn_model_muscle *m, const sn_muscle_state *s, sn_row_kind kind, double k, sn_vec3 *gradient);
 sn_residual sn_distance_residual(const sn_model_muscle *m, const sn_muscle_state *s, sn_row_kind kind);
 
 /* ---- dihedral.c ---- */
 SN_MUST_CHECK sn_status sn_hinge_build(const sn_build *build, sn_error *error);
-void sn_hinge_sweep(const sn_model_muscle *m, sn_muscle_state *s, double compliance, bool first);
+void sn_hinge_sweep(const sn_model_muscle *m, sn_muscle_state *s, const sn_sweep *sweep);
+double sn_hinge_energy(const sn_model_muscle *m, const sn_muscle_state *s, double k, sn_vec3 *gradient);
 sn_residual sn_hinge_residual(const sn_model_muscle *m, const sn_muscle_state *s);
+
+/* ---- area.c ---- */
+SN_MUST_CHECK sn_status sn_area_build(const sn_build *build, sn_error *error);
+void sn_area_sweep(const sn_model_muscle *m, sn_muscle_state *s);
+sn_residual sn_area_residual(const sn_model_muscle *m, const sn_muscle_state *s);
 
 /* ---- volume.c ---- */
 void sn_volume_build(const sn_build *build);
-void sn_volume_sweep(const sn_model_muscle *m, sn_muscle_state *s, double compliance, bool first);
+void sn_volume_sweep(const sn_model_muscle *m, sn_muscle_state *s, const sn_sweep *sweep);
+double sn_volume_energy(const sn_model_muscle *m, sn_muscle_state *s, double k, sn_vec3 *gradient);
 
 /* ---- inputs.c ---- */
 /* Activation, contraction, stiffness, volume goal and goal lengths at `time`. */
 void sn_inputs_update(const sn_model_muscle *m, sn_muscle_state *s, double time);
-/* alpha / h^2 of one kind of rows at the state's stiffness; negative = no stiffness now: do not project. */
-double sn_row_compliance(const sn_model_muscle *m, const sn_muscle_state *s, sn_row_kind kind, double h);
+/* Stiffness of one kind of rows now, before the factors of single rows; 0 = none. */
+double sn_row_stiffness(const sn_model_muscle *m, const sn_muscle_state *s, sn_row_kind kind);
 
 /* ---- statistics.c ---- */
+/* |dPhi/dx| / (k L) from inertia's share of the gradient, inertia (point_count), N: m (v - v predicted) / h. It is overwritten. */
+double sn_residual_measure(const sn_model_muscle *m, sn_muscle_state *s, sn_vec3 *inertia);
 void sn_statistics_measure(const sn_model_muscle *m, sn_muscle_state *s);
 
 #endif

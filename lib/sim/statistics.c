@@ -37,6 +37,23 @@ static void measure_points(const sn_model_muscle *m, const sn_muscle_state *s, s
     }
 }
 
+/* Every spring as if it could give way; rigid rows (the least area) hold no energy. gradient (point_count) is added to; nullable. */
+static double elastic_energy(const sn_model_muscle *m, sn_muscle_state *s, sn_vec3 *gradient) {
+    double energy = 0.0;
+    for (int kind = 0; kind < SN_DISTANCE_KINDS; kind++)
+        energy += sn_distance_energy(m, s, (sn_row_kind)kind, sn_row_stiffness(m, s, (sn_row_kind)kind), gradient);
+    energy += sn_hinge_energy(m, s, sn_row_stiffness(m, s, SN_ROWS_DIHEDRAL), gradient);
+    return energy + sn_volume_energy(m, s, sn_row_stiffness(m, s, SN_ROWS_VOLUME), gradient);
+}
+
+double sn_residual_measure(const sn_model_muscle *m, sn_muscle_state *s, sn_vec3 *inertia) {
+    double sum = 0.0;
+    s->statistics.elastic_energy = elastic_energy(m, s, inertia);
+    for (sn_index i = 0; i < m->point_count; i++)
+        if (m->inverse_mass[i] > 0.0) sum += sn_norm2(inertia[i]);
+    return s->stiffness > 0.0 ? sqrt(sum) / (s->stiffness * m->diagonal) : NAN;
+}
+
 void sn_statistics_measure(const sn_model_muscle *m, sn_muscle_state *s) {
     sn_statistics *out = &s->statistics;
     out->activation = s->activation;
@@ -47,4 +64,6 @@ void sn_statistics_measure(const sn_model_muscle *m, sn_muscle_state *s) {
     measure_volume(m, s, out);
     for (int kind = 0; kind < SN_DISTANCE_KINDS; kind++) out->residuals[kind] = sn_distance_residual(m, s, (sn_row_kind)kind);
     out->residuals[SN_ROWS_DIHEDRAL] = sn_hinge_residual(m, s);
+    out->residuals[SN_ROWS_AREA] = sn_area_residual(m, s);
+    out->elastic_energy = elastic_energy(m, s, NULL);
 }

@@ -43,6 +43,11 @@ static const sn_rigid *substep_poses(const run *r, sn_index substep) {
     return r->state->poses + slot * (size_t)r->model->scene->motion.joint_count;
 }
 
+/* Does the work of this run end in or with this substep? */
+static bool is_last(const run *r, sn_index substep) {
+    return substep == r->to.substep || (r->to.iteration == 0 && substep + 1 == r->to.substep);
+}
+
 /* Iterations [begin, end) of one substep; a muscle with fewer iterations than that has nothing left to do. */
 static void do_substep(const run *r, sn_index muscle, sn_index substep, sn_index begin, sn_index end) {
     const sn_model_muscle *m = &r->model->muscles[muscle];
@@ -51,9 +56,11 @@ static void do_substep(const run *r, sn_index muscle, sn_index substep, sn_index
     if (begin >= end) return;
     const sn_substep part = {.h = r->model->substep_duration,
                              .gravity = r->model->scene->gravity,
+                             .rules = sn_scheme_rules_of(r->model->scene->solver.scheme),
                              .poses = substep_poses(r, substep),
                              .begin = begin,
-                             .end = end};
+                             .end = end,
+                             .measure = r->measure && end == m->iterations && is_last(r, substep)};
     sn_inputs_update(m, s, substep_time(r, substep));
     r->backend->substep(m, s, &part);
 }
@@ -87,6 +94,7 @@ static void clear_counters(sn_state *state, sn_index muscle_count) {
     for (sn_index i = 0; i < muscle_count; i++) {
         sn_statistics *statistics = &state->muscles[i].statistics;
         statistics->skipped_edges = statistics->skipped_hinges = statistics->clamped_hinges = 0;
+        statistics->held_triangles = statistics->skipped_triangles = 0;
     }
 }
 

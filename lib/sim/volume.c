@@ -44,15 +44,15 @@ void sn_volume_build(const sn_build *build) {
 /* The volume is far from linear in the positions where the edges pull the muscle far from its goal within one iteration (overpressure): one
  * projection then leaves a per cent or more. It is repeated until what is left is below this share of V0. */
 static const double VOLUME_TOLERANCE = 1e-3;
-static const int MOST_PROJECTIONS = 5;
 
 /* One Newton step; false: nothing more to do, or nothing that can be done. */
-static bool project(const sn_model_muscle *m, sn_muscle_state *s, double compliance) {
+static bool project(const sn_model_muscle *m, sn_muscle_state *s, const sn_sweep *sweep) {
+    double compliance = sweep->compliance;
     double volume = sn_volume_constraint(m->vertex_count, s->points, m->triangle_count, m->triangles, s->volume_gradient);
     double sum = 0.0;
     for (sn_index i = 0; i < m->vertex_count; i++) sum += s->points[i].w * sn_norm2(s->volume_gradient[i]);
     double residual = s->volume_goal * m->rest_volume - volume - compliance * s->volume_lambda;
-    double change = residual / (sum + compliance);
+    double change = sweep->gain * residual / (sum + compliance);
     if (!isfinite(change)) return false; /* a point is not finite: leave the others alone */
     s->volume_lambda += change;
     for (sn_index i = 0; i < m->vertex_count; i++) {
@@ -64,7 +64,16 @@ static bool project(const sn_model_muscle *m, sn_muscle_state *s, double complia
     return residual * residual > VOLUME_TOLERANCE * m->rest_volume * m->rest_volume;
 }
 
-void sn_volume_sweep(const sn_model_muscle *m, sn_muscle_state *s, double compliance, bool first) {
-    if (first) s->volume_lambda = 0.0;
-    for (int i = 0; i < MOST_PROJECTIONS && project(m, s, compliance); i++) continue;
+void sn_volume_sweep(const sn_model_muscle *m, sn_muscle_state *s, const sn_sweep *sweep) {
+    if (sweep->first) s->volume_lambda = 0.0;
+    for (int i = 0; i < sweep->projections && project(m, s, sweep); i++) continue;
+}
+
+double sn_volume_energy(const sn_model_muscle *m, sn_muscle_state *s, double k, sn_vec3 *gradient) {
+    if (!m->keeps_volume) return 0.0;
+    double volume = sn_volume_constraint(m->vertex_count, s->points, m->triangle_count, m->triangles, s->volume_gradient);
+    double c = volume - s->volume_goal * m->rest_volume;
+    for (sn_index i = 0; gradient != NULL && i < m->vertex_count; i++)
+        gradient[i] = sn_add_scaled(gradient[i], s->volume_gradient[i], k * c);
+    return 0.5 * k * c * c;
 }

@@ -7,41 +7,106 @@
 #include "rows.h"
 
 /* Where each point would be without constraints. Damping is a rate: exact for any h. */
-static void predict(const sn_model_muscle *m, sn_muscle_state *s, sn_vec3 gravity, double h) {
-    double keep = exp(-m->source->damping * h);
+static void predict(const sn_model_muscle *m, sn_muscle_state *s, const sn_substep *substep) {
+    double h = substep->h, keep = substep->rules->keep > 0.0 ? substep->rules->keep : exp(-m->source->damping * h);
     for (sn_index i = 0; i < m->point_count; i++) {
         sn_point *p = &s->points[i];
         s->previous[i] = sn_point_position(p);
         if (p->w == 0.0) continue;
-        sn_vec3 v = s->velocities[i] = sn_scale(sn_add_scaled(s->velocities[i], gravity, h), keep);
+        sn_vec3 v = s->velocities[i] = sn_scale(sn_add_scaled(s->velocities[i], substep->gravity, h), keep);
         p->x += h * v.x, p->y += h * v.y, p->z += h * v.z;
     }
 }
 
-static void project(const sn_model_muscle *m, sn_muscle_state *s, const sn_substep *substep) {
-    double compliance[SN_ROW_KINDS];
-    for (int kind = 0; kind < SN_ROW_KINDS; kind++) compliance[kind] = sn_row_compliance(m, s, (sn_row_kind)kind, substep->h);
-    for (sn_index i = substep->begin; i < substep->end; i++) {
-        bool first = i == 0;
-        for (int kind = 0; kind < SN_DISTANCE_KINDS; kind++)
-            if (compliance[kind] >= 0.0) sn_distance_sweep(m, s, (sn_row_kind)kind, compliance[kind], first);
-        if (compliance[SN_ROWS_DIHEDRAL] >= 0.0) sn_hinge_sweep(m, s, compliance[SN_ROWS_DIHEDRAL], first);
-        if (m->keeps_volume && compliance[SN_ROWS_VOLUME] >= 0.0) sn_volume_sweep(m, s, compliance[SN_ROWS_VOLUME], first);
+static void sweep_rows(const sn_model_muscle *m, sn_muscle_state *s, sn_row_kind kind, const sn_sweep *sweep) {
+    switch (kind) {
+    case SN_ROWS_DIHEDRAL:
+        sn_hinge_sweep(m, s, sweep);
+        break;
+    case SN_ROWS_AREA:
+        sn_area_sweep(m, s);
+        break;
+    case SN_ROWS_VOLUME:
+        if (m->keeps_volume) sn_volume_sweep(m, s, sweep);
+        break;
+    default:
+        sn_distance_sweep(m, s, kind, sweep);
     }
 }
 
-static void update_velocities(const sn_model_muscle *m, sn_muscle_state *s, double h) {
-    for (sn_index i = 0; i < m->point_count; i++)
-        s->velocities[i] = sn_scale(sn_sub(sn_point_position(&s->points[i]), s->previous[i]), 1.0 / h);
+static void project_kind(const sn_model_muscle *m, sn_muscle_state *s, sn_row_kind kind, const sn_scheme_rules *rules, double h,
+                         bool first) {
+    double stiffness = sn_row_stiffness(m, s, kind);
+    if (!(stiffness > 0.0)) return;
+    const sn_sweep sweep = {.compliance = rules->plain ? 0.0 : 1.0 / (stiffness * h * h),
+                            .gain = rules->gain[kind],
+                            .clamp = rules->hinge_clamp,
+                            .projections = rules->volume_projections,
+                            .first = first};
+    sweep_rows(m, s, kind, &sweep);
+}
+
+static void project(const sn_model_muscle *m, sn_muscle_state *s, const sn_substep *substep) {
+    const sn_scheme_rules *rules = substep->rules;
+    for (sn_index i = substep->begin; i < substep->end; i++)
+        for (int k = 0; k < rules->count; k++) project_kind(m, s, rules->order[k], rules, substep->h, i == 0);
+}
+
+void sn_project(const sn_model *model, sn_state *state, sn_index muscle, sn_row_kind kind) {
+    const sn_scheme_rules *rules = sn_scheme_rules_of(model->scene->solver.scheme);
+    project_kind(&model->muscles[muscle], &state->muscles[muscle], kind, rules, model->substep_duration, true);
+}
+
+static sn_vec3 velocity(const sn_muscle_state *s, sn_index i, double h) {
+    return sn_scale(sn_sub(sn_point_position(&s->points[i]), s->previous[i]), 1.0 / h);
+}
+
+/* Of the attached points, on average. */
+static sn_vec3 velocity_of_bones(const sn_model_muscle *m, const sn_muscle_state *s, double h) {
+    sn_vec3 sum = sn_v3(0, 0, 0);
+    for (sn_index k = 0; k < m->kinematic_count; k++) sum = sn_add(sum, velocity(s, m->kinematic_points[k], h));
+    return m->kinematic_count > 0 ? sn_scale(sum, 1.0 / m->kinematic_count) : sum;
+}
+
+/* The positions before the substep are needed no more: they make room for inertia's force, m (v - v predicted) / h. */
+static void measure_residual(const sn_model_muscle *m, sn_muscle_state *s, double h) {
+    for (sn_index i = 0; i < m->point_count; i++) {
+        sn_vec3 v = velocity(s, i, h);
+        double mass = m->inverse_mass[i] > 0.0 ? 1.0 / m->inverse_mass[i] : 0.0;
+        s->previous[i] = sn_scale(sn_sub(v, s->velocities[i]), mass / h);
+        s->velocities[i] = v;
+    }
+    s->statistics.residual = sn_residual_measure(m, s, s->previous);
+}
+
+/* A bone that jumps throws the muscle after it: no tissue is faster, beside its bones, than some tens of its lengths a second. */
+static void limit_speed(const sn_model_muscle *m, sn_muscle_state *s, sn_vec3 bones, double most) {
+    if (!(most > 0.0) || m->kinematic_count == 0) return;
+    if (sn_norm(bones) > most) bones = sn_v3(0, 0, 0); /* that is a jump, not a motion */
+    for (sn_index i = 0; i < m->point_count; i++) {
+        sn_vec3 v = sn_sub(s->velocities[i], bones);
+        double square = sn_norm2(v);
+        if (square > most * most) s->velocities[i] = sn_add_scaled(bones, v, most / sqrt(square));
+    }
+}
+
+static void update_velocities(const sn_model_muscle *m, sn_muscle_state *s, const sn_substep *substep) {
+    sn_vec3 bones = velocity_of_bones(m, s, substep->h);
+    if (substep->measure)
+        measure_residual(m, s, substep->h);
+    else
+        for (sn_index i = 0; i < m->point_count; i++) s->velocities[i] = velocity(s, i, substep->h);
+    limit_speed(m, s, bones, substep->rules->most_speed * m->diagonal);
 }
 
 static void xpbd_substep(const sn_model_muscle *m, sn_muscle_state *s, const sn_substep *substep) {
     if (substep->begin == 0) {
-        predict(m, s, substep->gravity, substep->h);
+        predict(m, s, substep);
         sn_kinematics_place(m, s, substep->poses);
     }
     project(m, s, substep);
-    update_velocities(m, s, substep->h);
+    s->statistics.residual = NAN;
+    if (substep->end == m->iterations) update_velocities(m, s, substep); /* until then they are the predicted ones */
 }
 
 const sn_backend sn_backend_xpbd = {.name = "xpbd", .substep = xpbd_substep};

@@ -32,7 +32,7 @@ assert [l["muscle"] for l in lines[:3]] == ["biceps", "brachialis", "triceps"]
 for l in lines:
     assert abs(l["time"] - l["frame"] / 24) < 1e-12
     assert abs(l["volume_error"]) < 0.01 and l["nan"] == 0 and l["smallest_triangle"] > 0.2
-    assert set(l["errors"]) == {"internal", "radial", "mesh", "dihedral"}
+    assert set(l["errors"]) == {"internal", "radial", "mesh", "dihedral", "area"}
 END
 }
 
@@ -87,7 +87,7 @@ import json
 cold, warm = (json.loads(open(name).readline()) for name in ("cold.jsonl", "warm.jsonl"))
 assert warm["errors"]["mesh"]["rms"] < 0.5 * cold["errors"]["mesh"]["rms"]
 END
-    for option in "--law projected" "--law paper" "--substeps 7" "--iterations 9"; do
+    for option in "--law projected" "--law paper" "--substeps 7" "--iterations 9" "--scheme romeo" "--scheme kohout" "--anisotropy pbd" "--anisotropy xpbd"; do
         simulate one.scene.json --frames 36:38 $option > other.jsonl
         simulate one.scene.json --frames 36:38 > plain.jsonl
         refute cmp -s other.jsonl plain.jsonl

@@ -1,7 +1,7 @@
 /*
  * xpbd_extremes.c -- numerics.md 5, column `xpbd`, the cases without bones in the way, on the generated fusiform muscle.
  *
- * A case passes when every frame is finite, no point is ever farther than 2 L (5 L after a jump by 50 L) from where the muscle's bones have
+ * A case passes when every frame is finite, no point is ever farther than 2 L from where the muscle's bones have
  * been, and, where the inputs go back to normal, the muscle does too. Prints a table, then "N passed, N failed".
  */
 #include "../unit/sim_scene.h"
@@ -125,8 +125,7 @@ static void move_and_return(const char *name, sn_rigid away, sn_index frames_awa
 static void violent_motion(void) {
     sn_rigid right_angle = {sn_quat_axis_angle(sn_v3(1, 0, 0), SN_PI / 2), {0, 0, 0}}, far = {sn_quat_identity(), {10, 0, 0}};
     move_and_return("an end teleports by 90 degrees for 12 frames", right_angle, 12, 2.0);
-    /* let go, the muscle comes back 50 L within a frame or two, at 240 m/s, and shoots past its bones before it turns */
-    move_and_return("an end jumps 50 L away for 20 frames", far, 20, 5.0);
+    move_and_return("an end jumps 50 L away for 20 frames", far, 20, 2.0);
 }
 
 /* ---- ugly starts ----------------------------------------------------------------------------------------------------------------- */

@@ -127,7 +127,7 @@ static void add_muscle(sn_scene *scene, const char *name, const fusiform *f) {
     make_muscle(f, &m->rig);
 }
 
-static void set_keys(sn_channel *channel, double time0, double value0, double time1, double value1) {
+static inline void set_keys(sn_channel *channel, double time0, double value0, double time1, double value1) {
     sn_channel_free(channel);
     *channel = (sn_channel){.count = 2, .times = SN_NEW(double, 2), .values = SN_NEW(double, 2)};
     channel->times[0] = time0, channel->values[0] = value0;

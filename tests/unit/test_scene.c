@@ -253,7 +253,7 @@ static void every_mistake_is_named(void **state) {
         {"\"law\": \"isochoric\"", "\"law\": \"hill\"", 15,
          "muscles[1].law: expected \"projected\", \"paper\" or \"isochoric\", found \"hill\""},
         {"[0.5,1.2]", "[0,1.2]", 16, "muscles[1].volumeRatio[1]: the activations do not ascend"},
-        {"[0.5,1.2]", "[0.5,-1]", 16, "muscles[1].volumeRatio[1]: expected [activation in [0,1], ratio above 0]"},
+        {"[0.5,1.2]", "[0.5,-1]", 16, "muscles[1].volumeRatio[1]: expected [activation in [0,1], value above 0]"},
         {"1e6", "-1", 16, "muscles[1].stiffness.active: expected a number of at least 0, found -1"},
         {"\"name\": \"second\"", "\"name\": \"biceps\"", -1, "two muscles have the name \"biceps\""},
         {"\"enabled\": false", "\"enabled\": 0", 17, "muscles[2].enabled: expected true or false, found 0"},

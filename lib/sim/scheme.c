@@ -1,0 +1,49 @@
+/*
+ * scheme.c -- what back end `xpbd` does and leaves out under each scheme.   numerics.md 2, [R18] alg. 1, [K21] alg. 2 and 4
+ *
+ *   guarded   every row; inside first, then the surface, then its shape, the volume last
+ *   romeo     the rows of [R18]: no dihedral angles, no least area; one projection of the volume
+ *   kohout    [K21]: the surface only; plain position based dynamics, so no stiffness but a factor on each correction; points of 1 kg;
+ *             velocities times 0.99 in each step; no contraction. Angles are those between outward normals, by arc tangent: eq. 6 as
+ * printed gives pi for a flat pair, and its gradient is singular there.
+ */
+#include "rows.h"
+
+static const sn_scheme_rules RULES[] = {
+    [SN_SCHEME_GUARDED] = {.count = 6,
+                           .order = {SN_ROWS_INTERNAL, SN_ROWS_RADIAL, SN_ROWS_MESH, SN_ROWS_DIHEDRAL, SN_ROWS_AREA, SN_ROWS_VOLUME},
+                           .gain = {1.0, 1.0, 1.0, 1.0, 1.0, 1.0},
+                           .hinge_clamp = SN_HINGE_CLAMP,
+                           .volume_projections = 5,
+                           .most_speed = 50.0,
+                           .contracts = true,
+                           .scales = true},
+    [SN_SCHEME_ROMEO] = {.count = 4,
+                         .order = {SN_ROWS_MESH, SN_ROWS_INTERNAL, SN_ROWS_RADIAL, SN_ROWS_VOLUME},
+                         .gain = {1.0, 1.0, 1.0, 1.0, 1.0, 1.0},
+                         .hinge_clamp = INFINITY,
+                         .volume_projections = 1,
+                         .contracts = true},
+    [SN_SCHEME_KOHOUT] = {.count = 3,
+                          .order = {SN_ROWS_MESH, SN_ROWS_VOLUME, SN_ROWS_DIHEDRAL},
+                          .gain = {[SN_ROWS_MESH] = 1.0, [SN_ROWS_VOLUME] = 1.0, [SN_ROWS_DIHEDRAL] = 0.9},
+                          .hinge_clamp = INFINITY,
+                          .volume_projections = 1,
+                          .keep = 0.99,
+                          .plain = true,
+                          .unit_mass = true,
+                          .yields = true},
+};
+
+const sn_scheme_rules *sn_scheme_rules_of(sn_scheme scheme) { return &RULES[scheme]; }
+
+bool sn_scheme_has(sn_scheme scheme, sn_row_kind kind) {
+    for (int i = 0; i < RULES[scheme].count; i++)
+        if (RULES[scheme].order[i] == kind) return true;
+    return false;
+}
+
+const char *sn_scheme_name(sn_scheme scheme) {
+    static const char *const NAMES[] = {"guarded", "romeo", "kohout"};
+    return NAMES[scheme];
+}

@@ -1,0 +1,143 @@
+/*
+ * wide.h -- inside lib/sim: several rows at a time. One type, two builds: four lanes of double, or (CONFIG=scalar) one. The same bits from
+ * both: rows come in batches of four that share no point (batch.c), every operation here is exact or correctly rounded, nothing is
+ * contracted, and lanes never mix.
+ *
+ * A kernel is a plain function marked SN_WIDE_KERNEL: compiled for AVX2 and for the base instruction set, chosen when the program starts.
+ * Tried and left: 8 lanes of AVX-512 (no faster here: the divider is the limit), approximate reciprocals (differ between processors).
+ */
+#ifndef SN_SIM_WIDE_H
+#define SN_SIM_WIDE_H
+
+#include "sinew/sim.h"
+
+#include <float.h>
+#include <string.h>
+
+#define SN_BATCH 4 /* rows of a batch, in every build: the order of the rows must not depend on it */
+
+#define SN_INLINE static inline __attribute__((always_inline, unused))
+
+#ifndef SN_SCALAR
+
+enum { WIDE_LANES = SN_BATCH };
+typedef double wide __attribute__((vector_size(32)));
+typedef int64_t wide_mask __attribute__((vector_size(32)));
+
+#if defined(__x86_64__) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__) && !defined(__clang__)
+#define SN_WIDE_KERNEL __attribute__((target_clones("avx2", "default")))
+#else
+#define SN_WIDE_KERNEL
+#endif
+
+SN_INLINE wide wide_splat(double a) { return (wide){a, a, a, a}; }
+SN_INLINE wide wide_sqrt(wide a) { return (wide){sqrt(a[0]), sqrt(a[1]), sqrt(a[2]), sqrt(a[3])}; }
+SN_INLINE wide_mask wide_less(wide a, wide b) { return a < b; }
+SN_INLINE wide wide_select(wide_mask mask, wide a, wide b) { return (wide)(((wide_mask)a & mask) | ((wide_mask)b & ~mask)); }
+SN_INLINE wide wide_copysign(wide size, wide sign) {
+    const wide_mask bit = (wide_mask){INT64_MIN, INT64_MIN, INT64_MIN, INT64_MIN};
+    return (wide)(((wide_mask)size & ~bit) | ((wide_mask)sign & bit));
+}
+/* Lanes of the first `lanes` where the mask holds. */
+SN_INLINE int64_t wide_count(wide_mask mask, int lanes) {
+    int64_t count = 0;
+    for (int i = 0; i < lanes; i++) count -= mask[i];
+    return count;
+}
+
+/* Numbers of rows side by side; with fewer lanes than four, the first stands in all of them and alone is stored. */
+SN_INLINE wide wide_load(const double *from, int lanes) {
+    if (lanes != WIDE_LANES) return wide_splat(*from);
+    wide a;
+    memcpy(&a, from, sizeof a);
+    return a;
+}
+SN_INLINE void wide_store(double *to, wide a, int lanes) {
+    if (lanes == WIDE_LANES)
+        memcpy(to, &a, sizeof a);
+    else
+        *to = a[0];
+}
+
+typedef struct wide_point {
+    wide x, y, z, w;
+} wide_point;
+
+SN_INLINE wide_point transpose(wide a, wide b, wide c, wide d) {
+    wide ab = __builtin_shuffle(a, b, (wide_mask){0, 4, 2, 6}), ab1 = __builtin_shuffle(a, b, (wide_mask){1, 5, 3, 7});
+    wide cd = __builtin_shuffle(c, d, (wide_mask){0, 4, 2, 6}), cd1 = __builtin_shuffle(c, d, (wide_mask){1, 5, 3, 7});
+    const wide_mask low = {0, 1, 4, 5}, high = {2, 3, 6, 7};
+    return (wide_point){__builtin_shuffle(ab, cd, low), __builtin_shuffle(ab1, cd1, low), __builtin_shuffle(ab, cd, high),
+                        __builtin_shuffle(ab1, cd1, high)};
+}
+SN_INLINE wide load_record(const sn_point *p) {
+    wide a;
+    memcpy(&a, p, sizeof a);
+    return a;
+}
+/* Points index[0], index[stride], ... of consecutive rows. */
+SN_INLINE wide_point wide_gather(const sn_point *points, const sn_index *index, int stride, int lanes) {
+    int s = lanes == WIDE_LANES ? stride : 0;
+    return transpose(load_record(&points[index[0]]), load_record(&points[index[s]]), load_record(&points[index[2 * s]]),
+                     load_record(&points[index[3 * s]]));
+}
+SN_INLINE void wide_scatter(sn_point *points, const sn_index *index, int stride, wide_point p, int lanes) {
+    wide_point record = transpose(p.x, p.y, p.z, p.w);
+    memcpy(&points[index[0]], &record.x, sizeof record.x);
+    if (lanes != WIDE_LANES) return;
+    memcpy(&points[index[stride]], &record.y, sizeof record.y);
+    memcpy(&points[index[2 * stride]], &record.z, sizeof record.z);
+    memcpy(&points[index[3 * stride]], &record.w, sizeof record.w);
+}
+
+#else /* the scalar twin */
+
+enum { WIDE_LANES = 1 };
+typedef double wide;
+typedef int64_t wide_mask; /* 0 or -1 */
+#define SN_WIDE_KERNEL
+
+SN_INLINE wide wide_splat(double a) { return a; }
+SN_INLINE wide wide_sqrt(wide a) { return sqrt(a); }
+SN_INLINE wide_mask wide_less(wide a, wide b) { return a < b ? -1 : 0; }
+SN_INLINE wide wide_select(wide_mask mask, wide a, wide b) { return mask != 0 ? a : b; }
+SN_INLINE wide wide_copysign(wide size, wide sign) { return copysign(size, sign); }
+SN_INLINE int64_t wide_count(wide_mask mask, int lanes) { return -mask * lanes; }
+SN_INLINE wide wide_load(const double *from, int lanes) { return (void)lanes, *from; }
+SN_INLINE void wide_store(double *to, wide a, int lanes) { (void)lanes, *to = a; }
+
+typedef sn_point wide_point;
+
+SN_INLINE wide_point wide_gather(const sn_point *points, const sn_index *index, int stride, int lanes) {
+    return (void)stride, (void)lanes, points[*index];
+}
+SN_INLINE void wide_scatter(sn_point *points, const sn_index *index, int stride, wide_point p, int lanes) {
+    (void)stride, (void)lanes, points[*index] = p;
+}
+
+#endif
+
+/* ---- the same in both builds ---------------------------------------------------------------------------------------------- */
+
+SN_INLINE wide wide_abs(wide a) { return wide_copysign(a, wide_splat(1.0)); }
+
+typedef struct wide_vec3 {
+    wide x, y, z;
+} wide_vec3;
+
+SN_INLINE wide_vec3 wide_between(wide_point a, wide_point b) { return (wide_vec3){a.x - b.x, a.y - b.y, a.z - b.z}; } /* a - b */
+SN_INLINE wide_vec3 wide_scale(wide_vec3 a, wide s) { return (wide_vec3){a.x * s, a.y * s, a.z * s}; }
+SN_INLINE wide_vec3 wide_add(wide_vec3 a, wide_vec3 b) { return (wide_vec3){a.x + b.x, a.y + b.y, a.z + b.z}; }
+SN_INLINE wide wide_dot(wide_vec3 a, wide_vec3 b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+SN_INLINE wide_vec3 wide_cross(wide_vec3 a, wide_vec3 b) {
+    return (wide_vec3){a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
+/* p moved by gradient x step where the mask holds; elsewhere it keeps its bits. */
+SN_INLINE wide_point wide_move(wide_point p, wide_vec3 gradient, wide step, wide_mask mask) {
+    p.x = wide_select(mask, p.x + gradient.x * step, p.x);
+    p.y = wide_select(mask, p.y + gradient.y * step, p.y);
+    p.z = wide_select(mask, p.z + gradient.z * step, p.z);
+    return p;
+}
+
+#endif
