@@ -21,17 +21,17 @@ typedef struct sn_build {
 
 typedef struct sn_scheme_rules {
     int count;
-    sn_row_kind order[SN_ROW_KINDS]; /* (count) as they are projected */
-    double gain[SN_ROW_KINDS];       /* factor on each correction */
-    double hinge_clamp;              /* rad */
-    int volume_projections;          /* at most */
-    double most_speed;               /* of a point, beside its bones: diagonals of the muscle per second; 0 = any */
-    double keep;                     /* factor on the velocities per step; 0 = the muscle's rate of damping */
-    bool plain;                      /* no compliance: plain position based dynamics */
-    bool unit_mass;                  /* points of 1 kg */
-    bool contracts;                  /* activation shortens, stiffens and swells */
-    bool scales;                     /* stiffness by area, where the muscle wants it */
-    bool yields;                     /* anisotropy where the muscle leaves it to the scheme */
+    sn_row_kind order[8];      /* (count) as they are projected; a kind may come more than once */
+    double gain[SN_ROW_KINDS]; /* factor on each correction */
+    double hinge_clamp;        /* rad */
+    int volume_projections;    /* at most */
+    double most_speed;         /* of a point, beside its bones: diagonals of the muscle per second; 0 = any */
+    double keep;               /* factor on the velocities per step; 0 = the muscle's rate of damping */
+    bool plain;                /* no compliance: plain position based dynamics */
+    bool unit_mass;            /* points of 1 kg */
+    bool contracts;            /* activation shortens, stiffens and swells */
+    bool scales;               /* stiffness by area, where the muscle wants it */
+    bool yields;               /* anisotropy where the muscle leaves it to the scheme */
 } sn_scheme_rules;
 
 const sn_scheme_rules *sn_scheme_rules_of(sn_scheme scheme);
