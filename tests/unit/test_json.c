@@ -256,6 +256,17 @@ static void mismatches_name_path_and_place(void **state) {
     sn_json_tree_free(tree);
 }
 
+/* A search that ran on behind the last member left the text: a sanitizer sees that. */
+static void missing_members_are_placed_at_their_object(void **state) {
+    (void)state;
+    sn_json_tree *tree = parsed("{\"x\": [\n {\"a\": 1}, null]}");
+    sn_json_value top = sn_json_top(tree), list = sn_json_member(&top, "x"), first = sn_json_element(&list, 0),
+                  lost = sn_json_member(&first, "w");
+    sn_error error = {0};
+    expect_complaint(sn_json_require(&lost, "a thing", &error), &error, 2, 2, "x[0].w: expected a thing, found nothing");
+    sn_json_tree_free(tree);
+}
+
 /* Whatever a document holds goes through: the same members in the same order, numbers as they were. */
 static void passing_on_keeps_everything(void **state) {
     (void)state;
@@ -309,6 +320,7 @@ int main(void) {
         cmocka_unit_test(numbers_come_back_bit_for_bit),
         cmocka_unit_test(values_have_types),
         cmocka_unit_test(mismatches_name_path_and_place),
+        cmocka_unit_test(missing_members_are_placed_at_their_object),
         cmocka_unit_test(passing_on_keeps_everything),
         cmocka_unit_test_setup(unknown_members_are_named, forget_log),
     };
