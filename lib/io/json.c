@@ -174,12 +174,34 @@ static sn_status parse_failure(const sn_json_tree *tree, const json_error_t *pro
     return status;
 }
 
+/* About what a text takes once it is parsed, in bytes (measured with jansson 2.14): an empty object of two characters takes 240. */
+static double parsed_size(const folded *text) {
+    enum { OBJECT = 240, ARRAY = 140, STRING = 96, VALUE = 48 };
+    const char *at = text->text, *end = at + text->size;
+    double size = (double)text->size;
+    while (at < end) {
+        size += *at == '{' ? OBJECT : *at == '[' ? ARRAY : *at == '"' ? STRING : *at == ',' ? VALUE : 0;
+        at = *at == '"' ? skip_string(at, end) : at + 1;
+    }
+    return size;
+}
+
+/* No document may take more than ten times its size and 64 MB: of that the file, the text and the folded text take up to three times. */
+static bool fits_memory(const sn_json_tree *tree, const folded *text) {
+    enum { ALWAYS = 48 << 20, FACTOR = 7 };
+    return parsed_size(text) + (double)tree->span_capacity * sizeof(span) <= FACTOR * (double)tree->size + ALWAYS;
+}
+
 static sn_status parse_folded(sn_json_tree *tree, sn_error *error) {
     folded text = {0};
     sn_status status = SN_OK;
     json_error_t problem;
     if (!fold(tree, &text)) {
         status = sn_fail_memory(error, "a JSON document");
+    } else if (!fits_memory(tree, &text)) {
+        status = sn_fail_at(
+            error, SN_ERROR_INPUT, tree->name, 1,
+            "the document is made of so many small parts that it would take more than ten times its size in memory; thin out its keys");
     } else if ((tree->root = json_loadb(text.text, text.size, JSON_REJECT_DUPLICATES, &problem)) == NULL) {
         status = parse_failure(tree, &problem, error);
     } else if (!json_is_object(tree->root)) {

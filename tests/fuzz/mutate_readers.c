@@ -562,6 +562,13 @@ static void try_large_files(void) {
              "0 0 0\n", MANY, "</DataArray></Points></Piece></PolyData></VTKFile>", false);
     try_rows(MESH, "arrays.vtp", "<VTKFile type='PolyData'><PolyData>", "<Piece NumberOfPoints='3'><Points><DataArray/></Points></Piece>",
              MANY / 10, "", false);
+    static const char head[] = "{\"format\":\"sinew-muscle\",\"version\":1,\"x\":[";
+    try_rows(MUSCLE, "objects.muscle.json", head, "{},", MANY, "{}]}", false);
+    try_rows(MUSCLE, "arrays.muscle.json", head, "[0],", MANY, "[0]]}", false);
+    try_rows(MUSCLE, "texts.muscle.json", head, "\"\",", MANY, "\"\"]}", false);
+    try_rows(MUSCLE, "values.muscle.json", head, "null,0,", MANY, "0]}", false);
+    try_rows(MUSCLE, "numbers.muscle.json", "{\"format\":\"sinew-muscle\",\"version\":1,\"mesh\":{\"vertices\":[0", ",0", 4 * MANY, "]}}",
+             false);
     try_block("corners.ply", bytes_ply, sizeof bytes_ply - 1, 0xff, BLOCK);
     try_block("bytes.ply", points_ply, sizeof points_ply - 1, 0, BLOCK);
     try_block("zeros.vtk", legacy, sizeof legacy - 1, 0, BLOCK);

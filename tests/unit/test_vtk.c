@@ -402,6 +402,7 @@ static void sections_are_painted_on_the_mesh(void **state) {
     const sn_attribute *attachment = sn_mesh_attribute(&painted, "attachment");
     assert_int_equal(attachment->label_count, 2);
     assert_string_equal(attachment->labels[1], "radius");
+    assert_int_equal(sn_mesh_attribute(&painted, "part")->label_count, 2); /* a copy keeps them */
     sn_mesh_free(&painted);
     sn_mesh_free(&mesh);
 }
