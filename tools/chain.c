@@ -5,6 +5,11 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* One field of a line of fields parted by tabs. */
+static void print_field(sn_output *output, const char *text) {
+    for (; *text != '\0'; text++) sn_output_write(output, (unsigned char)*text < ' ' ? " " : text, 1, NULL);
+}
+
 sn_status cli_list_meshes(const sn_blob *blob, sn_error *error) {
     sn_mesh mesh = {0};
     sn_mesh_part *parts = NULL;
@@ -13,8 +18,11 @@ sn_status cli_list_meshes(const sn_blob *blob, sn_error *error) {
     sn_status status = sn_mesh_parse(blob, true, &mesh, error);
     if (status == SN_OK) status = sn_mesh_parts(&mesh, &parts, &count, error);
     if (status == SN_OK) status = sn_output_open("-", false, &output, error);
-    for (sn_index i = 0; i < count && status == SN_OK; i++)
-        status = sn_output_print(output, "%d\t%s\t%d\t%d\n", i + 1, parts[i].name, parts[i].vertices, parts[i].triangles);
+    for (sn_index i = 0; i < count && status == SN_OK; i++) {
+        sn_output_print(output, "%d\t", i + 1);
+        print_field(output, parts[i].name);
+        status = sn_output_print(output, "\t%d\t%d\n", parts[i].vertices, parts[i].triangles);
+    }
     if (output != NULL) status = sn_output_commit(output, error);
     free(parts);
     sn_mesh_free(&mesh);

@@ -18,6 +18,7 @@ static const signature signatures[] = {
     {"glb", "glTF", 0, "glTF"},
     {"fbx", "FBX", 0, "Kaydara FBX Binary"},
     {"fbx", "FBX", 0, "; FBX "},
+    {"fbx", "FBX", 0, "FBXHeaderExtension:"},
     {"x", "DirectX", 0, "xof 0"},
     {"blend", "Blender", 0, "BLENDER"},
     {"ac", "AC3D", 0, "AC3D"},

@@ -95,6 +95,10 @@ pretend() {
     "$clean" --mesh 3 two.obj -o three.json
     expect_extent three.json "4 1 0 0 1.1 0.1 0.1 1"
     refused "two.obj: mesh 'empty' has no faces" "$clean" --mesh empty two.obj
+    printf 'g a\tb\n' > tab.obj
+    cat two.obj >> tab.obj
+    "$clean" --list tab.obj > list
+    [ "$(head -n 1 list)" = "$(printf '1\ta b\t4\t4')" ]
     sed 's/^g .*//' two.obj > bare.obj
     "$clean" --list bare.obj > list
     printf '1\t\t8\t8\n' | cmp - list

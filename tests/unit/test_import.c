@@ -36,6 +36,7 @@ static void formats_are_known_by_their_content(void **state) {
     EXPECT_KIND("glTF\2\0\0\0....", "glb");
     EXPECT_KIND("Kaydara FBX Binary  \0\x1a\0", "fbx");
     EXPECT_KIND("; FBX 7.4.0 project file\n", "fbx");
+    EXPECT_KIND("FBXHeaderExtension:  {\n", "fbx");
     EXPECT_KIND("xof 0303txt 0032\n", "x");
     EXPECT_KIND("FORM....LWO2", "lwo");
     EXPECT_KIND("MM\x10\0\0\0\2\0\x0a\0\0\0\3\0\0\0", "3ds");
