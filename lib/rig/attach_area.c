@@ -11,7 +11,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { MOST_LANDMARKS = 1024 };
+enum { MOST_LANDMARKS = 1024, MOST_BY_PATHS = 48 };
 
 /* One area under way. */
 typedef struct outline {
@@ -184,19 +184,39 @@ static sn_status find_crossing(const outline *o, bool *crosses, sn_index paths[2
 
 /* ---- the shortest tour --------------------------------------------------------------------------------------------------------------- */
 
-/* Distances between all landmarks, (count x count): along edges between their nearest vertices, and no shorter than straight. */
-static sn_status measure_pairs(const outline *o, double *between, sn_error *error) {
+/* Distances between all landmarks, (count x count), filled in by one of two ways. */
+typedef struct between {
+    sn_index count;
+    double *length;
+} between;
+
+static double *pair_length(const between *b, sn_index i, sn_index j) { return &b->length[(size_t)i * (size_t)b->count + (size_t)j]; }
+
+/* The lengths of the paths themselves: in a tour that is short in these no two paths cross. */
+static sn_status measure_by_paths(const outline *o, between *b, sn_error *error) {
+    sn_status status = SN_OK;
+    for (sn_index i = 0; i < b->count; i++)
+        for (sn_index j = i + 1; j < b->count && status == SN_OK; j++) {
+            sn_surface_path path;
+            status = sn_path_find(o->ground->finder, &o->landmark[i], &o->landmark[j], 0, &path, error);
+            *pair_length(b, i, j) = *pair_length(b, j, i) = path.length;
+            sn_surface_path_free(&path);
+        }
+    return status;
+}
+
+/* For many landmarks: along edges between their nearest vertices, and no shorter than straight. */
+static sn_status measure_by_edges(const outline *o, between *b, sn_error *error) {
     const sn_mesh *mesh = mesh_of(o);
-    sn_index count = o->area->count;
     double *distance = SN_NEW(double, mesh->vertex_count);
     if (distance == NULL) return sn_fail_memory(error, "the order of landmarks");
     sn_status status = SN_OK;
-    for (sn_index a = 0; a < count && status == SN_OK; a++) {
-        sn_index start = corner_near(mesh, o->landmark[a].triangle, o->landmark[a].point);
+    for (sn_index i = 0; i < b->count && status == SN_OK; i++) {
+        sn_index start = corner_near(mesh, o->landmark[i].triangle, o->landmark[i].point);
         status = sn_edge_distance(mesh, o->ground->topology, 1, &start, distance, NULL, error);
-        for (sn_index b = 0; b < count && status == SN_OK; b++) {
-            sn_index end = corner_near(mesh, o->landmark[b].triangle, o->landmark[b].point);
-            between[(size_t)a * (size_t)count + (size_t)b] = fmax(distance[end], sn_distance(o->landmark[a].point, o->landmark[b].point));
+        for (sn_index j = 0; j < b->count && status == SN_OK; j++) {
+            sn_index end = corner_near(mesh, o->landmark[j].triangle, o->landmark[j].point);
+            *pair_length(b, i, j) = fmax(distance[end], sn_distance(o->landmark[i].point, o->landmark[j].point));
         }
     }
     free(distance);
@@ -205,11 +225,11 @@ static sn_status measure_pairs(const outline *o, double *between, sn_error *erro
 
 typedef struct tour {
     sn_index count, *order;
-    const double *between;
+    const between *between;
 } tour;
 
 static double apart(const tour *t, sn_index i, sn_index j) {
-    return t->between[(size_t)t->order[i % t->count] * (size_t)t->count + (size_t)t->order[j % t->count]];
+    return *pair_length(t->between, t->order[i % t->count], t->order[j % t->count]);
 }
 
 /* From the first landmark always to the nearest that is left. */
@@ -244,11 +264,11 @@ static bool improve_tour(tour *t, double slack) {
 
 static sn_status reorder(outline *o, sn_error *error) {
     sn_index count = o->area->count;
-    double *between = SN_NEW(double, (size_t)count *(size_t)count);
-    if (between == NULL) return sn_fail_memory(error, "the order of landmarks");
-    sn_status status = measure_pairs(o, between, error);
+    between all = {count, SN_NEW(double, (size_t)count *(size_t)count)};
+    if (all.length == NULL) return sn_fail_memory(error, "the order of landmarks");
+    sn_status status = count <= MOST_BY_PATHS ? measure_by_paths(o, &all, error) : measure_by_edges(o, &all, error);
     if (status == SN_OK) {
-        tour t = {count, o->order, between};
+        tour t = {count, o->order, &all};
         double slack = 1e-9 * sn_box_diagonal(sn_mesh_box(mesh_of(o)));
         start_tour(&t);
         while (improve_tour(&t, slack)) {}
@@ -256,7 +276,7 @@ static sn_status reorder(outline *o, sn_error *error) {
                      sn_trace_indices("order", o->order, count)))
             status = SN_STOPPED;
     }
-    free(between);
+    free(all.length);
     return status;
 }
 

@@ -55,9 +55,9 @@ static int set_up(void **state) {
     set_box(&f->left, sn_v3(-1, -1, -1), sn_v3(1.5, 2, 1));
     set_box(&f->right, sn_v3(8.5, -1, -1), sn_v3(11, 2, 1));
     set_box(&f->moon, sn_v3(1000, 0, 0), sn_v3(1001, 1, 1));
-    f->bones[0] = (sn_attach_bone){"left", &f->left};
-    f->bones[1] = (sn_attach_bone){"right", &f->right};
-    f->bones[2] = (sn_attach_bone){"moon", &f->moon};
+    f->bones[0] = (sn_attach_bone){"left", &f->left, false};
+    f->bones[1] = (sn_attach_bone){"right", &f->right, false};
+    f->bones[2] = (sn_attach_bone){"moon", &f->moon, false};
     f->params = sn_attach_defaults();
     *state = f;
     return 0;

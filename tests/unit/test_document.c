@@ -42,8 +42,14 @@ static const char *const full =
     "    ]\n"
     "  },\n"
     "  \"attachments\": [\n"
-    "    {\"bone\": \"humerus\", \"vertices\": [0,2], \"method\": \"contact\", \"distances\": [0.1,-0.2]},\n"
+    "    {\"bone\": \"humerus\", \"vertices\": [0,2], \"method\": \"contact\", \"distances\": [0.1,-0.2], "
+    "\"reasons\": [5,3], \"confidence\": [0.25,1]},\n"
     "    {\"bone\": \"radius\", \"vertices\": []}\n"
+    "  ],\n"
+    "  \"externals\": [\n"
+    "    {\"target\": \"triceps\", \"fascia\": \"deep\", \"vertices\": [1,3], \"triangles\": [7,8], "
+    "\"barycentric\": [1,0,0,0.5,0.25,0.25], \"distances\": [0.5,-0.1], \"minimumDistances\": [0.2,-0.1], "
+    "\"weights\": [1,0,0,0.5,0.25,0]}\n"
     "  ],\n"
     "  \"omega\": [[1,2.50],\"a\",null],\n"
     "  \"x-studio\": {\n"
@@ -81,7 +87,7 @@ static void let_go(held *h) {
 }
 
 static const unsigned every_section =
-    SN_SECTION_MESH | SN_SECTION_ROOTS | SN_SECTION_STRUCTURE | SN_SECTION_FIBERS | SN_SECTION_ATTACHMENTS;
+    SN_SECTION_MESH | SN_SECTION_ROOTS | SN_SECTION_STRUCTURE | SN_SECTION_FIBERS | SN_SECTION_ATTACHMENTS | SN_SECTION_EXTERNALS;
 
 /* ---- what is read ----------------------------------------------------------------------------------------------------- */
 
@@ -107,6 +113,14 @@ static void sections_are_read(void **state) {
     assert_int_equal(m->fibers.polylines[0].count, 2);
     assert_true(m->attachments[0].distances[1] == -0.2);
     assert_null(m->attachments[1].distances);
+    assert_int_equal(m->attachments[0].reasons[1], SN_REASON_CONTACT);
+    assert_true(m->attachments[0].confidence[0] == 0.25);
+    assert_null(m->attachments[1].reasons);
+    assert_int_equal(m->external_count, 1);
+    assert_string_equal(m->externals[0].target, "triceps");
+    assert_int_equal(m->externals[0].triangles[1], 8);
+    assert_true(m->externals[0].barycentric[3] == 0.5 && m->externals[0].weights[4] == 0.25);
+    assert_true(m->externals[0].distances[1] == -0.1 && m->externals[0].minimum[0] == 0.2);
     let_go(&h);
 }
 
@@ -203,8 +217,8 @@ static void a_new_mesh_drops_all_that_hangs_on_it(void **state) {
     assert_contains(text, "\"vertices\": [0,0,0,1,0,0,0,1,0],");
     assert_contains(text, "\"triangles\": [0,2,1]");
     assert_contains(text, "x-studio");
-    for (int i = 0; i < 4; i++) {
-        static const char *const gone[] = {"\"roots\"", "\"structure\"", "\"fibers\"", "\"attachments\""};
+    for (int i = 0; i < 5; i++) {
+        static const char *const gone[] = {"\"roots\"", "\"structure\"", "\"fibers\"", "\"attachments\"", "\"externals\""};
         assert_lacks(text, gone[i]);
         assert_contains(logged, gone[i]);
     }
@@ -372,6 +386,15 @@ static void every_defect_is_named(void **state) {
         {"\"vertices\": []", "\"vertices\": [2]", "attachments: vertex 2 is held by bone 'humerus' and again by bone 'radius'"},
         {"\"vertices\": [0,2]", "\"vertices\": [2,0]", "attachments: the vertices of bone 'humerus' do not ascend"},
         {"\"distances\": [0.1,-0.2]", "\"distances\": [0.1]", "attachments[0].distances: expected an array of 2 numbers"},
+        {"\"reasons\": [5,3]", "\"reasons\": [5]", "attachments[0].reasons: expected an array of 2"},
+        {"\"reasons\": [5,3]", "\"reasons\": [5,9]", "attachments[0].reasons[1]"},
+        {"\"confidence\": [0.25,1]", "\"confidence\": [0.25,1.5]", "attachments: bone 'humerus' has a confidence that is not within [0,1]"},
+        {"\"target\": \"triceps\", ", "", "externals[0].target: expected the name of a muscle or an envelope"},
+        {"\"vertices\": [1,3]", "\"vertices\": [3,1]", "externals: target 'triceps' has vertices that do not ascend"},
+        {"\"vertices\": [1,3]", "\"vertices\": [1,4]", "externals[0].vertices[1]"},
+        {"\"triangles\": [7,8]", "\"triangles\": [7]", "externals[0].triangles: expected an array of 2"},
+        {"[1,0,0,0.5,0.25,0.25]", "[1,0,0,0.5,0.5,0.25]", "externals: target 'triceps' has barycentric coordinates that are no point"},
+        {"[1,0,0,0.5,0.25,0]", "[1,0,0,0.5,-0.25,0]", "externals: target 'triceps' has a weight that is not within [0,1]"},
         {"{\"tool\": \"mesh-clean\"", "7, {\"tool\": \"mesh-clean\"", "history[0]: expected an object, found 7"},
         {"\"x-studio\"", "\"omega\"", "duplicate"},
         {"  ]\n}\n", "  ]\n", "not valid JSON"},
