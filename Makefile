@@ -41,11 +41,12 @@ LINK_cgal    := -lgmp -lmpfr -lstdc++
 LINK_png     := -lpng -lz
 LINK_assimp  := -lassimp
 
-TOOLS := mesh-clean root-select build-structure fiber-flow attach-detect simulate rig-view
+TOOLS := mesh-clean root-select build-structure fiber-flow fiber-fill attach-detect simulate rig-view
 LIBS_mesh-clean      := cgal embree mesh json
 LIBS_root-select     := sparse mesh json
 LIBS_build-structure := embree mesh json
 LIBS_fiber-flow      := mesh json
+LIBS_fiber-fill      := gsl sparse embree mesh json
 LIBS_attach-detect   := embree mesh json
 LIBS_simulate        := gsl mesh json
 LIBS_rig-view        := embree gsl mesh json png

@@ -183,4 +183,23 @@ SN_MUST_CHECK sn_status sn_embedding_save(const sn_embedding *embedding, const c
 /* SN_ERROR_INPUT where the file is damaged or was made for something else: make the weights anew then. */
 SN_MUST_CHECK sn_status sn_embedding_load(const sn_blob *blob, const char *hash, sn_embedding *out, sn_error *error);
 
+/* ---- fibres through the volume ------------------------------------------------------------------------------------------------- */
+
+/* Polylines as lines (lib/io/lines.c): VTP carries length and pennation of each, in the document's unit and radians. */
+typedef enum sn_lines_format { SN_LINES_UNKNOWN, SN_LINES_VTP, SN_LINES_OBJ } sn_lines_format;
+sn_lines_format sn_lines_format_from_name(const char *path); /* .vtp, .obj */
+SN_MUST_CHECK sn_status sn_lines_write(const sn_fibers *fibers, sn_lines_format format, sn_output *output, sn_error *error);
+
+/* A fibre template (lib/io/fill_document.c): {"format": "sinew-fiber-template", "version": 1, "curves": [{"points": [x,y,z, ...]}, ...]},
+ * the control points of Bezier curves; they become out->polylines. */
+SN_MUST_CHECK sn_status sn_fiber_template_parse(const sn_blob *blob, sn_fibers *out, sn_error *error);
+
+/* Vertices where fibres begin and end: {"format": "sinew-fiber-ends", "version": 1, "origin": [vertex, ...], "insertion": [...]}. */
+typedef struct sn_fiber_ends {
+    sn_index origin_count, insertion_count;
+    sn_index *origin, *insertion;
+} sn_fiber_ends;
+SN_MUST_CHECK sn_status sn_fiber_ends_parse(const sn_blob *blob, sn_index vertex_count, sn_fiber_ends *out, sn_error *error);
+void sn_fiber_ends_free(sn_fiber_ends *ends);
+
 #endif

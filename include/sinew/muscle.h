@@ -26,7 +26,13 @@ typedef struct sn_structure {
     double spacing;          /* largest distance of neighbouring samples that was asked for */
 } sn_structure;
 
-typedef struct sn_polyline { sn_index count; sn_vec3 *points; } sn_polyline;
+/* A fibre through the volume. */
+typedef struct sn_polyline {
+    sn_index count;
+    sn_vec3 *points;  /* (count) */
+    double length;    /* 0 = not known */
+    double pennation; /* angle against the line of action, radians; counts only where the length is known */
+} sn_polyline;
 
 /* Fibre directions at surface vertices ([R18] 3.2), and fibres through the volume ([K21] 4). */
 typedef struct sn_fibers {

@@ -20,4 +20,7 @@ bool sn_eigen_symmetric3(const sn_mat3 *matrix, double values[3], sn_mat3 *vecto
 /* Robust straight-line fit y = intercept + slope x (bisquare weights); false for fewer than 3 points or constant x. */
 bool sn_fit_line_robust(sn_index count, const double *x, const double *y, double *intercept, double *slope);
 
+/* The first `count` points of the Sobol sequence in [0,1)^dimensions, 1 to 40: out (count x dimensions). Evenly spread, always the same. */
+SN_MUST_CHECK sn_status sn_sobol(sn_index dimensions, sn_index count, double *out, sn_error *error);
+
 #endif

@@ -275,4 +275,63 @@ SN_MUST_CHECK sn_status sn_find_neighbours(const sn_muscle *muscle, sn_index tar
                                            const sn_neighbours_params *params, sn_trace *trace, sn_index *count, sn_external **out,
                                            sn_error *error);
 
+/* ---- fibres through the volume (methods.md 5; lib/rig/fiber_fill.c) ----------------------------------------------------------- */
+
+typedef enum sn_fill_template {
+    SN_FILL_PARALLEL,  /* from end to end, side by side */
+    SN_FILL_PENNATE,   /* from one side (x = 0) obliquely to the other (x = 1) */
+    SN_FILL_BIPENNATE, /* from both sides obliquely to a tendon in the middle (x = 1/2) */
+    SN_FILL_FAN,       /* together at the end with the smaller section */
+    SN_FILL_CURVED,    /* end to end, bowed towards x = 1 */
+    SN_FILL_USER       /* Bezier curves of the caller's */
+} sn_fill_template;
+
+typedef enum sn_fill_map { SN_FILL_HARMONIC, SN_FILL_MEAN_VALUE } sn_fill_map;
+
+/* Where fibres end: attachments on at least two bones, vertices that the caller names, or the tips of the structure or the surface. */
+typedef enum sn_fill_ends_kind { SN_FILL_ENDS_ATTACHMENTS, SN_FILL_ENDS_GIVEN, SN_FILL_ENDS_TIPS } sn_fill_ends_kind;
+
+/* A Bezier curve of any degree in the unit square x [0,1]; z runs from the origins to the insertions. */
+typedef struct sn_fill_curve { sn_index count; const sn_vec3 *points; } sn_fill_curve;
+
+typedef struct sn_fill_params {
+    sn_index fibers, segments;  /* default 100 of 15 */
+    sn_fill_template template;
+    double angle;               /* pennate, bipennate: against the line of action, radians in (0, pi/2); default 20 degrees */
+    double narrow;              /* fan: width at the narrow end as a share; default 0.25 */
+    double bow;                 /* curved: 0 to 1; default 0.5 */
+    double turn;                /* turn of the template about the line of action, radians; 0 = x along the widest way of the section */
+    sn_index curve_count;       /* user: at least 1; a fibre has the shape of the curves, blended by how near their starts are to its seed */
+    const sn_fill_curve *curves;
+    sn_fill_map map;
+    sn_index smooth;            /* rounds of smoothing along each fibre before it is divided; default 0 */
+    bool pull;                  /* default true: bring vertices that lie outside in */
+    sn_index origin_count, insertion_count; /* > 0 both: the ends */
+    const sn_index *origin, *insertion;
+    bool use_attachments;       /* default true */
+    sn_pool *pool;              /* NULL = the caller's thread; the fibres are the same */
+} sn_fill_params;
+
+typedef struct sn_fill_report {
+    sn_index fibers, vertices;
+    sn_index leaves;            /* tips of the structure that the fibres' ends cover */
+    sn_index levels, loops, most_loops; /* slices: in all, and on one level */
+    sn_fill_ends_kind ends;
+    sn_index outside_before, outside_after; /* fibre vertices outside the volume, before and after the pull */
+    double farthest;            /* that one lay outside */
+    double mean_length, least_length, greatest_length;
+    double mean_pennation, greatest_pennation; /* radians, against the line of slice centroids, by length */
+    double action_length;       /* of the line of slice centroids */
+    double area;                /* of the widest level */
+    double density;             /* fibres through that level per area */
+    sn_index leaves_reached;    /* ends of branches of slices where at least one fibre ends */
+    sn_index leaf_loops;        /* ends of branches of slices */
+} sn_fill_report;
+
+sn_fill_params sn_fill_defaults(void);
+/* Fibres through the inside of the roots' component, or of the largest without roots. Only out->polylines is made; each has its length and
+ * pennation. A closed surface is best; an open one is judged by its winding number. */
+SN_MUST_CHECK sn_status sn_fill_fibers(const sn_muscle *muscle, const sn_fill_params *params, sn_trace *trace, sn_fibers *out,
+                                       sn_fill_report *report, sn_error *error);
+
 #endif

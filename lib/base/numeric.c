@@ -5,6 +5,7 @@
 #include <gsl/gsl_errno.h>
 #include <gsl/gsl_interp.h>
 #include <gsl/gsl_multifit.h>
+#include <gsl/gsl_qrng.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -133,4 +134,18 @@ bool sn_fit_line_robust(sn_index count, const double *x, const double *y, double
     gsl_matrix_free(covariance);
     gsl_matrix_free(design);
     return good;
+}
+
+sn_status sn_sobol(sn_index dimensions, sn_index count, double *out, sn_error *error) {
+    if (dimensions < 1 || dimensions > 40)
+        return sn_fail(error, SN_ERROR_USAGE, "a Sobol sequence has 1 to 40 dimensions, not %d", dimensions);
+    gsl_set_error_handler_off();
+    gsl_qrng *sequence = gsl_qrng_alloc(gsl_qrng_sobol, (unsigned)dimensions);
+    if (sequence == NULL) return sn_fail_memory(error, "a Sobol sequence");
+    sn_status status = SN_OK;
+    for (sn_index i = 0; i < count && status == SN_OK; i++)
+        if (gsl_qrng_get(sequence, out + (size_t)i * (size_t)dimensions) != GSL_SUCCESS)
+            status = sn_fail(error, SN_ERROR_INTERNAL, "the Sobol sequence ends at point %d", i);
+    gsl_qrng_free(sequence);
+    return status;
 }

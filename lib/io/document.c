@@ -218,7 +218,9 @@ static sn_status parse_polyline(const sn_json_value *value, sn_polyline *out, sn
     if (status != SN_OK) return status;
     out->points = (sn_vec3 *)coordinates;
     out->count = count / 3;
-    return SN_OK;
+    sn_json_value length = sn_json_member(value, "length"), pennation = sn_json_member(value, "pennation");
+    status = sn_json_get_number(&length, 0.0, INFINITY, &out->length, error);
+    return status == SN_OK ? sn_json_get_number(&pennation, 0.0, SN_PI, &out->pennation, error) : status;
 }
 
 static sn_status parse_polylines(const sn_json_value *value, sn_fibers *out, sn_error *error) {
@@ -513,6 +515,10 @@ static sn_status write_fibers(const sn_muscle *muscle, sn_json *json, sn_error *
         for (sn_index i = 0; i < fibers->polyline_count; i++) {
             sn_json_object_line(json, NULL);
             write_points(json, "points", fibers->polylines[i].points, fibers->polylines[i].count);
+            if (fibers->polylines[i].length > 0.0) {
+                sn_json_number(json, "length", fibers->polylines[i].length);
+                sn_json_number(json, "pennation", fibers->polylines[i].pennation);
+            }
             sn_json_close(json);
         }
         sn_json_close(json);

@@ -1,10 +1,11 @@
 /* fibers.c -- fibre directions as short lines along the surface, each walked over the triangles step by step. */
 #include "show.h"
 
+#include <stdio.h>
 #include <stdlib.h>
 
 enum { MARKS = 1200, STEPS = 5, POLYLINES = 400 };
-static const double RADIUS = 0.0007;
+static const double RADIUS = 0.0007, VOLUME_RADIUS = 0.0011;
 
 /* The direction field at a point of the surface: corners' directions, signs aligned with `along`, weighted, made tangent. */
 static sn_vec3 direction_at(const sn_muscle *muscle, const sn_closest *at, sn_vec3 along) {
@@ -52,22 +53,42 @@ static sn_status show_directions(sn_view *view, const sn_muscle *muscle, sn_erro
     return status;
 }
 
-static sn_status show_polylines(sn_view *view, const sn_muscle *muscle, sn_error *error) {
-    const sn_fibers *fibers = &muscle->fibers;
-    const double unit = muscle->meters_per_unit;
-    sn_index step = fibers->polyline_count > 0 ? (fibers->polyline_count - 1) / POLYLINES + 1 : 1;
+/* Fibre i's colour: neighbours in a bundle come from anywhere in the list, so that hues a golden angle apart tell them from each other. */
+static sn_color fiber_color(sn_index i) {
+    double hue = fmod(0.08 + 0.61803398875 * i, 1.0);
+    double r = 0.5 + 0.5 * cos(2.0 * SN_PI * hue), g = 0.5 + 0.5 * cos(2.0 * SN_PI * (hue - 1.0 / 3.0)),
+           b = 0.5 + 0.5 * cos(2.0 * SN_PI * (hue - 2.0 / 3.0));
+    return (sn_color){0.15 + 0.85 * r, 0.15 + 0.75 * g, 0.15 + 0.85 * b};
+}
+
+static sn_status show_polyline(sn_view *view, const sn_polyline *line, double unit, sn_color color, sn_error *error) {
     sn_status status = SN_OK;
-    for (sn_index i = 0; i < fibers->polyline_count; i += step)
-        for (sn_index k = 1; k < fibers->polylines[i].count && !status; k++) {
-            const sn_vec3 *p = fibers->polylines[i].points;
-            status = sn_view_add_tube(view, (sn_view_tube){sn_scale(p[k - 1], unit), sn_scale(p[k], unit), RADIUS, COLOR_FIBER}, error);
-        }
+    for (sn_index k = 1; k < line->count && !status; k++) {
+        sn_view_tube tube = {sn_scale(line->points[k - 1], unit), sn_scale(line->points[k], unit), VOLUME_RADIUS, color};
+        status = sn_view_add_tube(view, tube, error);
+    }
     return status;
 }
 
+static sn_status show_polylines(sn_view *view, const sn_muscle *muscle, sn_error *error) {
+    const sn_fibers *fibers = &muscle->fibers;
+    sn_index step = (fibers->polyline_count - 1) / POLYLINES + 1, shown = 0;
+    sn_status status = SN_OK;
+    for (sn_index i = 0; i < fibers->polyline_count && !status; i += step, shown++)
+        status = show_polyline(view, &fibers->polylines[i], muscle->meters_per_unit, fiber_color(shown), error);
+    if (status) return status;
+    char text[64];
+    if (shown < fibers->polyline_count)
+        snprintf(text, sizeof text, "fibres (%d of %d)", shown, fibers->polyline_count);
+    else
+        snprintf(text, sizeof text, "fibres (%d)", shown);
+    return sn_view_add_entry(view, SN_MARK_LINE, fiber_color(0), text, error);
+}
+
+/* Fibres through the volume come after the directions on the surface that led to them, and would be hidden by these. */
 sn_status show_fibers(sn_view *view, const sn_muscle *muscle, sn_error *error) {
+    if (muscle->fibers.polyline_count > 0) return show_polylines(view, muscle, error);
     sn_status status = muscle->fibers.directions ? show_directions(view, muscle, error) : SN_OK;
-    if (!status) status = show_polylines(view, muscle, error);
     if (!status) status = sn_view_add_entry(view, SN_MARK_LINE, COLOR_FIBER, "fibre directions", error);
     return status;
 }

@@ -1,0 +1,118 @@
+/*
+ * fill.h -- how the inside of a muscle is cut into slices and fibres are led through them ([K21] 4; Kohout and Kukacka 2014). Private to
+ * lib/rig.
+ *
+ * A harmonic field u runs from 0 at the fibres' origins to 1 at their insertions. Its level curves are loops; each loop is the rim of a
+ * slice, and every slice is the image of the unit square. Fibre templates are curves in the unit square x [0,1].
+ */
+#ifndef SINEW_RIG_FILL_H
+#define SINEW_RIG_FILL_H
+
+#include "sinew/rig.h"
+
+enum { RIM = 64 }; /* points of a loop; a multiple of 4 */
+
+/* ---- ends (fill_ends.c) --------------------------------------------------------------------------------------------------- */
+
+/* Vertices where u is 0 and 1. */
+typedef struct fill_ends {
+    sn_index count;
+    sn_index *vertices; /* (count) */
+    double *values;     /* (count) 0 or 1 */
+    sn_index leaves;    /* tips of the structure among them, or served by an attachment */
+    sn_fill_ends_kind kind;
+} fill_ends;
+
+SN_MUST_CHECK sn_status fill_find_ends(const sn_muscle *muscle, const sn_topology *topology, const sn_fill_params *params, sn_trace *trace,
+                                       fill_ends *out, sn_error *error);
+void fill_ends_free(fill_ends *ends);
+
+/* ---- slices (fill_slice.c) ------------------------------------------------------------------------------------------------ */
+
+/* A point of the unit square. */
+typedef struct fill_uv {
+    double x, y;
+} fill_uv;
+
+/* The square's image: a triangulation of the polygon and where its vertices lie in the square. */
+typedef struct fill_slice {
+    sn_index vertex_count, triangle_count;
+    sn_vec3 *positions;       /* (vertex_count) in space; the first RIM are the rim */
+    fill_uv *square;          /* (vertex_count) */
+    sn_index (*triangles)[3]; /* (triangle_count) */
+    sn_index (*across)[3];    /* (triangle_count) the triangle beyond the edge opposite to corner 0, 1, 2; SN_NONE = the rim */
+} fill_slice;
+
+/* The square's boundary in RIM points, anticlockwise from (0,0); `wide` points on each side along x, RIM / 2 - wide on each along y. */
+void fill_square_rim(int wide, fill_uv out[RIM]);
+/* Harmonic map of the polygon onto the square, its rim onto the boundary: one to one, so that its inverse never leaves the polygon. */
+SN_MUST_CHECK sn_status fill_slice_build(const sn_vec3 rim[RIM], int wide, fill_slice *out, sn_error *error);
+/* Where a point of the square lies in space; *hint is a triangle to begin the search at. */
+sn_vec3 fill_slice_at(const fill_slice *slice, fill_uv at, sn_index *hint);
+/* The same by planar mean value coordinates, as in the paper: leaves the polygon where it is concave. */
+sn_vec3 fill_mean_value_at(const sn_vec3 rim[RIM], int wide, fill_uv at);
+void fill_slice_free(fill_slice *slice);
+
+/* ---- levels (fill_levels.c) ----------------------------------------------------------------------------------------------- */
+
+/* What lies in a strip of one loop's square goes to a strip of another's. turn: quarter turns that bring the strips' direction to x. */
+typedef struct fill_link {
+    sn_index loop;
+    int turn_from, turn_to;
+    double from[2], to[2];
+} fill_link;
+
+typedef struct fill_loop {
+    sn_index level;
+    int wide;    /* rim points on each side of the square along x */
+    double side; /* share of the loop that such a side takes */
+    sn_vec3 rim[RIM];
+    sn_vec3 centroid, normal; /* of the polygon; normal along rising u */
+    double area;
+    sn_index link_count; /* links away from the trunk */
+    fill_link *links;
+    bool reached; /* from the trunk */
+    fill_slice slice;
+} fill_loop;
+
+typedef struct fill_levels {
+    sn_index level_count, loop_count, trunk; /* trunk: the level that fibres are led away from */
+    double *u;                               /* (level_count) ascending */
+    double *z;                               /* (level_count) 0 to 1: arc length of the line of slice centroids */
+    sn_vec3 *centre;                         /* (level_count) mean of the slices' centroids by area: the line of action */
+    sn_index *first;                         /* (level_count + 1) loops of level i are first[i] .. first[i + 1] - 1 */
+    fill_loop *loops;                        /* (loop_count) */
+    fill_link *roots;                        /* (root_count) from the whole square to the loops of the trunk */
+    sn_index root_count;
+    double length;       /* of the line of centroids */
+    double width, depth; /* of the widest slice of the trunk, along x and y */
+} fill_levels;
+
+SN_MUST_CHECK sn_status fill_levels_build(const sn_mesh *mesh, const sn_topology *topology, const double *u, sn_index level_count,
+                                          double turn, sn_trace *trace, fill_levels *out, sn_error *error);
+/* The loop of `level` and the place in its square of what is at `at` of the trunk; SN_NONE where the slices end before. */
+sn_index fill_carry(const fill_levels *levels, sn_index level, fill_uv *at);
+void fill_levels_free(fill_levels *levels);
+
+/* ---- seeds (fill_seeds.c) --------------------------------------------------------------------------------------------------- */
+
+/* Where params->fibers fibres start from, in [0,1]^2: for templates that run from end to end the places where they pass the trunk, evenly
+ * over its real section and so that every end gets one where there are enough. Sets leaf_loops and leaves_reached. */
+SN_MUST_CHECK sn_status fill_make_seeds(const fill_levels *levels, const sn_fill_params *params, fill_uv *seeds, sn_fill_report *report,
+                                        sn_error *error);
+
+/* ---- templates (fill_template.c) -------------------------------------------------------------------------------------------- */
+
+/* A point of a fibre in the template: the square and z. */
+typedef struct fill_node {
+    fill_uv at;
+    double z;
+} fill_node;
+
+enum { TEMPLATE_NODES = 129, FILL_CURVE_POINTS = 32 }; /* at most: nodes of one fibre, control points of a curve */
+
+/* Nodes of one fibre for a seed in [0,1]^2, along the fibre. levels give the sizes that angles need. */
+sn_index fill_template_fiber(const sn_fill_params *params, const fill_levels *levels, fill_uv seed, sn_index fiber,
+                             fill_node nodes[TEMPLATE_NODES]);
+
+#endif

@@ -1,0 +1,157 @@
+# fiber-fill: fibres inside, templates, ends, lines, weights, partial results, impossible requests.
+
+bats_require_minimum_version 1.5.0
+
+setup_file() {
+    "$EXAMPLES/arm/arm" --out "$BATS_FILE_TMPDIR" --triangles 1000
+    "$BIN/root-select" -q "$BATS_FILE_TMPDIR/biceps.ply" | "$BIN/build-structure" | "$BIN/fiber-flow" -o "$BATS_FILE_TMPDIR/built.json"
+}
+
+setup() {
+    cd "$BATS_FILE_TMPDIR" || exit 1
+}
+
+value() { sed -n "s/^ *\"$2\": *\([^,]*\),*\$/\1/p" "$1" | head -n 1; }
+
+@test "a hundred fibres of fifteen segments, none outside, every end reached" {
+    "$BIN/fiber-fill" --report r.json built.json -o f.json 2> err
+    [ ! -s err ]
+    [ "$(value r.json fibers)" -eq 100 ]
+    [ "$(value r.json vertices)" -eq 1600 ]
+    [ "$(value r.json outsideAfter)" -eq 0 ]
+    [ "$(value r.json endLoops)" -ge 3 ]
+    [ "$(value r.json endLoopsReached)" -eq "$(value r.json endLoops)" ]
+    [ "$(grep -c '"pennation"' f.json)" -eq 100 ]
+    grep -q '"directions"' f.json
+}
+
+@test "--fibers and --segments are obeyed; filling again replaces" {
+    "$BIN/fiber-fill" -n 7 --segments 4 built.json -o few.json
+    "$BIN/fiber-fill" -n 9 --segments 4 few.json | "$BIN/fiber-fill" -n 7 --segments 4 --report r.json --no-history -o again.json
+    [ "$(value r.json fibers)" -eq 7 ]
+    [ "$(value r.json vertices)" -eq 35 ]
+    "$BIN/fiber-fill" -n 7 --segments 4 --no-history built.json | cmp - again.json
+}
+
+@test "any number of threads, files and pipes give the same bytes" {
+    "$BIN/fiber-fill" --threads 1 built.json -o 1.json
+    "$BIN/fiber-fill" --threads 3 < built.json > 3.json
+    cmp 1.json 3.json
+    "$BIN/fiber-fill" --threads 1 -n 5 --embedding 1.embedding built.json -o 1.json
+    "$BIN/fiber-fill" --threads 3 -n 5 --embedding 3.embedding built.json -o 3.json
+    cmp 1.embedding 3.embedding
+}
+
+@test "every template fills; pennate fibres are oblique" {
+    for template in parallel pennate bipennate fan curved; do
+        "$BIN/fiber-fill" -q --template $template --report $template.report built.json -o $template.json
+        [ "$(value $template.report fibers)" -eq 100 ]
+        [ "$(value $template.report outsideAfter)" -eq 0 ]
+    done
+    awk -v a="$(value parallel.report meanPennationDegrees)" -v b="$(value pennate.report meanPennationDegrees)" 'BEGIN { exit !(a + 5 < b) }'
+    awk -v a="$(value parallel.report meanLength)" -v b="$(value pennate.report meanLength)" 'BEGIN { exit !(b < a) }'
+}
+
+@test "VTP and OBJ outputs hold the fibres as lines" {
+    "$BIN/fiber-fill" -n 12 built.json -o lines.vtp
+    "$BIN/fiber-fill" -n 12 built.json -o lines.obj
+    grep -q 'NumberOfPoints="192"' lines.vtp
+    grep -q 'NumberOfLines="12"' lines.vtp
+    [ "$(grep -c '^v ' lines.obj)" -eq 192 ]
+    [ "$(grep -c '^l ' lines.obj)" -eq 12 ]
+    grep -q '^l 177 .* 192$' lines.obj
+    # the same coordinates
+    sed -n '/Name="Points"/,/DataArray>$/p' lines.vtp | grep -v '<' | cmp - <(sed -n 's/^v //p' lines.obj)
+}
+
+@test "a VTP file is read by VTK" {
+    /usr/bin/python3 -c 'import vtkmodules' 2> /dev/null || skip "no VTK for Python here"
+    "$BIN/fiber-fill" -n 12 built.json -o lines.vtp
+    /usr/bin/python3 - << 'END'
+from vtkmodules.vtkIOXML import vtkXMLPolyDataReader
+r = vtkXMLPolyDataReader()
+r.SetFileName("lines.vtp")
+r.Update()
+o = r.GetOutput()
+assert o.GetNumberOfLines() == 12 and o.GetNumberOfPoints() == 192
+assert o.GetCellData().GetArray("length").GetValue(0) > 0
+END
+}
+
+@test "given ends and given curves" {
+    echo '{"format": "sinew-fiber-ends", "version": 1, "origin": [0, 1, 2], "insertion": [400, 401]}' > ends.json
+    "$BIN/fiber-fill" --ends ends.json --report r.json built.json > /dev/null
+    [ "$(value r.json ends)" = '"given"' ]
+    echo '{"format": "sinew-fiber-template", "version": 1, "curves": [{"points": [0.5,0.5,0, 0.9,0.5,0.5, 0.5,0.5,1]}]}' > t.json
+    "$BIN/fiber-fill" --template-file t.json --report r.json built.json -o f.json
+    [ "$(value r.json fibers)" -eq 100 ]
+    grep -q 'sha256:' f.json
+}
+
+@test "weights that keep fewer say what they drop" {
+    "$BIN/fiber-fill" -n 10 --embedding all.embedding --report all.report built.json > /dev/null
+    "$BIN/fiber-fill" -n 10 --embedding few.embedding --mvc-cut 3e-3 --report few.report built.json > /dev/null
+    [ "$(stat -c %s few.embedding)" -lt "$(stat -c %s all.embedding)" ]
+    awk -v e="$(value few.report error)" 'BEGIN { exit !(e < 1e-12) }'
+    awk -v d="$(value few.report droppedMean)" 'BEGIN { exit !(d > 0 && d < 1) }'
+    [ "$(head -c 15 all.embedding)" = SINEWEMBEDDING1 ]
+}
+
+@test "every --stop-after leaves a valid document" {
+    "$BIN/fiber-fill" -n 4 --trace t.jsonl built.json > /dev/null
+    steps=$(wc -l < t.jsonl)
+    [ "$steps" -gt 40 ]
+    grep -q '"level"' t.jsonl
+    grep -q '"split"' t.jsonl
+    grep -q '"fiber"' t.jsonl
+    for n in 0 1 5 20 $((steps - 3)) $((steps - 1)) "$steps"; do
+        "$BIN/fiber-fill" -n 4 --stop-after "$n" built.json -o part.json
+        "$BIN/fiber-fill" -n 4 --no-history part.json | cmp - <("$BIN/fiber-fill" -n 4 --no-history built.json)
+    done
+}
+
+@test "impossible requests: one sentence, nothing written" {
+    refused() { # MESSAGE ARGUMENT...
+        message=$1
+        shift
+        code=0
+        "$BIN/fiber-fill" "$@" -o no.json 2> err || code=$?
+        [ "$code" -eq 1 ]
+        [ ! -e no.json ]
+        [ "$(wc -l < err)" -eq 1 ]
+        grep -q "$message" err
+    }
+    echo '{"format": "sinew-fiber-ends", "version": 1, "origin": [0], "insertion": [0]}' > bad.json
+    refused "must each have a vertex" --ends bad.json built.json
+    echo '{"format": "sinew-fiber-ends", "version": 1, "origin": [0], "insertion": [123456]}' > bad.json
+    refused "insertion" --ends bad.json built.json
+    echo '{"format": "sinew-fiber-template", "version": 1, "curves": []}' > bad.json
+    refused "at least one curve" --template-file bad.json built.json
+    echo '{"format": "sinew-fiber-template", "version": 1, "curves": [{"points": [0,0,0, 2,0,1]}]}' > bad.json
+    refused "unit cube" --template-file bad.json built.json
+    echo '{"format": "sinew-fiber-template", "version": 1, "curves": [{"points": [0,0,1, 0,0,0]}]}' > bad.json
+    refused "does not rise" --template-file bad.json built.json
+    refused "cannot be opened" --ends nowhere.json built.json
+}
+
+@test "options that make no sense are wrong usage" {
+    run -2 "$BIN/fiber-fill" --fibers 0 built.json
+    run -2 "$BIN/fiber-fill" --template feather built.json
+    run -2 "$BIN/fiber-fill" --angle 20 built.json
+    run -2 "$BIN/fiber-fill" --template fan --bow 1 built.json
+    run -2 "$BIN/fiber-fill" --mvc-cut 1e-3 built.json
+}
+
+@test "a bare mesh has ends too" {
+    "$BIN/fiber-fill" --units m --report r.json biceps.ply > /dev/null
+    [ "$(value r.json ends)" = '"tips"' ]
+    [ "$(value r.json fibers)" -eq 100 ]
+}
+
+@test "attachments are the ends; --tips leaves them aside" {
+    "$BIN/attach-detect" -q --bone a=humerus.ply --bone b=radius.ply --distance 20mm built.json -o attached.json
+    "$BIN/fiber-fill" --report r.json attached.json > /dev/null
+    [ "$(value r.json ends)" = '"attachments"' ]
+    "$BIN/fiber-fill" --tips --report r.json attached.json > /dev/null
+    [ "$(value r.json ends)" = '"tips"' ]
+}
