@@ -33,23 +33,30 @@ f 4 5 8
 END
 }
 
-# value REPORT PATH...: one value of a report
-value() { python3 -c 'import json, sys; d = json.load(open(sys.argv[1])); [d := d[int(k) if isinstance(d, list) else k] for k in sys.argv[2:]]; print(d)' "$@"; }
+python3() { /usr/bin/python3 -I -S "$@"; } # without site packages: it starts in a tenth of the time
+
+# value REPORT KEY, or REPORT SECTION KEY: one value of a report
+value() {
+    if [ $# -eq 2 ]; then
+        sed -n "s/^  \"$2\": *\([^,]*\),*\$/\1/p" "$1"
+    else
+        sed -n "/^  \"$2\": {/,/^  }/s/^    \"$3\": *\([^,]*\),*\$/\1/p" "$1"
+    fi
+}
 
 muscles() { awk -F'\t' '$2 == "muscle" { print $1 }' "$DATA/$1/manifest.tsv"; }
 
-# every muscle of a set, two at a time: status 0, nothing changed
+# every muscle of a set, by two processes: status 0, nothing changed
 unchanged() {
     [ -d "$DATA/$1" ] || skip "$1 is not here"
-    cat > clean-one <<'END'
+    cat > clean-all <<'END'
 #!/bin/sh
-"$BIN/mesh-clean" -q --units mm "$1/$2" -o "$2.muscle.json" --report "$2.json" && grep -q '"unchanged": *true' "$2.json" || echo "$2"
-rm -f "$2.muscle.json"
+folder=$1; shift
+for mesh; do "$BIN/mesh-clean" -q --units mm "$folder/$mesh" -o "$mesh.ply" --report "$mesh.json" || echo "$mesh"; done
 END
-    muscles "$1" | xargs -P 2 -n 1 sh clean-one "$DATA/$1/meshes" > changed
-    cat changed
-    [ ! -s changed ]
-    [ "$(ls | grep -c '\.json$')" -eq "$2" ]
+    muscles "$1" | xargs -P 2 -n 19 sh clean-all "$DATA/$1/meshes" > failed
+    [ ! -s failed ]
+    [ "$(cat ./*.json | grep -c '"unchanged": *true')" -eq "$2" ]
 }
 
 @test "all 38 muscles of leg-vhf come out as they went in" { unchanged leg-vhf 38; }
@@ -76,24 +83,28 @@ END
 
 @test "of the 148 defective muscles of body-bp3d-low all come out closed, 120 or more without loss, and cleaning again changes nothing" {
     [ -d "$DATA/body-bp3d-low" ] || skip "body-bp3d-low is not here"
-    cat > clean-one <<'END'
+    cat > clean-all <<'END'
 #!/bin/sh
-status=0
-"$BIN/mesh-clean" -q --units mm "$1/$2" -o "$2.ply" 2> "$2.err" || status=$?
-check=0
-"$BIN/mesh-clean" -q --check "$2.ply" 2> /dev/null || check=$?
-"$BIN/mesh-clean" -q "$2.ply" -o "$2.again.ply" --report "$2.json" 2> /dev/null
-again=no
-if grep -q '"unchanged": *true' "$2.json"; then again=yes; fi
-echo "$2 $status $check $again"
-rm -f "$2".*
+folder=$1; shift
+for mesh; do
+    status=0
+    "$BIN/mesh-clean" -q --units mm "$folder/$mesh" -o "$mesh.ply" 2> /dev/null || status=$?
+    "$BIN/mesh-clean" -q "$mesh.ply" -o again.$$.ply --report "$mesh.json"
+    echo "$mesh $status $?"
+done
 END
-    muscles body-bp3d-low | xargs -P 2 -n 1 sh clean-one "$DATA/body-bp3d-low/meshes" > done
+    muscles body-bp3d-low | xargs -P 2 -n 37 sh clean-all "$DATA/body-bp3d-low/meshes" > done
     [ "$(wc -l < done)" -eq 148 ]
-    awk '$3 != 0 || $4 != "yes" || ($2 != 0 && $2 != 3)' done > bad
+    [ "$(awk '$2 == 0' done | wc -l)" -ge 120 ]
+    awk '($2 != 0 && $2 != 3) || $3 != 0' done > bad
     cat bad
     [ ! -s bad ]
-    [ "$(awk '$2 == 0' done | wc -l)" -ge 120 ]
+    # the second run: nothing to change, and the input closed
+    [ "$(cat ./*.json | grep -c '"unchanged": *true')" -eq 148 ]
+    [ "$(sed -n '/"before"/,/}/p' ./*.json | grep -c '"closed": *true')" -eq 148 ]
+    [ "$(sed -n '/"before"/,/}/p' ./*.json | grep -c '"outward": *true')" -eq 148 ]
+    [ "$(sed -n '/"before"/,/}/p' ./*.json | grep -c '"degenerateTriangles": 0')" -eq 148 ]
+    [ "$(sed -n '/"before"/,/}/p' ./*.json | grep -c '"genus": [0-9]')" -eq 148 ]
 }
 
 # the whole table: tests/repair-table
@@ -106,7 +117,7 @@ END
         run -0 --separate-stderr "$BIN/mesh-clean" --units mm --repair full "$file" -o full.ply --report full.json
         [[ "$stderr" == *"wrapped: a new surface"* ]]
         "$BIN/mesh-clean" --check --self-intersections full.ply
-        [ "$(value full.json wrapped)" = True ]
+        [ "$(value full.json wrapped)" = true ]
         python3 - full.json <<'END'
 import json, sys
 r = json.load(open(sys.argv[1]))
@@ -145,7 +156,7 @@ END
     python3 -c 'import json; a, b = (json.load(open(f))["mesh"] for f in ("once.json", "piped.json")); assert a == b'
     "$BIN/mesh-clean" -q --no-history once.json --report report.json > twice.json
     cmp once.json twice.json
-    [ "$(value report.json unchanged)" = True ]
+    [ "$(value report.json unchanged)" = true ]
     "$BIN/mesh-clean" -q "$ARM/biceps-dirty.obj" > first
     "$BIN/mesh-clean" -q "$ARM/biceps-dirty.obj" > second
     cmp first second
@@ -240,7 +251,7 @@ END
     run -0 "$BIN/mesh-clean" -q --keep largest two.obj -o one.ply
     run -0 "$BIN/mesh-clean" -q --most-lost 0.25 two.obj -o one.ply
     [ "$(value report.json after components)" -eq 1 ]
-    [ "$(value report.json dropped 0 area)" = 1.5 ]
+    grep -q '"area": 1.5,' report.json
     for keep in all 2 7; do
         "$BIN/mesh-clean" --keep $keep two.obj --report report.json > /dev/null
         [ "$(value report.json after components)" -eq 2 ]
@@ -253,7 +264,7 @@ END
     "$BIN/mesh-clean" --triangles 600 "$ARM/biceps.ply" -o coarse.ply --report report.json
     [ "$(value report.json after triangles)" -le 600 ]
     [ "$(value report.json after triangles)" -ge 590 ]
-    [ "$(value report.json after closed)" = True ]
+    [ "$(value report.json after closed)" = true ]
     python3 - report.json <<'END'
 import json, sys
 r = json.load(open(sys.argv[1]))
@@ -382,7 +393,7 @@ from math import cos, pi, sin
 n = 40
 for i in range(n):
     t = 2 * pi * i / n
-    for s in (-0.3, 0.3):
+    for s in (-0.05, 0.05):
         r = 1 + s * cos(t / 2)
         print("v", r * cos(t), r * sin(t), s * sin(t / 2))
 for i in range(n):
@@ -430,7 +441,7 @@ END
     "$BIN/mesh-clean" -q --remove-intersections dented.off -o out.ply --report report.json 2> err || status=$?
     left=$(value report.json after selfIntersections)
     if [ "$status" -eq 0 ]; then [ "$left" -eq 0 ]; else grep -q "that cross" err; fi
-    [ "$(value report.json after closed)" = True ]
+    [ "$(value report.json after closed)" = true ]
     "$BIN/mesh-clean" -q --remove-intersections --repair full dented.off -o out.ply --report report.json
     [ "$(value report.json after selfIntersections)" -eq 0 ]
     "$BIN/mesh-clean" --check --self-intersections out.ply
