@@ -44,6 +44,10 @@ bool sn_same_triple(sn_triangle a, sn_triangle b);
 SN_MUST_CHECK sn_status sn_find_inverted(const sn_mesh *mesh, sn_index component_count, const sn_index *component, bool *inverted,
                                          sn_error *error);
 
+/* The part of sn_mesh_inspect that says whether a surface is a manifold, and no more: edges, boundary, non-manifold and inconsistent ones,
+ * loops, non-manifold vertices. A third of the time. SN_ERROR_INPUT where the mesh is not valid. */
+SN_MUST_CHECK sn_status sn_mesh_look_at_edges(const sn_mesh *mesh, sn_mesh_report *out, sn_error *error);
+
 /* Drop fins and walls inside (sn_make_manifold); counts their triangles. */
 SN_MUST_CHECK sn_status sn_drop_walls(sn_mesh *mesh, sn_index *dropped, sn_error *error);
 

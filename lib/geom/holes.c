@@ -128,17 +128,17 @@ static sn_status close_by_fans(sn_mesh *mesh, sn_index max_edges, hole_count *co
 sn_status sn_fill_holes(sn_mesh *mesh, sn_index max_edges, sn_trace *trace, sn_index *filled, sn_index *boundary_left, sn_error *error) {
     *filled = *boundary_left = 0;
     sn_mesh_report found;
-    sn_status status = sn_mesh_inspect(mesh, &found, error);
+    sn_status status = sn_mesh_look_at_edges(mesh, &found, error);
     if (status != SN_OK) return status;
     *boundary_left = found.boundary_edges;
-    bool fillable = found.nonmanifold_edges == 0 && found.nonmanifold_vertices == 0 && found.oriented;
+    bool fillable = found.nonmanifold_edges == 0 && found.nonmanifold_vertices == 0 && found.inconsistent_edges == 0;
     if (found.boundary_edges == 0 || !fillable) return SN_OK;
     hole_count count = {.trace = trace};
     sn_index most = max_edges > 0 ? max_edges : SN_INDEX_MAX;
     status = fill_by_library(mesh, most, &count, error);
     if (status == SN_OK) status = close_by_fans(mesh, most, &count, error);
     *filled = count.filled;
-    sn_status recounted = status == SN_OK || status == SN_STOPPED ? sn_mesh_inspect(mesh, &found, error) : status;
+    sn_status recounted = status == SN_OK || status == SN_STOPPED ? sn_mesh_look_at_edges(mesh, &found, error) : status;
     *boundary_left = found.boundary_edges;
     return recounted == SN_OK ? status : recounted;
 }

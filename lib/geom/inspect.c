@@ -138,6 +138,18 @@ static sn_status count_loops_and_fans(const sn_mesh *mesh, const sn_topology *to
     return SN_OK;
 }
 
+sn_status sn_mesh_look_at_edges(const sn_mesh *mesh, sn_mesh_report *out, sn_error *error) {
+    *out = (sn_mesh_report){.vertices = mesh->vertex_count, .triangles = mesh->triangle_count};
+    sn_topology topology;
+    sn_status status = mesh->triangle_count > 0 ? sn_mesh_validate(mesh, error) : SN_OK;
+    if (status == SN_OK) status = sn_topology_build(mesh, &topology, error);
+    if (status != SN_OK) return status;
+    count_edges(mesh, &topology, out);
+    status = count_loops_and_fans(mesh, &topology, out, error);
+    sn_topology_free(&topology);
+    return status;
+}
+
 /* ---- the whole ------------------------------------------------------------------------------------------------------ */
 
 static sn_status count_components(const sn_mesh *mesh, const sn_topology *topology, sn_mesh_report *out, sn_error *error) {

@@ -164,10 +164,10 @@ static sn_status orient_and_stitch(sn_mesh *mesh, sn_manifold_report *report, sn
 sn_status sn_make_manifold(sn_mesh *mesh, sn_manifold_report *report, sn_error *error) {
     *report = (sn_manifold_report){.orientable = true};
     sn_mesh_report found;
-    sn_status status = sn_mesh_inspect(mesh, &found, error);
+    sn_status status = sn_mesh_look_at_edges(mesh, &found, error);
     if (status == SN_OK && found.nonmanifold_edges > 0) {
         status = sn_drop_walls(mesh, &report->wall_triangles, error);
-        if (status == SN_OK && report->wall_triangles > 0) status = sn_mesh_inspect(mesh, &found, error);
+        if (status == SN_OK && report->wall_triangles > 0) status = sn_mesh_look_at_edges(mesh, &found, error);
     }
     bool manifold = found.nonmanifold_edges == 0 && found.nonmanifold_vertices == 0;
     if (status != SN_OK || mesh->triangle_count == 0 || (manifold && found.inconsistent_edges == 0)) return status;

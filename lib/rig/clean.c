@@ -252,7 +252,7 @@ static sn_status check_extent(const sn_cleaning *c) {
 static sn_status prepare(sn_cleaning *c) {
     sn_status status = sn_cleaning_look(c);
     if (status == SN_OK) status = check_extent(c);
-    if (status == SN_OK && c->params->count_intersections) {
+    if (status == SN_OK && (c->params->count_intersections || c->params->remove_intersections)) {
         status = sn_count_self_intersections(c->mesh, &c->found.self_intersections, c->error);
     }
     c->report->before = c->found;
@@ -291,13 +291,12 @@ static sn_status compare(sn_cleaning *c) {
     return status;
 }
 
-static sn_status conclude(sn_cleaning *c, const sn_mesh *mesh) {
-    sn_status status = SN_OK;
-    sn_index crossings = c->found.self_intersections;
-    c->report->unchanged = is_same(mesh, c->mesh);
-    if (!c->report->unchanged) status = sn_cleaning_look(c);
+/* A stage that was stopped in the middle has not looked at what it did. */
+static sn_status conclude(sn_cleaning *c, const sn_mesh *mesh, bool stopped) {
     bool count = c->params->count_intersections || c->params->remove_intersections;
-    c->found.self_intersections = crossings;
+    c->report->unchanged = is_same(mesh, c->mesh);
+    sn_status status = stopped ? sn_cleaning_look(c) : SN_OK;
+    c->found.self_intersections = c->report->before.self_intersections;
     if (status == SN_OK && count && !c->report->unchanged) {
         status = sn_count_self_intersections(c->mesh, &c->found.self_intersections, c->error);
     }
@@ -322,7 +321,7 @@ sn_status sn_clean(const sn_mesh *mesh, const sn_clean_params *params, sn_trace 
     if (status == SN_OK) status = repair(&c);
     if (status == SN_OK) status = run_stages(&c, wishes, sizeof wishes / sizeof *wishes);
     if (status == SN_OK || status == SN_STOPPED) {
-        sn_status concluded = conclude(&c, mesh);
+        sn_status concluded = conclude(&c, mesh, status == SN_STOPPED);
         if (concluded != SN_OK) status = concluded;
     }
     sn_mesh_free(&finite);
