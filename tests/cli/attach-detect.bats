@@ -167,3 +167,164 @@ vertices() { tr -d ' \n' | grep -o "\"bone\":\"$1\",\"vertices\":\[[0-9,]*\]" | 
     for bone in Radius_L Scapula_L Ulna_L humerus_L; do grep -q "BONE$bone: .* vertices by" err; done
     [ "$(grep -c '"culled": true' report.json)" -ge 160 ]
 }
+
+# A sheet of 31 x 21 vertices, a unit apart; vertex (i, j) is 31 j + i.
+sheet() {
+    awk 'BEGIN {
+        print "OFF\n651 1200 0"
+        for (v = 0; v < 651; v++) print v % 31, int(v / 31), 0
+        for (j = 0; j < 20; j++) for (i = 0; i < 30; i++) { a = 31 * j + i; print 3, a, a + 1, a + 32; print 3, a, a + 32, a + 31 }
+    }' > sheet.off
+}
+
+ring() { # BONE AREA X0 X1 Y0 Y1 [ORDER]
+    awk -v b="$1" -v a="$2" -v x0="$3" -v x1="$4" -v y0="$5" -v y1="$6" -v o="${7:-1 2 3 4}" 'BEGIN {
+        split(o, order, " ")
+        x[1] = x0; y[1] = y0; x[2] = x1; y[2] = y0; x[3] = x1; y[3] = y1; x[4] = x0; y[4] = y1
+        for (i = 1; i <= 4; i++) printf "%s\t%s\t%g\t%g\t0.001\n", b, a, x[order[i]], y[order[i]]
+    }'
+}
+
+@test "areas by landmarks: lines, JSON, reversed, crossing, two on one bone" {
+    sheet
+    ring ulna insertion 2.5 5.5 2.5 4.5 > a.tsv
+    attach -q --landmarks a.tsv sheet.off -o a.json
+    [ "$(vertices ulna < a.json)" = "[96,97,98,127,128,129]" ]
+    grep -q '"method": "area"' a.json
+    grep -q '"reasons": \[2,2,2,2,2,2\], "confidence": \[1,1,1,1,1,1\]' a.json
+    { printf 'bone\tarea\tx\ty\tz\n# comment\n\n'; ring ulna insertion 2.5 5.5 2.5 4.5 "4 3 2 1"; } > b.tsv
+    [ "$(attach -q --landmarks b.tsv sheet.off | vertices ulna)" = "[96,97,98,127,128,129]" ]
+    echo '{ "areas": [ { "bone": "ulna", "landmarks": [[2.5,2.5,0],[5.5,2.5,0],[5.5,4.5,0],[2.5,4.5,0]] } ] }' > a.areas.json
+    [ "$(attach -q --landmarks a.areas.json sheet.off | vertices ulna)" = "[96,97,98,127,128,129]" ]
+    echo '{ "metersPerUnit": 0.001, "areas": [ { "bone": "ulna", "landmarks": [2500,2500,0,5500,2500,0,5500,4500,0,2500,4500,0] } ] }' > mm.json
+    [ "$(attach -q --landmarks mm.json sheet.off | vertices ulna)" = "[96,97,98,127,128,129]" ]
+    ring ulna insertion 2.5 5.5 2.5 4.5 "1 3 2 4" > c.tsv
+    attach --landmarks c.tsv --report c.report.json sheet.off -o c.json 2> err
+    grep -q 'area insertion: its boundary crosses itself in the order given' err
+    grep -q '"reordered": true' c.report.json
+    [ "$(vertices ulna < c.json)" = "[96,97,98,127,128,129]" ]
+    ring ulna origin 10.5 12.5 2.5 3.5 >> a.tsv
+    [ "$(attach -q --landmarks a.tsv sheet.off | vertices ulna)" = "[96,97,98,104,105,127,128,129]" ]
+}
+
+@test "areas and bones: an area's bone holds nothing else" {
+    sheet
+    ring left origin 2.5 5.5 2.5 4.5 > a.tsv
+    attach -q --landmarks a.tsv --bone left.off --bone right.off sheet.off -o a.json
+    [ "$(vertices left < a.json)" = "[96,97,98,127,128,129]" ]
+    [ "$(vertices right < a.json)" = "[9,10,11,40,41,42,71,72,73]" ]
+    grep -q '"method": "area", "distances"' a.json
+    [ -z "$(attach -q --method area --landmarks a.tsv --bone left.off --bone right.off sheet.off | vertices right)" ]
+}
+
+@test "impossible areas are refused in one sentence" {
+    sheet
+    head -n 2 < <(ring ulna insertion 2.5 5.5 2.5 4.5) > two.tsv
+    run -1 attach -q --landmarks two.tsv sheet.off
+    [[ "$output" == *'area "insertion" on bone "ulna" has 2 landmarks; a boundary needs at least 3'* ]]
+    ring ulna insertion 2.5 55 2.5 4.5 > far.tsv
+    run -1 attach -q --landmarks far.tsv sheet.off
+    [[ "$output" == *'landmark 2 lies 2.5e+04 mm off the muscle, and the limit is 10 mm'* ]]
+    [ "${#lines[@]}" -eq 1 ]
+    ring ulna insertion 2.5 5.5 2.5 4.5 > a.tsv
+    run -1 attach -q --landmarks a.tsv --bone left.off sheet.off
+    [[ "$output" == *'the landmarks name bone "ulna", which is not among the bones given'* ]]
+    printf 'ulna\tinsertion\t1\t2\n' > torn.tsv
+    run -1 attach -q --landmarks torn.tsv sheet.off
+    [[ "$output" == *torn.tsv:1:* ]]
+    printf '# nothing\n' > none.tsv
+    run -1 attach -q --landmarks none.tsv sheet.off
+    [[ "$output" == *"names no area"* ]]
+    echo '{ "areas": [ { "landmarks": [[1,2,3]] } ] }' > no-bone.json
+    run -1 attach -q --landmarks no-bone.json sheet.off
+    [[ "$output" == *'areas[0].bone'* ]]
+    run -2 attach --method area sheet.off --bone left.off
+    run -2 attach --method none --landmarks a.tsv sheet.off
+}
+
+@test "every step of an area can be traced and stopped at, and drawn" {
+    sheet
+    ring ulna insertion 2.5 5.5 2.5 4.5 > a.tsv
+    attach -q --landmarks a.tsv --trace steps.jsonl sheet.off -o a.json
+    [ "$(grep -c '"stage":"landmark"' steps.jsonl)" -eq 4 ]
+    [ "$(grep -c '"stage":"geodesic"' steps.jsonl)" -eq 4 ]
+    grep -q '"step":9,"stage":"patch","bone":"ulna","area":"insertion".*"vertices":\[96,97,98,127,128,129\]' steps.jsonl
+    for n in 0 3 6; do attach -q --landmarks a.tsv --stop-after $n sheet.off -o $n.json; done
+    [ -z "$(vertices ulna < 0.json)" ]
+    [ -n "$(vertices ulna < 3.json)" ]
+    "$BIN/rig-view" --size 120x90 0.json 3.json 6.json a.json -o steps.png
+    [ -s steps.png ]
+}
+
+@test "a listed bone must be near; a named one is taken as meant" {
+    sheet
+    box 40 45 | awk 'NR > 2 && NF == 3 { $1 -= 9.9 } { print }' > beside.off # 0.1 m beside the sheet: near no vertex by the rule's 2 mm
+    echo beside.off > list
+    [ -z "$(attach -q --bones list --distance 20cm sheet.off | vertices beside)" ]
+    [ "$(attach -q --bones list --distance 20cm --pairs all sheet.off | vertices beside)" = "[30,61,92]" ]
+    [ "$(attach -q --bones list --distance 20cm --pair-distance 3m sheet.off | vertices beside)" = "[30,61,92]" ]
+    [ "$(attach -q --bone beside.off --distance 20cm sheet.off | vertices beside)" = "[30,61,92]" ]
+    attach -q --bones list --distance 20cm --trace t.jsonl --report r.json sheet.off -o out.json
+    grep -q '"stage":"pair","bone":"beside".*"nearby":0' t.jsonl
+    grep -q '"nearby": false' r.json
+    run -2 attach --pairs all --bone beside.off sheet.off
+}
+
+@test "the history of a list holds the contents of the bones in reach, and only the names of the others" {
+    printf 'left.off\nmoon.off\n' > list
+    attach -q --bones list strip.off -o a.json
+    box 1000 1002 > moon.off
+    attach -q --bones list strip.off -o b.json
+    cmp a.json b.json
+    box -1 1.6 > left.off
+    attach -q --bones list strip.off -o c.json
+    [ "$(vertices left < c.json)" = "$(vertices left < a.json)" ]
+    if [ "$(grep -o '"args": \[[^]]*' a.json)" = "$(grep -o '"args": \[[^]]*' c.json)" ]; then false; fi
+    cp left.off elsewhere.off
+    printf 'left\telsewhere.off\nmoon.off\n' > other
+    attach -q --bones other strip.off -o d.json # the same bone in another file
+    cmp c.json d.json
+}
+
+@test "voxels widen contact to the cells of the surface" {
+    box 4.3 6.7 | awk 'NR > 2 && NF == 3 { $3 += 1.2 } { print }' > above.off # 0.2 above the strip
+    [ -z "$(attach -q --method contact --bone above.off strip.off | vertices above)" ]
+    box 4.3 6.7 > through.off
+    attach -q --method contact --voxels 27 --bone through.off strip.off -o a.json
+    [ "$(vertices through < a.json)" = "[10,11,12,13]" ]
+    run -2 attach --method proximity --voxels 27 --bone through.off strip.off
+    run -2 attach --voxels 0 --bone through.off strip.off
+}
+
+@test "neighbours: targets, reach, weights, and the document that holds them" {
+    sheet
+    awk 'NR > 2 && NF == 3 { $3 = 0.004 } NF == 4 { t = $3; $3 = $4; $4 = t } { print }' sheet.off > above.off # faces the sheet, 4 mm above it
+    attach -q --pin ulna=indices:3 sheet.off -o in.json
+    attach -v --glue above.off --soft 0.5 --minimum-distance 3mm in.json -o a.json 2> err
+    grep -q 'above: 651 vertices by deep fascia' err
+    grep -q '"target": "above", "fascia": "deep"' a.json
+    grep -q '"distances": \[0.004,' a.json
+    grep -q '"minimumDistances": \[0.003,' a.json
+    grep -q '"weights": \[1,0.5,0,1,0.5,0,' a.json
+    [ "$(vertices ulna < a.json)" = "[3]" ] # attachments stay
+    attach -q --pin ulna=indices:4 a.json -o b.json
+    grep -q '"target": "above"' b.json # and so do externals
+    [ "$(attach -q --glue above.off --reach 3mm sheet.off | grep -c '"target"')" -eq 0 ]
+    [ "$(attach -q --glue sheet.off=above.off --skeleton env=above.off sheet.off | grep -c '"target"')" -eq 2 ]
+    run -1 attach --glue above.off --slide nosuchmap sheet.off
+    [[ "$output" == *"no painted map of that name"* ]]
+    run -1 attach --glue above.off --glue x/../above.off sheet.off
+    run -1 attach --glue none.off sheet.off
+    printf 'OFF\n0 0 0\n' > empty.off
+    run -1 attach -q --skeleton empty.off sheet.off
+    [ "${#lines[@]}" -eq 1 ]
+    run -2 attach --slide 1 --pin ulna=indices:3 sheet.off
+    run -2 attach --slide 2 --glue above.off sheet.off
+    run -2 attach --reach 1 --pin ulna=indices:3 sheet.off
+    run -2 attach sheet.off
+}
+
+@test "a bone that is open holds what is in it" {
+    box -1 1.5 | awk 'NR == 2 { print 8, 10, 0; next } NF == 4 && ++t > 2 || NF < 4 { print }' > open.off # without its bottom
+    [ "$(attach -q --method contact --bone open.off strip.off | vertices open)" = "[0,1,2,3]" ]
+}

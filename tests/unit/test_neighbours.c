@@ -1,0 +1,190 @@
+/*
+ * test_neighbours.c -- candidates for external constraints between sheets and spheres where every distance is known.
+ */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <cmocka.h>
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "shapes.h"
+#include "sinew/rig.h"
+
+/* Unit spheres side by side along x: the muscle at 0, a neighbour at 2.1, 0.1 away; a shell of radius 1.2 around the muscle. */
+typedef struct fixture {
+    sn_muscle muscle;
+    sn_mesh neighbour, shell;
+    sn_neighbour targets[2];
+    sn_neighbours_params params;
+    sn_index count;
+    sn_external *externals;
+    sn_error error;
+} fixture;
+
+static int set_up(void **state) {
+    fixture *f = SN_NEW(fixture, 1);
+    f->muscle = (sn_muscle){.meters_per_unit = 1, .mesh = shape_sphere(24, 48)};
+    f->neighbour = shape_sphere(24, 48);
+    f->shell = shape_sphere(24, 48);
+    for (sn_index v = 0; v < f->shell.vertex_count; v++) f->shell.positions[v] = sn_scale(f->shell.positions[v], 1.2);
+    for (sn_index v = 0; v < f->neighbour.vertex_count; v++) f->neighbour.positions[v].x += 2.1;
+    f->targets[0] = (sn_neighbour){"triceps", &f->neighbour, false};
+    f->targets[1] = (sn_neighbour){"skin", &f->shell, true};
+    f->params = sn_neighbours_defaults();
+    f->params.reach = 0.25;
+    *state = f;
+    return 0;
+}
+
+static void forget(fixture *f) {
+    sn_externals_free(f->externals, f->count);
+    f->externals = NULL;
+    f->count = 0;
+}
+
+static int tear_down(void **state) {
+    fixture *f = *state;
+    forget(f);
+    sn_muscle_free(&f->muscle);
+    sn_mesh_free(&f->neighbour), sn_mesh_free(&f->shell);
+    free(f);
+    return 0;
+}
+
+static sn_status find(fixture *f, sn_index targets, sn_trace *trace) {
+    forget(f);
+    return sn_find_neighbours(&f->muscle, targets, f->targets, &f->params, trace, &f->count, &f->externals, &f->error);
+}
+
+static sn_vec3 point_of(const sn_external *e, sn_index k, const sn_mesh *target) {
+    const sn_index *v = target->triangles[e->triangles[k]].v;
+    sn_vec3 p = {0, 0, 0};
+    for (int c = 0; c < 3; c++) p = sn_add_scaled(p, target->positions[v[c]], e->barycentric[3 * k + c]);
+    return p;
+}
+
+static void surfaces_that_face_each_other_are_joined(void **state) {
+    fixture *f = *state;
+    assert_int_equal(find(f, 1, NULL), SN_OK);
+    assert_int_equal(f->count, 1);
+    const sn_external *e = &f->externals[0];
+    assert_string_equal(e->target, "triceps");
+    assert_string_equal(e->fascia, "deep");
+    assert_true(e->count > 20);
+    for (sn_index k = 0; k < e->count; k++) {
+        sn_vec3 p = f->muscle.mesh.positions[e->vertices[k]];
+        assert_true(p.x > 0.8); /* within reach only near the other sphere */
+        assert_true(fabs(sn_distance(p, point_of(e, k, &f->neighbour)) - e->distances[k]) < 1e-12);
+        assert_true(e->distances[k] > 0.09 && e->distances[k] <= 0.25);
+        assert_true(e->weights[3 * k] == 1.0 && e->weights[3 * k + 1] == 0.0 && e->weights[3 * k + 2] == 0.0);
+    }
+}
+
+/* The muscle's own neighbour turned inside out agrees in its normals: nothing faces it. */
+static void surfaces_that_look_the_same_way_are_not(void **state) {
+    fixture *f = *state;
+    for (sn_index t = 0; t < f->neighbour.triangle_count; t++) shape_flip(&f->neighbour, t);
+    assert_int_equal(find(f, 1, NULL), SN_OK);
+    assert_int_equal(f->count, 0);
+}
+
+/* Every vertex that faces no neighbour is held in by the envelope, and no other is. */
+static void the_envelope_holds_what_faces_nothing(void **state) {
+    fixture *f = *state;
+    assert_int_equal(find(f, 2, NULL), SN_OK);
+    assert_int_equal(f->count, 2);
+    const sn_external *deep = &f->externals[0], *shallow = &f->externals[1];
+    assert_string_equal(shallow->target, "skin");
+    assert_string_equal(shallow->fascia, "superficial");
+    assert_int_equal(deep->count + shallow->count, f->muscle.mesh.vertex_count);
+    for (sn_index i = 0, k = 0; k < shallow->count; k++) {
+        while (i < deep->count && deep->vertices[i] < shallow->vertices[k]) i++;
+        assert_true(i == deep->count || deep->vertices[i] != shallow->vertices[k]);
+        assert_true(shallow->distances[k] < 0.0); /* the muscle is in its envelope */
+    }
+}
+
+static void minimum_distance_never_pushes_at_rest(void **state) {
+    fixture *f = *state;
+    f->params.minimum = 0.15;
+    assert_int_equal(find(f, 1, NULL), SN_OK);
+    bool less = false, full = false;
+    for (sn_index k = 0; k < f->externals[0].count; k++) {
+        assert_true(f->externals[0].minimum[k] == fmin(0.15, f->externals[0].distances[k]));
+        less = less || f->externals[0].minimum[k] < 0.15;
+        full = full || f->externals[0].minimum[k] == 0.15;
+    }
+    assert_true(less && full);
+}
+
+static void weights_come_from_maps(void **state) {
+    fixture *f = *state;
+    double *map = SN_NEW(double, f->muscle.mesh.vertex_count);
+    for (sn_index v = 0; v < f->muscle.mesh.vertex_count; v++) map[v] = f->muscle.mesh.positions[v].y + 0.5; /* -0.5 to 1.5: clamped */
+    f->params.maps[1] = map;
+    f->params.weights[2] = 0.25;
+    f->params.reach = 5;
+    assert_int_equal(find(f, 1, NULL), SN_OK);
+    for (sn_index k = 0; k < f->externals[0].count; k++) {
+        double y = f->muscle.mesh.positions[f->externals[0].vertices[k]].y;
+        assert_true(f->externals[0].weights[3 * k + 1] == fmin(fmax(y + 0.5, 0.0), 1.0));
+        assert_true(f->externals[0].weights[3 * k + 2] == 0.25);
+    }
+    free(map);
+}
+
+static void it_stops_after_n_targets_and_threads_agree(void **state) {
+    fixture *f = *state;
+    for (int n = 0; n <= 2; n++) {
+        sn_trace trace = {.stop_after = n};
+        assert_int_equal(find(f, 2, &trace), SN_STOPPED);
+        assert_int_equal(f->count, n < 1 ? 0 : 1); /* the second step: deep fascia to the envelope, which agrees everywhere */
+    }
+    f->params.threads = 1;
+    assert_int_equal(find(f, 2, NULL), SN_OK);
+    sn_external *one = f->externals;
+    sn_index count = f->count;
+    f->externals = NULL, f->count = 0;
+    f->params.threads = 3;
+    assert_int_equal(find(f, 2, NULL), SN_OK);
+    assert_int_equal(count, f->count);
+    for (sn_index i = 0; i < count; i++) {
+        assert_int_equal(one[i].count, f->externals[i].count);
+        assert_memory_equal(one[i].distances, f->externals[i].distances, (size_t)one[i].count * sizeof(double));
+        assert_memory_equal(one[i].triangles, f->externals[i].triangles, (size_t)one[i].count * sizeof(sn_index));
+    }
+    sn_externals_free(one, count);
+}
+
+static void bad_requests_are_refused(void **state) {
+    fixture *f = *state;
+    f->params.weights[0] = 1.5;
+    assert_int_equal(find(f, 1, NULL), SN_ERROR_USAGE);
+    f->params.weights[0] = 1;
+    f->targets[1].name = "triceps";
+    assert_int_equal(find(f, 2, NULL), SN_ERROR_INPUT);
+    assert_non_null(strstr(f->error.text, "\"triceps\" is given twice"));
+    f->targets[1].name = "skin";
+    f->shell.triangle_count = 0;
+    assert_int_equal(find(f, 2, NULL), SN_ERROR_INPUT); /* an empty envelope */
+    assert_non_null(strstr(f->error.text, "target \"skin\""));
+    assert_null(f->externals);
+}
+
+#define TEST(function) cmocka_unit_test_setup_teardown(function, set_up, tear_down)
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        TEST(surfaces_that_face_each_other_are_joined),
+        TEST(surfaces_that_look_the_same_way_are_not),
+        TEST(the_envelope_holds_what_faces_nothing),
+        TEST(minimum_distance_never_pushes_at_rest),
+        TEST(weights_come_from_maps),
+        TEST(it_stops_after_n_targets_and_threads_agree),
+        TEST(bad_requests_are_refused),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
