@@ -97,7 +97,7 @@ typedef struct sn_ray_hit {
 /* A search structure over mesh (which must outlive it and keep still). */
 SN_MUST_CHECK sn_status sn_surface_create(const sn_mesh *mesh, sn_surface **out, sn_error *error);
 /* The same for closest points and rays only: cheaper, because nobody asks whether the surface closes or crosses itself. Its signed
- * distance is the plain one. */
+ * distance is never negative, and it does not know that it is closed. */
 SN_MUST_CHECK sn_status sn_surface_create_plain(const sn_mesh *mesh, sn_surface **out, sn_error *error);
 void sn_surface_destroy(sn_surface *surface); /* NULL is fine */
 /* Exact (double) closest point within max_distance (INFINITY = any); ties go to the lowest triangle. Thread safe. */

@@ -70,7 +70,7 @@ sn_status sn_carry_attributes(const sn_mesh *from, sn_mesh *to, sn_error *error)
     bool named = to->attribute_count > 0 || to->group_count > 0;
     if (!named && !sn_mesh_copy_names(from, to)) return sn_fail_memory(error, "carrying painted values over");
     sn_surface *surface = NULL;
-    sn_status status = sn_surface_create(from, &surface, error);
+    sn_status status = sn_surface_create_plain(from, &surface, error);
     if (status == SN_OK) {
         carry_values(from, surface, to);
         carry_groups(from, surface, to);

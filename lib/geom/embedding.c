@@ -355,7 +355,7 @@ sn_status sn_embedding_build(const sn_mesh *mesh, sn_index count, const sn_vec3 
     binding b = {.mesh = mesh, .points = points, .near = params->near * diagonal, .cut = params->cut, .diagonal = diagonal};
     if (!choose_frame(mesh, diagonal, &b.frame))
         return sn_fail(error, SN_ERROR_INPUT, "the surface is flat: it has no inside to bind points to");
-    if ((status = sn_surface_create(mesh, &surface, error)) != SN_OK) return status;
+    if ((status = sn_surface_create_plain(mesh, &surface, error)) != SN_OK) return status;
     b.surface = surface;
     sn_index chunks = sn_chunk_count(count, GRAIN);
     b.rows = out->rows = SN_NEW(sn_embedding_row, count);

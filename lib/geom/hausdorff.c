@@ -113,7 +113,7 @@ sn_status sn_one_sided_distance(const sn_mesh *from, const sn_mesh *to, double *
     sn_surface *surface = NULL;
     sn_status status = find_common(to, from, &c, error);
     if (status == SN_OK && !is_all_common(from, &c)) {
-        status = sn_surface_create(to, &surface, error);
+        status = sn_surface_create_plain(to, &surface, error);
         if (status == SN_OK) *out = greatest_distance(from, &c, surface);
     }
     sn_surface_destroy(surface);

@@ -64,7 +64,7 @@ sn_status sn_wrap(const sn_mesh *mesh, double alpha, double offset, sn_mesh *out
     if (status == SN_OK && out->triangle_count == 0) {
         status = sn_fail(error, SN_ERROR_INTERNAL, "the wrap is empty: with an alpha of %g, no part of the surface is wide enough", alpha);
     }
-    if (status == SN_OK) status = sn_surface_create(mesh, &soup, error);
+    if (status == SN_OK) status = sn_surface_create_plain(mesh, &soup, error);
     if (status == SN_OK) {
         back = SN_NEW(sn_vec3, out->vertex_count);
         if (back == NULL) status = sn_fail_memory(error, "wrapping");

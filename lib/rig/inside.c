@@ -58,7 +58,7 @@ static sn_status find_ways(inside_step *step, sn_index count, const sn_vec3 *poi
                            sn_index *way_count, sn_error *error) {
     for (sn_index i = 0; i < count; i++) {
         if (winding[i] != 0) continue;
-        sn_status status = step->surface ? SN_OK : sn_surface_create(step->mesh, &step->surface, error);
+        sn_status status = step->surface ? SN_OK : sn_surface_create_plain(step->mesh, &step->surface, error);
         if (status) return status;
         way_in way = {.point = i, .closest = sn_surface_closest(step->surface, points[i], INFINITY)};
         aim(step, &way, is_on_surface(&way, diagonal) ? sn_v3(0, 0, 0) : sn_normalize(sn_sub(way.closest.point, points[i])), diagonal);

@@ -42,7 +42,7 @@ static sn_status show_directions(sn_view *view, const sn_muscle *muscle, sn_erro
     sn_surface *surface = NULL;
     double spacing;
     sn_status status = spread_vertices(&muscle->mesh, MARKS, &count, &marks, &spacing, error);
-    if (!status) status = sn_surface_create(&muscle->mesh, &surface, error);
+    if (!status) status = sn_surface_create_plain(&muscle->mesh, &surface, error);
     double length = fmax(0.75 * spacing, 0.006 * sn_box_diagonal(sn_mesh_box(&muscle->mesh)));
     for (sn_index i = 0; i < count && !status; i++) {
         status = walk(view, muscle, surface, marks[i], length, 1.0, error);

@@ -73,7 +73,7 @@ sn_status layer_build(layer *l, const sn_view *view, const frame *f, bool solid,
     if (!isfinite(sn_box_diagonal(l->box)))
         return sn_fail(error, SN_ERROR_INPUT, "the subject is too large to draw: its coordinates overflow");
     sn_mesh_vertex_normals(&l->mesh, l->normals);
-    return sn_surface_create(&l->mesh, &l->surface, error);
+    return sn_surface_create_plain(&l->mesh, &l->surface, error);
 }
 
 /* ---- ambient occlusion ---------------------------------------------------------------------------------------------------- */

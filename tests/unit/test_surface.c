@@ -437,6 +437,25 @@ static void floating_point_mode_is_the_callers(void **state) {
     sn_mesh_free(&mesh);
 }
 
+/* Without an inside the closest points are the same, and distances have no sign. */
+static void a_plain_surface_has_no_inside(void **state) {
+    (void)state;
+    sn_mesh mesh = globe(20, 20, sn_v3(0, 0, 0), 1, 0.3);
+    sn_surface *full = surface_of(&mesh), *plain = NULL;
+    assert_int_equal(sn_surface_create_plain(&mesh, &plain, NULL), SN_OK);
+    uint64_t seed = 5;
+    for (int i = 0; i < 500; i++) {
+        sn_vec3 p = random_point(&seed, 1.5);
+        sn_closest a = sn_surface_closest(full, p, INFINITY), b = sn_surface_closest(plain, p, INFINITY);
+        assert_true(a.triangle == b.triangle && a.distance == b.distance);
+        assert_true(sn_surface_signed_distance(plain, p, NULL) == fabs(sn_surface_signed_distance(full, p, NULL)));
+    }
+    assert_false(sn_surface_closed(plain));
+    sn_surface_destroy(full);
+    sn_surface_destroy(plain);
+    sn_mesh_free(&mesh);
+}
+
 enum { PARALLEL_POINTS = 2000 };
 typedef struct parallel_work {
     const sn_surface *surface;
@@ -491,6 +510,7 @@ int main(void) {
         cmocka_unit_test(bad_meshes_are_refused),
         cmocka_unit_test(floating_point_mode_is_the_callers),
         cmocka_unit_test(threads_agree),
+        cmocka_unit_test(a_plain_surface_has_no_inside),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
