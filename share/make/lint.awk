@@ -7,10 +7,19 @@ function first_line(file,    line) {
     return line
 }
 
+# what mesh-clean said of the file, without the warnings
+function complaint(file,    line, said) {
+    while (said == "" && (getline line < file) > 0)
+        if (line !~ /: warning: /) said = line
+    close(file)
+    sub(/^mesh-clean: [^:]*: */, "", said)
+    return said
+}
+
 BEGIN {
     FS = "\t"
     columns = split("vertices triangles components boundaryEdges boundaryLoops nonManifoldEdges nonManifoldVertices inconsistentEdges " \
-        "degenerateTriangles duplicateTriangles duplicateVertices unusedVertices selfIntersections genus area volume diagonal edgeMin edgeMean " \
+        "degenerateTriangles sliverTriangles duplicateTriangles duplicateVertices unusedVertices selfIntersections genus area volume diagonal edgeMin edgeMean " \
         "edgeMax worstQuality outward", column, " ")
     printf "kind\tname\tfile\tstatus\tdefects"
     for (i = 1; i <= columns; i++) printf "\t%s", column[i]
@@ -19,8 +28,7 @@ BEGIN {
 
 {
     code = first_line(state "/lint/" $1 "/" $2 ".code")
-    defects = code == 0 ? "" : first_line(state "/lint/" $1 "/" $2 ".log")
-    sub(/^mesh-clean: [^:]*: /, "", defects)
+    defects = code == 0 ? "" : complaint(state "/lint/" $1 "/" $2 ".log")
     gsub(/\t/, " ", defects)
     read_report(state "/lint/" $1 "/" $2 ".json", field)
     printf "%s\t%s\t%s\t%s\t%s", $1, $2, $3, code == 0 ? "sound" : code == 3 ? "defective" : "unreadable", defects

@@ -191,6 +191,6 @@ END {
     write_surfaces("in")
     write_surfaces("bones")
     write_all_bones()
-    write_if_changed(state "/lint.options", ENVIRON["SINEW_LINT"] "\n")
+    write_if_changed(state "/lint.options", ENVIRON["SINEW_LINT"] "\n# units:" shared_options("mesh-clean") shared_options("attach-detect") "\n")
     write_rules()
 }

@@ -24,15 +24,17 @@ printf 'muscle\ttool\toptions\n' > options.tsv
 printf 'SINEW_SURFACES = muscles.txt\nSINEW_BONES = %s/meshes/BONE*.stl\nSINEW_TABLE = options.tsv\nSINEW_BIN = %s\ninclude %s/share/make/sinew.mk\n' \
     "$dog" "$bin" "$here" > Makefile
 
-# processor seconds of all that has ended so far
-spent() { times | awk 'NR == 2 { split($1, u, /[ms]/); split($2, s, /[ms]/); print 60 * (u[1] + s[1]) + u[2] + s[2] }'; }
+# processor seconds of all children that have ended, as the shell's times wrote them
+spent() { awk 'NR == 2 { split($1, user, /[ms]/); split($2, system, /[ms]/); print 60 * (user[1] + system[1]) + user[2] + system[2] }' "$1"; }
 
 # build WORDS STAGES [TARGET]: time it; it must run that many stages
 build() {
-    start=$(date +%s.%N) before=$(spent)
+    start=$(date +%s.%N)
+    times > before
     make -j"$jobs" "${3:-assets}" > said 2>&1 || true
     seconds=$(awk -v a="$start" -v b="$(date +%s.%N)" 'BEGIN { printf "%.1f", b - a }')
-    processor=$(awk -v a="$before" -v b="$(spent)" 'BEGIN { printf "%.1f", b - a }')
+    times > after
+    processor=$(awk -v a="$(spent before)" -v b="$(spent after)" 'BEGIN { printf "%.1f", b - a }')
     ran=$(grep -cE ': (mesh-clean|root-select|build-structure|fiber-flow|attach-detect)$' said || true)
     verdict=
     [ "$ran" -eq "$2" ] || { verdict="  NOT $2"; failed=1; }
