@@ -19,9 +19,9 @@ static const char *const SCHEMES[] = {"guarded", "romeo", "kohout", NULL};
 static const char *const ANISOTROPIES[] = {"scheme", "none", "pbd", "xpbd", NULL};
 
 typedef struct choices {
-    const char *frames, *log, *fail_on;
+    const char *frames, *log, *fail_on, *state, *from;
     double rate, preroll;
-    int64_t substeps, iterations;
+    int64_t substeps, iterations, save_every;
     int format, law, scheme, anisotropy;
     bool plan;
 } choices;
@@ -43,6 +43,9 @@ static const cli_option OPTIONS[] = {
     {0, NULL, NULL, CLI_HEADING, NULL, 0, 0, 0, NULL, "Output:"},
     {0, "format", "FORMAT", CLI_CHOICE, &given.format, 0, 0, 0, FORMATS, "frames in a folder: pc2 (default) or ply, one file per frame"},
     {0, "log", "FILE", CLI_TEXT, &given.log, 0, 0, 0, NULL, "write the log to FILE instead of standard output"},
+    {0, "state", "FILE", CLI_TEXT, &given.state, 0, 0, 0, NULL, "write the state to FILE at the end, or where --stop-after stops"},
+    {0, "save-every", "N", CLI_INTEGER, &given.save_every, 0, 1, 1e9, NULL, "and after every N frames on the way"},
+    {0, "from", "FILE", CLI_TEXT, &given.from, 0, 0, 0, NULL, "go on from the state in FILE: to the same bytes"},
     {0, "plan", NULL, CLI_FLAG, &given.plan, 0, 0, 0, NULL, "print the scene with every default, and what would run; run nothing"},
     {0, "fail-on", "LIST", CLI_TEXT, &given.fail_on, 0, 0, 0, NULL,
      "exit with 3 where a frame breaks one of these: 'volume>0.01,triangle<0.1'"},
@@ -189,12 +192,12 @@ static void parse_stop(job *j) {
     if (!good) cli_usage_error(&j->c, "--stop-after %s: write FRAME[:SUBSTEP[:ITERATION]], the last two from 1", text);
 }
 
-static void check_stop(const job *j) {
+/* A run starts with the scene's first frame, which has no substeps, or goes on in or after the frame of a state. */
+static void check_stop(const job *j, sn_index first, bool whole) {
     if (j->stop_parts == 0) return;
-    sn_index first = j->scene.first_frame;
-    if (j->stop[0] < first || (j->stop_parts > 1 && j->stop[0] == first))
+    if (j->stop[0] < first || (whole && j->stop_parts > 1 && j->stop[0] == first))
         cli_usage_error(&j->c, "--stop-after %s: the run starts at frame %d%s", j->c.stop_after, (int)first,
-                        j->stop_parts > 1 ? ", which has no substeps" : "");
+                        whole && j->stop_parts > 1 ? ", which has no substeps" : "");
     if (j->stop_parts > 1 && j->stop[1] > j->scene.solver.substeps)
         cli_usage_error(&j->c, "--stop-after %s: a frame has %d substeps", j->c.stop_after, (int)j->scene.solver.substeps);
 }
@@ -206,12 +209,54 @@ static sn_status load_scene(job *j, sn_error *error) {
     status = sn_scene_parse(&blob, false, &j->scene, error);
     if (status == SN_OK) {
         apply_options(j);
-        check_stop(j);
+        if (given.from == NULL) check_stop(j, j->scene.first_frame, true);
         status = sn_model_create(&j->scene, &j->model, error);
     }
     if (status != SN_OK) sn_error_set_file(error, blob.name);
     sn_blob_free(&blob);
     return status;
+}
+
+/* ---- the state ------------------------------------------------------------------------------------------------------------ */
+
+/* The frame that the next step ends: that of the state where it stopped in the middle of it. */
+static sn_index next_number(const job *j) {
+    const sn_state *state = j->state;
+    return state->frame + (state->substep == 0 && state->iteration == 0 ? 1 : 0);
+}
+
+/* Take up the state; the run's first frame is the one that it ends next. */
+static sn_status read_state(job *j, sn_error *error) {
+    sn_blob blob = {0};
+    sn_status status = sn_blob_read(given.from, &blob, error);
+    if (status == SN_OK) status = sn_state_unpack(j->model, blob.data, blob.size, j->state, error);
+    if (status != SN_OK) sn_error_set_file(error, given.from);
+    sn_blob_free(&blob);
+    if (status != SN_OK) return status;
+    j->scene.first_frame = next_number(j);
+    if (j->scene.first_frame > j->scene.last_frame)
+        cli_usage_error(&j->c, "--from %s: its frame is %d, and the run ends at %d", given.from, (int)j->state->frame,
+                        (int)j->scene.last_frame);
+    check_stop(j, j->scene.first_frame, false);
+    return SN_OK;
+}
+
+static sn_status write_state(const job *j, sn_error *error) {
+    char *bytes = NULL;
+    size_t size = 0;
+    sn_output *output = NULL;
+    sn_status status = sn_state_pack(j->model, j->state, &bytes, &size, error);
+    if (status == SN_OK) status = sn_output_open(given.state, false, &output, error);
+    if (status == SN_OK) status = sn_output_write(output, bytes, size, error);
+    free(bytes);
+    if (status == SN_OK) return sn_output_commit(output, error);
+    sn_output_abort(output);
+    return status;
+}
+
+static sn_status save_now_and_then(const job *j, sn_error *error) {
+    if (!cli_given(&j->c, "save-every") || ((int64_t)j->state->frame - j->scene.first_frame) % given.save_every != 0) return SN_OK;
+    return write_state(j, error);
 }
 
 /* ---- frames --------------------------------------------------------------------------------------------------------------- */
@@ -410,13 +455,14 @@ static sn_status finish_frame(job *j, bool stopped, sn_error *error) {
     sn_status status = write_log(j, stopped, error);
     if (status == SN_OK) status = check_nan(j, error);
     if (status == SN_OK) status = write_frames(j, error);
+    if (status == SN_OK && !stopped) status = save_now_and_then(j, error);
     check_limits(j);
     cli_progress(&j->c, j->state->frame - j->scene.first_frame, j->scene.last_frame - j->scene.first_frame, "frame");
     return status;
 }
 
 static sn_status next_frame(job *j, sn_error *error) {
-    bool last = j->stop_parts > 0 && j->state->frame + 1 == j->stop[0];
+    bool last = j->stop_parts > 0 && next_number(j) == j->stop[0];
     sn_step_options options = {.pool = j->pool, .trace = &j->c.trace};
     if (last && j->stop_parts > 1) options.stop_substep = j->stop[1];
     if (last && j->stop_parts > 2) options.stop_iteration = j->stop[2];
@@ -430,10 +476,12 @@ static sn_status next_frame(job *j, sn_error *error) {
 
 static sn_status run_frames(job *j, sn_error *error) {
     sn_step_options options = {.pool = j->pool, .trace = &j->c.trace};
-    sn_status status = sn_settle(j->model, j->state, &options, error);
-    if (status == SN_OK) status = finish_frame(j, false, error);
-    if (status == SN_OK && j->stop_parts > 0 && j->stop[0] == j->scene.first_frame) return SN_STOPPED;
-    while (status == SN_OK && j->state->frame < j->scene.last_frame) status = next_frame(j, error);
+    sn_status status = given.from != NULL ? SN_OK : sn_settle(j->model, j->state, &options, error);
+    if (status == SN_OK && given.from == NULL) {
+        status = finish_frame(j, false, error);
+        if (status == SN_OK && j->stop_parts > 0 && j->stop[0] == j->scene.first_frame) return SN_STOPPED;
+    }
+    while (status == SN_OK && next_number(j) <= j->scene.last_frame) status = next_frame(j, error);
     return status;
 }
 
@@ -443,6 +491,7 @@ static sn_status prepare(job *j, sn_error *error) {
     j->frame_seconds = SN_NEW(double, frames);
     if (j->pool == NULL || j->frame_seconds == NULL) return sn_fail_memory(error, "the run");
     sn_status status = sn_state_create(j->model, &j->state, error);
+    if (status == SN_OK && given.from != NULL) status = read_state(j, error);
     if (status == SN_OK) status = open_targets(j, error);
     if (status == SN_OK) status = sn_output_open(given.log, true, &j->log, error);
     j->setup_seconds = cli_seconds() - j->c.started;
@@ -458,6 +507,10 @@ static sn_status simulate(job *j, sn_error *error) {
         if (done && committed != SN_OK) return committed;
     }
     if (!done) return status;
+    if (given.state != NULL) {
+        sn_status saved = write_state(j, error);
+        if (saved != SN_OK) return saved;
+    }
     sn_status committed = commit_targets(j, error);
     return committed != SN_OK ? committed : status;
 }
@@ -574,6 +627,7 @@ int main(int argc, char **argv) {
     cli_start(&j.c, &TOOL, argc, argv);
     parse_limits(&j.c, given.fail_on, &j.limits);
     parse_stop(&j);
+    if (cli_given(&j.c, "save-every") && given.state == NULL) cli_usage_error(&j.c, "--save-every needs --state FILE");
     sn_status status = work(&j, &error);
     free_targets(&j);
     free(j.frame_seconds);

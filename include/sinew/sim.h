@@ -225,6 +225,13 @@ void sn_state_reset(const sn_model *model, sn_state *state);
 /* Positions of a muscle's surface vertices in its document's unit and order: positions (vertex_count). */
 void sn_state_positions(const sn_model *model, const sn_state *state, sn_index muscle, sn_vec3 *positions);
 
+/* ---- stop and go on (restart.c) ------------------------------------------------------------------------------------------- */
+
+/* The state as bytes (malloc'ed, the caller frees), with version and checksum, at the end of a frame or in the middle of it. */
+SN_MUST_CHECK sn_status sn_state_pack(const sn_model *model, const sn_state *state, char **bytes, size_t *size, sn_error *error);
+/* Back into a state of the same model. SN_ERROR_INPUT where the bytes are damaged or another model's: the state is as it was. */
+SN_MUST_CHECK sn_status sn_state_unpack(const sn_model *model, const char *bytes, size_t size, sn_state *state, sn_error *error);
+
 /* ---- stepping ------------------------------------------------------------------------------------------------------------- */
 
 typedef struct sn_step_options {

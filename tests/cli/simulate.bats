@@ -131,6 +131,32 @@ END
     done
 }
 
+@test "a run that stops, in a frame or between two, goes on to the same bytes; damage and other scenes are told" {
+    one_muscle
+    simulate one.scene.json --iterations 2 --frames 0:4 --state whole.state -o whole.pc2 > whole.jsonl
+    tail -n 1 whole.jsonl > wanted
+    for stop in 1 2 2:3 3:16 4:16:1; do
+        simulate one.scene.json --iterations 2 --stop-after $stop --state stop.state > log.jsonl
+        simulate one.scene.json --iterations 2 --frames 0:4 --from stop.state --state end.state -o end.pc2 > end.jsonl
+        cmp end.state whole.state
+        tail -n 1 end.jsonl | cmp - wanted
+        python3 -c 'a=open("whole.pc2","rb").read(); b=open("end.pc2","rb").read(); n=len(b)-32; assert n>0 and a[-n:]==b[32:]'
+    done
+    [ "$(wc -l < end.jsonl)" -eq 1 ]
+    simulate one.scene.json --iterations 2 --frames 0:3 --save-every 2 --state saved.state --stop-after 3:1 > log.jsonl
+    simulate one.scene.json --iterations 2 --frames 0:4 --from saved.state --state end.state > log.jsonl
+    cmp end.state whole.state
+    run -2 simulate one.scene.json --iterations 2 --frames 0:4 --from whole.state
+    run -2 simulate one.scene.json --save-every 2
+    head -c 3000 whole.state > short.state
+    run -1 simulate one.scene.json --frames 0:9 --from short.state
+    [[ "$output" == *short.state*checksum* ]]
+    run -1 simulate arm.scene.json --frames 0:9 --from whole.state
+    [[ "$output" == *"another scene"* ]]
+    run -1 simulate one.scene.json --frames 0:9 --from biceps.ply
+    [[ "$output" == *"not a state"* ]]
+}
+
 @test "--fail-on names the first frame that breaks a limit: status 3, and everything is written" {
     one_muscle
     run -3 simulate one.scene.json --frames 0:4 -o out.pc2 --log log.jsonl --fail-on 'volume>0.01,mesh>1e-6,nan>0'
