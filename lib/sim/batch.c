@@ -54,6 +54,11 @@ static sn_index fill_order(batcher *b, sn_index *order) {
         for (int i = 0; i < kept; i++) order[front++] = rows[i];
         if (kept == 0) order[--back] = rows[0];
     }
+    for (sn_index low = front, high = b->count - 1; low < high; low++, high--) { /* they too in their order */
+        sn_index row = order[low];
+        order[low] = order[high];
+        order[high] = row;
+    }
     return front;
 }
 

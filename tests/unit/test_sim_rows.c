@@ -130,6 +130,49 @@ static void guards_hold(void **state) {
     assert_true(value == 42.0);
 }
 
+/* ---- least area, anisotropy ------------------------------------------------------------------------------------------------ */
+
+static double area_value(const sn_vec3 *p) {
+    double value = NAN;
+    sn_vec3 gradients[3];
+    assert_true(sn_area_constraint(p, 0.4, 0.5, &value, gradients));
+    return value;
+}
+
+/* numerics.md 9: J = |n| / (2 A0), gradients (d2 x u) / (2 A0) and (u x d1) / (2 A0) */
+static void area_gradients_are_right_and_move_nothing_as_a_whole(void **state) {
+    (void)state;
+    for (int i = 0; i < 200; i++) {
+        sn_vec3 p[3] = {random_vector(), random_vector(), random_vector()}, g[3];
+        double area = 0.5 * sn_norm(sn_cross(sn_sub(p[1], p[0]), sn_sub(p[2], p[0]))), value;
+        if (area < 0.1) continue;
+        assert_true(sn_area_constraint(p, 0.4, 0.5, &value, g));
+        assert_true(fabs(value - (area / 0.4 - 0.5)) < 1e-14);
+        check_gradients(area_value, p, g, 3);
+        assert_true(sn_norm(sn_add(sn_add(g[0], g[1]), g[2])) < 1e-13);
+    }
+}
+
+static void a_triangle_without_a_plane_is_left_alone(void **state) {
+    (void)state;
+    sn_vec3 line[3] = {{0, 0, 0}, {1, 0, 0}, {2, 0, 0}}, g[3];
+    double value = 42.0;
+    assert_false(sn_area_constraint(line, 0.4, 0.5, &value, g));
+    line[1].y = NAN;
+    assert_false(sn_area_constraint(line, 0.4, 0.5, &value, g));
+    assert_true(value == 42.0);
+}
+
+/* [K21] eq. 9 with |u.v|: 0 along the fibre either way, 1 across it, 1 - cos 60 between */
+static void anisotropy_is_one_less_the_cosine(void **state) {
+    (void)state;
+    sn_vec3 fiber = sn_v3(0, 0, 2);
+    assert_true(sn_anisotropy_factor(sn_v3(0, 0, -3), fiber) == 0.0);
+    assert_true(sn_anisotropy_factor(sn_v3(5, 0, 0), fiber) == 1.0);
+    assert_true(fabs(sn_anisotropy_factor(sn_v3(sqrt(3.0), 0, 1), fiber) - 0.5) < 1e-15);
+    assert_true(sn_anisotropy_factor(sn_v3(1, 1, 1), sn_v3(0, 0, 0)) == 1.0);
+}
+
 /* ---- volume: the unit cube ------------------------------------------------------------------------------------------------ */
 
 static const sn_triangle CUBE[12] = {{{0, 2, 1}}, {{0, 3, 2}}, {{4, 5, 6}}, {{4, 6, 7}}, {{0, 1, 5}}, {{0, 5, 4}},
@@ -177,6 +220,9 @@ int main(void) {
         cmocka_unit_test(hinge_angle_has_a_sign),
         cmocka_unit_test(hinge_angle_is_right_to_the_last_bits),
         cmocka_unit_test(guards_hold),
+        cmocka_unit_test(area_gradients_are_right_and_move_nothing_as_a_whole),
+        cmocka_unit_test(a_triangle_without_a_plane_is_left_alone),
+        cmocka_unit_test(anisotropy_is_one_less_the_cosine),
         cmocka_unit_test(volume_of_a_cube_is_one_here_and_a_kilometre_away),
         cmocka_unit_test(volume_gradients_are_right),
     };
