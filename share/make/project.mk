@@ -49,6 +49,17 @@ $(STAMPS)/anatomy: tests/anatomy $(EVERYTHING)
 $(STAMPS)/install: tests/install $(EVERYTHING) $(B)/libsinew.a
 	@tests/suite $@ install tests/install $(CONFIG)
 
+# ---- the solver's instruments: none of them runs in check ----------------------------------------------------------------------
+.PHONY: bench golden stability off-equals-absent
+bench: $(B)/tests/bench/sim_rows
+	$<
+golden:
+	tests/golden
+stability: programs $(B)/tests/numerics/xpbd_extremes
+	tests/stability $(B)/bin $(B)/tests/numerics/xpbd_extremes $(DATA) $(B)/stability
+off-equals-absent: programs examples
+	tests/off-equals-absent $(B)/bin $(B)/examples
+
 # ---- demo ---------------------------------------------------------------------------------------------------------------------
 demo: deps
 	@$(MAKE) --no-print-directory -j$(JOBS) programs examples

@@ -164,7 +164,7 @@ static simulation start(sn_scene *scene) {
     return s;
 }
 
-static void step_frames(simulation *s, sn_index frames, const sn_step_options *options) {
+static inline void step_frames(simulation *s, sn_index frames, const sn_step_options *options) {
     for (sn_index i = 0; i < frames; i++) assert_int_equal(sn_step(s->model, s->state, options, NULL), SN_OK);
 }
 

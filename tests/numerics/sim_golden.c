@@ -1,0 +1,94 @@
+/*
+ * sim_golden.c -- one hash of a run's end, the same from 1, 2 and 4 threads, from a run that is watched and from one that stops anywhere
+ * and goes on. Prints it with "hash"; tests/golden compares it between builds. Then "N passed, N failed".
+ */
+#include "../unit/sim_scene.h"
+
+#include <stdio.h>
+
+static int passed, failed;
+
+/* Three muscles that use every kind of row, every law, and every factor on a row. */
+static void make_everything(sn_scene *scene) {
+    fusiform small = FUSIFORM;
+    small.rings = 13, small.sectors = 11, small.structure = false;
+    make_scene(scene, &FUSIFORM);
+    add_muscle(scene, "isochoric", &small);
+    add_muscle(scene, "paper", &FUSIFORM);
+    scene->muscles[0].anisotropy = SN_ANISOTROPY_PBD;
+    scene->muscles[1].law = SN_LAW_ISOCHORIC;
+    scene->muscles[1].anisotropy = SN_ANISOTROPY_XPBD;
+    scene->muscles[2].law = SN_LAW_PAPER;
+    scene->muscles[2].iterations = 3;
+    for (int i = 0; i < 3; i++) set_keys(&scene->muscles[i].activation, 0.0, 0.0, 0.5, 0.6 + 0.2 * i);
+    set_keys(&scene->motion.joints[0].angle, 0.0, 0.0, 0.5, -1.0);
+    scene->gravity = sn_v3(0, -9.81, 0);
+}
+
+static void ignore(void *user, int64_t number, const char *stage, const sn_trace_value *values, int value_count) {
+    (void)user, (void)number, (void)stage, (void)values, (void)value_count;
+}
+
+/* Away to other memory and back, as a state file does. */
+static void pass_through_bytes(simulation *s) {
+    char *bytes;
+    size_t size;
+    assert_int_equal(sn_state_pack(s->model, s->state, &bytes, &size, NULL), SN_OK);
+    sn_state_destroy(s->model, s->state);
+    assert_int_equal(sn_state_create(s->model, &s->state, NULL), SN_OK);
+    assert_int_equal(sn_state_unpack(s->model, bytes, size, s->state, NULL), SN_OK);
+    free(bytes);
+}
+
+/* 12 frames; with `stops`, each of them in pieces. The hash of positions and velocities of all points. */
+static void run(int threads, bool watched, bool stops, char hash[SN_HASH_LENGTH]) {
+    sn_scene scene;
+    make_everything(&scene);
+    simulation s = start(&scene);
+    sn_trace trace = {.receive = ignore, .stop_after = -1};
+    sn_step_options options = {.pool = sn_pool_create(threads), .trace = watched ? &trace : NULL};
+    for (sn_index frame = 0; frame < 12; frame++) {
+        for (int piece = 0; stops && piece < 2; piece++) {
+            options.stop_substep = 3 + 5 * piece + frame % 4;
+            options.stop_iteration = 1 + (piece + frame) % 2;
+            assert_int_equal(sn_step(s.model, s.state, &options, NULL), SN_STOPPED);
+            pass_through_bytes(&s);
+        }
+        options.stop_substep = options.stop_iteration = 0;
+        assert_int_equal(sn_step(s.model, s.state, &options, NULL), SN_OK);
+    }
+    char hashes[3 * 2 * SN_HASH_LENGTH];
+    for (sn_index i = 0; i < 3; i++) {
+        size_t n = (size_t)s.model->muscles[i].point_count;
+        sn_hash(s.state->muscles[i].points, n * sizeof(sn_point), hashes + (size_t)(2 * i) * SN_HASH_LENGTH);
+        sn_hash(s.state->muscles[i].velocities, n * sizeof(sn_vec3), hashes + (size_t)(2 * i + 1) * SN_HASH_LENGTH);
+    }
+    sn_hash(hashes, sizeof hashes, hash);
+    sn_pool_destroy(options.pool);
+    finish(&s);
+}
+
+static void compare(const char *name, const char *one, const char *other) {
+    bool same = memcmp(one, other, SN_HASH_LENGTH) == 0;
+    printf("%-40s %s\n", name, same ? "the same" : "FAILED: not the same");
+    if (same)
+        passed++;
+    else
+        failed++;
+}
+
+int main(void) {
+    char hash[SN_HASH_LENGTH], other[SN_HASH_LENGTH];
+    run(1, false, false, hash);
+    printf("hash %s\n", hash);
+    for (int threads = 2; threads <= 4; threads += 2) {
+        run(threads, false, false, other);
+        compare(threads == 2 ? "2 threads" : "4 threads", hash, other);
+    }
+    run(2, true, false, other);
+    compare("watched", hash, other);
+    run(1, false, true, other);
+    compare("stopped, packed and continued", hash, other);
+    printf("%d passed, %d failed\n", passed, failed);
+    return failed > 0;
+}
