@@ -23,7 +23,7 @@ typedef struct choices {
     double rate, preroll;
     int64_t substeps, iterations, save_every;
     int format, law, scheme, anisotropy;
-    bool plan;
+    bool plan, no_sleep;
 } choices;
 
 static choices given;
@@ -40,6 +40,7 @@ static const cli_option OPTIONS[] = {
     {0, "substeps", "N", CLI_INTEGER, &given.substeps, 0, 1, 1e6, NULL, "substeps per frame instead of the scene's"},
     {0, "iterations", "N", CLI_INTEGER, &given.iterations, 0, 1, 1e6, NULL,
      "iterations per substep, where a muscle has no number of its own"},
+    {0, "no-sleep", NULL, CLI_FLAG, &given.no_sleep, 0, 0, 0, NULL, "step muscles at rest too"},
     {0, NULL, NULL, CLI_HEADING, NULL, 0, 0, 0, NULL, "Output:"},
     {0, "format", "FORMAT", CLI_CHOICE, &given.format, 0, 0, 0, FORMATS, "frames in a folder: pc2 (default) or ply, one file per frame"},
     {0, "log", "FILE", CLI_TEXT, &given.log, 0, 0, 0, NULL, "write the log to FILE instead of standard output"},
@@ -179,6 +180,7 @@ static void apply_options(job *j) {
     for (sn_index i = 0; cli_given(&j->c, "law") && i < scene->muscle_count; i++) scene->muscles[i].law = (sn_fiber_law)given.law;
     for (sn_index i = 0; cli_given(&j->c, "anisotropy") && i < scene->muscle_count; i++)
         scene->muscles[i].anisotropy = (sn_anisotropy)given.anisotropy;
+    if (given.no_sleep) scene->solver.sleep = false;
     if (cli_given(&j->c, "scheme")) scene->solver.scheme = (sn_scheme)given.scheme;
     if (j->c.threads > 0) scene->solver.threads = j->c.threads;
 }
@@ -398,6 +400,7 @@ static void write_statistics(const job *j, sn_json *json, const sn_statistics *s
     sn_json_number(json, "kinetic_energy", s->kinetic_energy);
     sn_json_number(json, "elastic_energy", s->elastic_energy);
     sn_json_integer(json, "nan", s->nan_points);
+    sn_json_bool(json, "asleep", s->asleep);
     sn_json_integer(json, "skipped_edges", s->skipped_edges);
     sn_json_integer(json, "skipped_hinges", s->skipped_hinges);
     sn_json_integer(json, "clamped_hinges", s->clamped_hinges);

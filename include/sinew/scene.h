@@ -67,6 +67,7 @@ typedef struct sn_solver_settings {
     sn_index substeps;   /* per frame; default 16 */
     sn_index iterations; /* per substep; default 2: a single one lets rows that disagree pump energy into the muscle */
     int threads;         /* 0 = all */
+    bool sleep;          /* a muscle at rest whose inputs keep still is not stepped; default true; moves nothing by 1e-9 of its size */
 } sn_solver_settings;
 
 typedef struct sn_scene {

@@ -168,12 +168,13 @@ typedef struct sn_statistics {
     double volume_goal;             /* g(a) / g(a0) */
     double volume_error;            /* V / (goal V0) - 1 */
     sn_residual residuals[SN_ROW_KINDS];
-    double smallest_triangle;              /* least area over rest area; NaN where no triangle has a rest area */
-    sn_index smallest_triangle_index;      /* SN_NONE = none */
-    double residual;                       /* |dPhi/dx| / (k L) of the last substep, Phi = |x - y|^2_M / (2 h^2) + E; NaN inside a substep */
-    double kinetic_energy;                 /* J */
-    double elastic_energy;                 /* J: sum of k C^2 / 2 over the rows, as if none were rigid */
-    sn_index nan_points, first_nan;        /* points whose position is not finite; the first of them or SN_NONE */
+    double smallest_triangle;         /* least area over rest area; NaN where no triangle has a rest area */
+    sn_index smallest_triangle_index; /* SN_NONE = none */
+    double residual;                  /* |dPhi/dx| / (k L) of the last substep, Phi = |x - y|^2_M / (2 h^2) + E; NaN inside a substep */
+    double kinetic_energy;            /* J */
+    double elastic_energy;            /* J: sum of k C^2 / 2 over the rows, as if none were rigid */
+    sn_index nan_points, first_nan;   /* points whose position is not finite; the first of them or SN_NONE */
+    bool asleep;                      /* at rest, with inputs that keep still: it was not stepped */
     int64_t skipped_edges, skipped_hinges; /* projections in the last frame that a guard left out */
     int64_t clamped_hinges;                /* and that the dihedral clamp limited */
     int64_t held_triangles;                /* projections of triangles below their least area */
@@ -197,7 +198,8 @@ static inline sn_vec3 sn_point_position(const sn_point *p) { return sn_v3(p->x, 
     X(double, goals, m->distance_start[SN_DISTANCE_KINDS], false)                                                                          \
     X(double, distance_lambda, m->distance_start[SN_DISTANCE_KINDS], true)                                                                 \
     X(double, hinge_lambda, m->hinge_count, true)                                                                                          \
-    X(sn_vec3, volume_gradient, m->keeps_volume ? m->vertex_count : 0, false)
+    X(sn_vec3, volume_gradient, m->keeps_volume ? m->vertex_count : 0, false)                                                              \
+    X(sn_rigid, placed, m->site_count, true)
 
 typedef struct sn_muscle_state {
 #define SN_STATE_MEMBER(type, name, count, kept) type *name;
@@ -205,6 +207,7 @@ typedef struct sn_muscle_state {
 #undef SN_STATE_MEMBER
     double volume_lambda;
     double activation, contraction, stiffness, volume_goal; /* inputs at the state's time */
+    sn_index still;                                         /* substeps in a row that moved nothing */
     double goal_contraction, goal_ratio;                    /* what `goals` were made for; NaN = not made yet */
     sn_statistics statistics;                               /* at the end of the last step */
 } sn_muscle_state;

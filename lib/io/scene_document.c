@@ -35,11 +35,11 @@ static sn_status parse_frames(const sn_json_value *value, sn_scene *scene, sn_er
 }
 
 static sn_status parse_solver(const sn_json_value *value, sn_solver_settings *out, sn_error *error) {
-    static const char *const known[] = {"method", "scheme", "substeps", "iterations", "threads", NULL};
+    static const char *const known[] = {"method", "scheme", "substeps", "iterations", "threads", "sleep", NULL};
     if (!sn_json_has(value)) return SN_OK;
     sn_json_value method = sn_json_member(value, "method"), substeps = sn_json_member(value, "substeps"),
                   iterations = sn_json_member(value, "iterations"), threads = sn_json_member(value, "threads");
-    sn_json_value scheme_name = sn_json_member(value, "scheme");
+    sn_json_value scheme_name = sn_json_member(value, "scheme"), sleep = sn_json_member(value, "sleep");
     int choice = (int)out->method, scheme = (int)out->scheme;
     sn_index thread_count = out->threads;
     sn_status status = sn_json_expect_object(value, error);
@@ -48,6 +48,7 @@ static sn_status parse_solver(const sn_json_value *value, sn_solver_settings *ou
     if (status == SN_OK) status = sn_json_get_index(&substeps, 1, COUNT_LIMIT, &out->substeps, error);
     if (status == SN_OK) status = sn_json_get_index(&iterations, 1, COUNT_LIMIT, &out->iterations, error);
     if (status == SN_OK) status = sn_json_get_index(&threads, 0, 1024, &thread_count, error);
+    if (status == SN_OK) status = sn_json_get_bool(&sleep, &out->sleep, error);
     if (status != SN_OK) return status;
     out->method = (sn_solver_method)choice;
     out->scheme = (sn_scheme)scheme;
@@ -353,6 +354,7 @@ static void write_solver(const sn_solver_settings *solver, sn_json *json) {
     sn_json_integer(json, "substeps", solver->substeps);
     sn_json_integer(json, "iterations", solver->iterations);
     sn_json_integer(json, "threads", solver->threads);
+    sn_json_bool(json, "sleep", solver->sleep);
     sn_json_close(json);
 }
 

@@ -27,7 +27,7 @@ void sn_scene_defaults(sn_scene *scene) {
     *scene = (sn_scene){0};
     scene->meters_per_unit = 1.0;
     scene->rate = 24.0;
-    scene->solver = (sn_solver_settings){.method = SN_SOLVER_XPBD, .substeps = 16, .iterations = 2, .threads = 0};
+    scene->solver = (sn_solver_settings){.method = SN_SOLVER_XPBD, .substeps = 16, .iterations = 2, .threads = 0, .sleep = true};
 }
 
 /* ---- the end ---------------------------------------------------------------------------------------------------------- */

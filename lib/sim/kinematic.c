@@ -56,9 +56,22 @@ static sn_vec3 carried(const sn_site *site, const sn_rigid *poses, sn_vec3 rest)
 
 static void put(sn_point *point, sn_vec3 position) { point->x = position.x, point->y = position.y, point->z = position.z; }
 
+static sn_rigid pose_of(const sn_site *site, const sn_rigid *poses) {
+    return site->joint == SN_NONE ? sn_rigid_identity() : poses[site->joint];
+}
+
+bool sn_kinematics_moved(const sn_model_muscle *m, const sn_muscle_state *s, const sn_rigid *poses) {
+    for (sn_index i = 0; i < m->site_count; i++) {
+        const sn_rigid pose = pose_of(&m->sites[i], poses);
+        if (memcmp(&pose, &s->placed[i], sizeof pose) != 0) return true;
+    }
+    return false;
+}
+
 void sn_kinematics_place(const sn_model_muscle *m, sn_muscle_state *s, const sn_rigid *poses) {
     for (sn_index i = 0; i < m->site_count; i++) {
         const sn_site *site = &m->sites[i];
+        s->placed[i] = pose_of(site, poses);
         for (sn_index k = site->begin; k < site->end; k++) {
             sn_index v = m->kinematic_points[k];
             put(&s->points[v], carried(site, poses, m->rest[v]));

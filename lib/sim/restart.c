@@ -3,9 +3,9 @@
  *
  *   "sinew state\n"  version (4 bytes)  hash of all that follows (72 bytes)
  *   hash of the model (72 bytes)  frame, substep, iteration, muscles (4 bytes each)
- *   per muscle: counters, lambda of the volume, and the arrays of SN_STATE_ARRAYS that are kept
+ *   per muscle: counters, inputs, lambda of the volume, and the arrays of SN_STATE_ARRAYS that are kept
  *
- * Numbers are as the machine has them; the version tells a machine of the other byte order. What depends on the inputs only is made anew.
+ * Numbers are as the machine has them; the version tells a machine of the other byte order. Goals and statistics are made anew.
  */
 #include "rows.h"
 
@@ -37,7 +37,9 @@ static void pass_muscle(cursor *c, const sn_model_muscle *m, sn_muscle_state *s)
     sn_statistics *st = &s->statistics;
     int64_t *counters[] = {&st->skipped_edges, &st->skipped_hinges, &st->clamped_hinges, &st->held_triangles, &st->skipped_triangles};
     for (size_t i = 0; i < sizeof counters / sizeof *counters; i++) pass(c, counters[i], sizeof *counters[i]);
-    pass(c, &s->volume_lambda, sizeof s->volume_lambda);
+    double *numbers[] = {&s->volume_lambda, &s->activation, &s->contraction, &s->stiffness, &s->volume_goal, &st->residual};
+    for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++) pass(c, numbers[i], sizeof *numbers[i]);
+    pass(c, &s->still, sizeof s->still);
 #define PASS(type, name, count, kept)                                                                                                      \
     if (kept) pass(c, s->name, (size_t)(count) * sizeof(type));
     SN_STATE_ARRAYS(PASS)
@@ -146,7 +148,9 @@ sn_status sn_state_unpack(const sn_model *model, const char *bytes, size_t size,
     pass_state(&read, model, state, hash, &muscles);
     for (sn_index i = 0; i < model->muscle_count; i++) {
         sn_muscle_state *s = &state->muscles[i];
-        s->activation = s->goal_contraction = s->goal_ratio = NAN; /* made anew at the next substep */
+        s->goal_contraction = s->goal_ratio = NAN;
+        sn_distance_goals(&model->muscles[i], s);
+        sn_statistics_measure(&model->muscles[i], s);
     }
     return SN_OK;
 }

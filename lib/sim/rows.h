@@ -83,6 +83,8 @@ SN_MUST_CHECK sn_status sn_batch_sort(void *array, sn_index count, size_t size, 
 SN_MUST_CHECK sn_status sn_kinematics_build(const sn_build *build, sn_error *error);
 /* Put every attached vertex where its bone carries it: exactly pose(rest). poses (joints). */
 void sn_kinematics_place(const sn_model_muscle *m, sn_muscle_state *s, const sn_rigid *poses);
+/* Are they anywhere else than where sn_kinematics_place put them last? */
+bool sn_kinematics_moved(const sn_model_muscle *m, const sn_muscle_state *s, const sn_rigid *poses);
 /* The whole muscle, carried along with its bones: where a run starts. */
 void sn_kinematics_carry(const sn_model_muscle *m, sn_muscle_state *s, const sn_rigid *poses);
 

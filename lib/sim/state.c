@@ -51,6 +51,7 @@ void sn_state_destroy(const sn_model *model, sn_state *state) {
 static void reset_muscle(const sn_model_muscle *m, sn_muscle_state *s, const sn_rigid *poses, double time) {
     s->activation = s->goal_contraction = s->goal_ratio = NAN; /* nothing has been made for any input yet */
     s->statistics = (sn_statistics){.residual = NAN};
+    s->still = 0;
     for (sn_index i = 0; i < m->point_count; i++) {
         s->points[i].w = m->inverse_mass[i];
         s->velocities[i] = sn_v3(0, 0, 0);

@@ -48,12 +48,37 @@ static bool is_last(const run *r, sn_index substep) {
     return substep == r->to.substep || (r->to.iteration == 0 && substep + 1 == r->to.substep);
 }
 
+/* A muscle is at rest when no point of it would get farther than this share of its diagonal in a frame. What is left of its way is at most
+ * some hundred times as much: the slowest modes lose a hundredth of their speed in a frame. */
+static const double REST = 1e-13;
+
+/* Count the substeps in a row that moved nothing. */
+static void watch_rest(const run *r, const sn_model_muscle *m, sn_muscle_state *s) {
+    double most = REST * m->diagonal / r->model->frame_duration;
+    bool still = true;
+    for (sn_index i = 0; still && i < m->point_count; i++) still = sn_norm2(s->velocities[i]) <= most * most;
+    s->still = still ? s->still + 1 : 0;
+}
+
+/* After a frame at rest a muscle sleeps until an input changes. */
+static bool sleeps(const run *r, const sn_model_muscle *m, sn_muscle_state *s, sn_index substep) {
+    const sn_scene *scene = r->model->scene;
+    bool rested = scene->solver.sleep && s->still >= scene->solver.substeps;
+    if (rested && sn_channel_at(&m->source->activation, substep_time(r, substep)) == s->activation &&
+        !sn_kinematics_moved(m, s, substep_poses(r, substep)))
+        return true;
+    if (rested) s->still = 0;
+    return false;
+}
+
 /* Iterations [begin, end) of one substep; a muscle with fewer iterations than that has nothing left to do. */
 static void do_substep(const run *r, sn_index muscle, sn_index substep, sn_index begin, sn_index end) {
     const sn_model_muscle *m = &r->model->muscles[muscle];
     sn_muscle_state *s = &r->state->muscles[muscle];
     if (end > m->iterations) end = m->iterations;
     if (begin >= end) return;
+    s->statistics.asleep = sleeps(r, m, s, substep);
+    if (s->statistics.asleep) return;
     const sn_substep part = {.h = r->model->substep_duration,
                              .gravity = r->model->scene->gravity,
                              .rules = sn_scheme_rules_of(r->model->scene->solver.scheme),
@@ -63,6 +88,7 @@ static void do_substep(const run *r, sn_index muscle, sn_index substep, sn_index
                              .measure = r->measure && end == m->iterations && is_last(r, substep)};
     sn_inputs_update(m, s, substep_time(r, substep));
     r->backend->substep(m, s, &part);
+    if (end == m->iterations) watch_rest(r, m, s);
 }
 
 static void do_muscle(const run *r, sn_index muscle) {
@@ -78,7 +104,8 @@ static void do_muscles(void *user, sn_index begin, sn_index end, sn_index chunk)
     (void)chunk;
     for (sn_index muscle = begin; muscle < end; muscle++) {
         do_muscle(r, muscle);
-        if (r->measure) sn_statistics_measure(&r->model->muscles[muscle], &r->state->muscles[muscle]);
+        if (r->measure && !r->state->muscles[muscle].statistics.asleep)
+            sn_statistics_measure(&r->model->muscles[muscle], &r->state->muscles[muscle]);
     }
 }
 

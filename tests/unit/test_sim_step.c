@@ -419,6 +419,36 @@ static void a_stopped_step_goes_on_to_the_same_bits(void **state) {
     for (int k = 0; k < 2; k++) finish(&runs[k]);
 }
 
+/* A muscle that has come to rest sleeps until an input changes, where it would be without sleeping, to 1e-9 L; and costs nothing. */
+static void sleep_moves_nothing(void **state) {
+    (void)state;
+    sn_scene scenes[2];
+    simulation runs[2];
+    sn_index slept = 0, after = 0;
+    for (int k = 0; k < 2; k++) {
+        make_scene(&scenes[k], &FUSIFORM);
+        scenes[k].muscles[0].damping = 30.0;
+        scenes[k].muscles[0].contraction = 0.1;
+        set_keys(&scenes[k].muscles[0].activation, 12.0, 0.0, 12.5, 1.0); /* rest, then an input */
+        set_keys(&scenes[k].motion.joints[0].angle, 0.0, -0.05, 0.5, 0.0);
+        scenes[k].solver.sleep = k == 0;
+        runs[k] = start(&scenes[k]);
+    }
+    double most = 0.0;
+    for (int frame = 1; frame <= 13 * 24; frame++) {
+        for (int k = 0; k < 2; k++) step_frames(&runs[k], 1, NULL);
+        assert_false(statistics(&runs[1])->asleep);
+        slept += statistics(&runs[0])->asleep;
+        after += statistics(&runs[0])->asleep && frame > 12 * 24;
+        for (sn_index i = 0; i < runs[0].model->muscles[0].point_count; i++)
+            most = fmax(most, sn_distance(position(&runs[0], i), position(&runs[1], i)));
+    }
+    assert_true(slept > 24);
+    assert_int_equal(after, 0);
+    assert_true(most < 1e-9 * runs[0].model->muscles[0].diagonal);
+    for (int k = 0; k < 2; k++) finish(&runs[k]);
+}
+
 /* ---- refusals and plans ------------------------------------------------------------------------------------------------------ */
 
 static void a_bone_that_is_missing_is_named(void **state) {
@@ -506,6 +536,7 @@ int main(void) {
         cmocka_unit_test(watching_changes_nothing),
         cmocka_unit_test(a_step_stops_where_it_is_told),
         cmocka_unit_test(a_stopped_step_goes_on_to_the_same_bits),
+        cmocka_unit_test(sleep_moves_nothing),
         cmocka_unit_test(a_bone_that_is_missing_is_named),
         cmocka_unit_test(an_open_surface_keeps_no_volume),
         cmocka_unit_test(the_plan_tells_where_a_stiffness_is_felt),
