@@ -6,6 +6,7 @@
 
 #define CAP_SHARE 0.01  /* of the box diagonal: a tip is a cap of that radius; at a single vertex the field is singular */
 #define NEAR_TIPS 0.6   /* of the surface's length */
+#define END_REACH 0.1   /* of the field between the tips */
 #define OUTER_SHARE 0.4 /* attached vertices nearer to the other end than this lie along the belly: no end of fibres */
 
 static void add_end(fill_ends *ends, char *taken, sn_index vertex, double value) {
@@ -224,8 +225,16 @@ static double side_of(const search *s, const sn_attachment *a) {
     return sum < 0.5 * (double)a->count ? 0.0 : 1.0;
 }
 
+/* An area begins at the very end, or else it is where the muscle's side touches a bone that it slides on. */
+static bool reaches_end(const search *s, const sn_attachment *a, double side) {
+    for (sn_index i = 0; i < a->count; i++)
+        if (fabs(s->u[a->vertices[i]] - side) < END_REACH) return true;
+    return false;
+}
+
 static void add_area(const search *s, const sn_attachment *a, fill_ends *ends) {
     double side = side_of(s, a);
+    if (!reaches_end(s, a, side)) return;
     for (sn_index i = 0; i < a->count; i++)
         if (fabs(s->u[a->vertices[i]] - side) < OUTER_SHARE) add_end(ends, s->taken, a->vertices[i], side);
 }

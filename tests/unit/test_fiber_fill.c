@@ -288,6 +288,27 @@ static void test_split(void **state) {
     sn_muscle_free(&muscle);
 }
 
+/* A spindle held at both ends, and touched by a bone at its side near one of them: the touch is no end, fibres pass by it. */
+static void test_a_touch_is_no_end(void **state) {
+    (void)state;
+    enum { RINGS = 60, SECTORS = 24, PATCH = 3 };
+    sn_mesh mesh = spindle(RINGS, SECTORS, 100.0, 12.0);
+    sn_index low = 0, high = mesh.vertex_count - 1, touch[PATCH] = {1 + 15 * SECTORS, 2 + 15 * SECTORS, 3 + 15 * SECTORS};
+    sn_attachment attachments[3] = {{.bone = "a", .count = 1, .vertices = &low},
+                                    {.bone = "b", .count = 1, .vertices = &high},
+                                    {.bone = "c", .count = PATCH, .vertices = touch}};
+    sn_muscle muscle = {.meters_per_unit = 1.0, .mesh = mesh, .has_attachments = true, .attachment_count = 3, .attachments = attachments};
+    sn_fill_params params = sn_fill_defaults();
+    sn_fill_report report;
+    sn_fibers fibers;
+    assert_ok(sn_fill_fibers(&muscle, &params, NULL, &fibers, &report, NULL));
+    assert_int_equal(report.ends, SN_FILL_ENDS_ATTACHMENTS);
+    assert_int_equal(report.leaf_loops, 2);
+    assert_true(report.least_length > 95.0);
+    sn_fibers_free(&fibers);
+    sn_mesh_free(&mesh);
+}
+
 static void test_threads_give_the_same_fibres(void **state) {
     (void)state;
     sn_mesh mesh = spindle(40, 24, 100.0, 12.0);
@@ -375,6 +396,7 @@ int main(void) {
         cmocka_unit_test(test_user_curve),
         cmocka_unit_test(test_fibres_follow_the_surface),
         cmocka_unit_test(test_split),
+        cmocka_unit_test(test_a_touch_is_no_end),
         cmocka_unit_test(test_threads_give_the_same_fibres),
         cmocka_unit_test(test_concave_sections),
         cmocka_unit_test(test_impossible_requests),
