@@ -4,7 +4,7 @@
 #include "fill.h"
 #include "tree.h"
 
-enum { LEVELS_A_SEGMENT = 3, LEAST_LEVELS = 31 };
+enum { LEVELS_A_SEGMENT = 5, LEAST_LEVELS = 31 };
 #define ON_SURFACE 1e-9 /* of the box diagonal: nearer than that is not outside */
 
 typedef struct filling {

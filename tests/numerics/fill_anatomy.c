@@ -20,7 +20,7 @@
 #include "sinew/io.h"
 #include "sinew/rig.h"
 
-enum { EVERY = 24 };
+enum { EVERY = 24, LEAST_TIMED = 18000, MOST_TIMED = 22000 };
 
 typedef struct outcome {
     sn_fill_report report;
@@ -31,15 +31,17 @@ typedef struct outcome {
 
 typedef struct totals {
     int passed, failed, few_outside;
-    double seconds, after_field, slowest, slowest_after_field;
+    double seconds, after_field;
+    double timed, timed_after_field; /* the most that one of about 20k triangles took */
     long vertices, outside_before, outside_after;
 } totals;
 
 static sn_pool *pool;
 
+/* Processor time of all threads: what else the machine does leaves it alone. */
 static double now(void) {
     struct timespec t;
-    clock_gettime(CLOCK_MONOTONIC, &t);
+    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
     return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
 
@@ -111,7 +113,7 @@ static void print_line(const char *path, const sn_muscle *m, const outcome *o) {
            1e3 * o->after_field, o->failure ? o->failure : "ok");
 }
 
-static void add(totals *t, const outcome *o) {
+static void add(totals *t, const outcome *o, sn_index triangles) {
     t->passed += o->failure == NULL;
     t->failed += o->failure != NULL;
     t->few_outside += share_outside(o) < 0.01;
@@ -120,8 +122,9 @@ static void add(totals *t, const outcome *o) {
     t->outside_after += o->outside;
     t->seconds += o->seconds;
     t->after_field += o->after_field;
-    t->slowest = fmax(t->slowest, o->seconds);
-    t->slowest_after_field = fmax(t->slowest_after_field, o->after_field);
+    if (triangles < LEAST_TIMED || triangles > MOST_TIMED) return;
+    t->timed = fmax(t->timed, o->seconds);
+    t->timed_after_field = fmax(t->timed_after_field, o->after_field);
 }
 
 static void process(const char *path, totals *t) {
@@ -133,7 +136,7 @@ static void process(const char *path, totals *t) {
     if (status == SN_OK) status = count_outside(&m, &o.outside, &error);
     o.failure = status == SN_OK ? judge(&m, &o) : error.text;
     print_line(path, &m, &o);
-    add(t, &o);
+    add(t, &o, m.mesh.triangle_count);
     sn_muscle_free(&m);
 }
 
@@ -189,11 +192,11 @@ static sn_status measure_embedding(binding *b, totals *t, sn_error *error) {
     if (status == SN_OK) status = sn_embedding_build(&b->muscle->mesh, b->count, b->points, &params, &few, &cut, error);
     if (status == SN_OK) {
         double affine = affine_error(b, &all), affine_cut = affine_error(b, &few), bending = bending_error(b, &all, &few);
-        printf(
-            "embedding: %d points in %d triangles: %.2f s; largest error on an affine map %.2g of the size, cut at 3e-4 %.2g; the cut in a "
-            "bend of 40 degrees: %.3f on average, of %.0f; weights dropped %.3f of 1\n",
-            b->count, b->muscle->mesh.triangle_count, seconds, affine / diagonal, affine_cut / diagonal, bending, diagonal,
-            cut.dropped_mean);
+        printf("embedding: %d points in %d triangles: %.2f s of processor time; largest error on an affine map %.2g of the size, cut at "
+               "3e-4 %.2g; the cut in a "
+               "bend of 40 degrees: %.3f on average, of %.0f; weights dropped %.3f of 1\n",
+               b->count, b->muscle->mesh.triangle_count, seconds, affine / diagonal, affine_cut / diagonal, bending, diagonal,
+               cut.dropped_mean);
         bool good = affine <= 1e-9 * diagonal && affine_cut <= 1e-9 * diagonal && bending <= 2e-3 * diagonal;
         t->passed += good;
         t->failed += !good;
@@ -269,10 +272,11 @@ static void process_set(const char *data, const char *name, bool all, totals *t)
 
 static void print_totals(const char *name, const totals *t) {
     int count = t->passed + t->failed;
-    printf("%s: %d of %d muscles had less than 1 %% of their fibre vertices outside before the pull (%ld of %ld); after it %ld; %.0f ms on "
-           "average, %.0f at most; after the field %.0f and %.0f\n",
-           name, t->few_outside, count, t->outside_before, t->vertices, t->outside_after, 1e3 * t->seconds / count, 1e3 * t->slowest,
-           1e3 * t->after_field / count, 1e3 * t->slowest_after_field);
+    printf("%s: %d of %d muscles had less than 1 %% of their fibre vertices outside before the pull (%ld of %ld); after it %ld; processor "
+           "time "
+           "%.0f ms on average, %.0f after the field; at most %.0f and %.0f for 18k to 22k triangles\n",
+           name, t->few_outside, count, t->outside_before, t->vertices, t->outside_after, 1e3 * t->seconds / count,
+           1e3 * t->after_field / count, 1e3 * t->timed, 1e3 * t->timed_after_field);
 }
 
 /* Counts that a study of methods over these muscles reached with a harmonic map of the slices. */
@@ -294,8 +298,9 @@ static int run_sets(const char *data, bool all) {
         process_set(data, sets[i].name, all, &t);
         print_totals(sets[i].name, &t);
         bool complete = !all || (t.passed + t.failed == sets[i].muscles && t.few_outside >= sets[i].few_outside);
-        sum.passed += t.passed + complete;
-        sum.failed += t.failed + !complete;
+        bool quick = !all || (t.timed <= 0.150 && t.timed_after_field <= 0.050);
+        sum.passed += t.passed + complete + quick;
+        sum.failed += t.failed + !complete + !quick;
     }
     process_embedding(data, all ? 1 : 8, &sum);
     return finish(sum.passed, sum.failed);
