@@ -25,7 +25,7 @@ printf 'SINEW_SURFACES = muscles.txt\nSINEW_BONES = %s/meshes/BONE*.stl\nSINEW_T
     "$dog" "$bin" "$here" > Makefile
 
 # processor seconds of all children that have ended, as the shell's times wrote them
-spent() { awk 'NR == 2 { split($1, user, /[ms]/); split($2, system, /[ms]/); print 60 * (user[1] + system[1]) + user[2] + system[2] }' "$1"; }
+spent() { awk 'NR == 2 { split($1, user, /[ms]/); split($2, kernel, /[ms]/); print 60 * (user[1] + kernel[1]) + user[2] + kernel[2] }' "$1"; }
 
 # build WORDS STAGES [TARGET]: time it; it must run that many stages
 build() {
