@@ -250,6 +250,9 @@ static void warn_of_areas(const cli *c, const outcome *o) {
             cli_warn(c,
                      "area %s: its boundary crosses itself in the order given; the landmarks were put into the order of the shortest tour",
                      name);
+        if (area->area_share > 0.3)
+            cli_warn(c, "area %s: it is %.0f %% of the muscle's surface; does its boundary run around the muscle, not around a patch of it?",
+                     name, 100.0 * area->area_share);
         if (area->coarse)
             cli_warn(c, "area %s: its boundary encloses no vertex; the nearest vertex of each landmark was taken; a finer mesh would help",
                      name);

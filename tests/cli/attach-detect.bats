@@ -203,6 +203,9 @@ ring() { # BONE AREA X0 X1 Y0 Y1 [ORDER]
     grep -q 'area insertion: its boundary crosses itself in the order given' err
     grep -q '"reordered": true' c.report.json
     [ "$(vertices ulna < c.json)" = "[96,97,98,127,128,129]" ]
+    ring ulna most 2.5 27.5 2.5 15.5 > d.tsv
+    attach --landmarks d.tsv sheet.off -o d.json 2> err
+    grep -q 'area most: it is 5[0-9] % of the muscle' err || grep -q 'area most: it is 4[0-9] % of the muscle' err
     ring ulna origin 10.5 12.5 2.5 3.5 >> a.tsv
     [ "$(attach -q --landmarks a.tsv sheet.off | vertices ulna)" = "[96,97,98,104,105,127,128,129]" ]
 }
