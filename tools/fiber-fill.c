@@ -115,6 +115,7 @@ static void comment(cli *c, const sn_fill_report *r, bool stopped) {
     cli_say(c, "%d fibres from %s, %d slices on %d levels; mean length %.4g, pennation %.1f degrees; %d of %d vertices were outside",
             r->fibers, ends_name(r->ends), r->loops, r->levels, r->mean_length, r->mean_pennation * DEGREES, r->outside_before,
             r->vertices);
+    if (!r->closed) cli_warn(c, "the surface is not closed: fibres end at its gaps, and inside is a guess; mesh-clean fills holes");
     if (stopped) return;
     if (r->fibers < params.fibers) cli_shortfall(c, "only %d of %d fibres found their way between the ends", r->fibers, params.fibers);
     if (r->outside_after > 0 && params.pull) cli_shortfall(c, "%d fibre vertices stay outside the volume", r->outside_after);

@@ -317,6 +317,7 @@ typedef struct sn_fill_report {
     sn_index leaves;            /* tips of the structure that the fibres' ends cover */
     sn_index levels, loops, most_loops; /* slices: in all, and on one level */
     sn_fill_ends_kind ends;
+    bool closed;                /* every edge has two triangles */
     sn_index outside_before, outside_after; /* fibre vertices outside the volume, before and after the pull */
     double farthest;            /* that one lay outside */
     double mean_length, least_length, greatest_length;

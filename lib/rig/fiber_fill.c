@@ -399,6 +399,7 @@ sn_status sn_fill_fibers(const sn_muscle *muscle, const sn_fill_params *params, 
     f.mean_edge = sn_mesh_mean_edge(&muscle->mesh, &topology);
     f.closed = true;
     for (sn_index e = 0; e < topology.edge_count; e++) f.closed &= topology.edges[e].triangle_count == 2;
+    report->closed = f.closed;
     status = fill(&f, &topology, trace, out, report, error);
     filling_free(&f);
     sn_topology_free(&topology);

@@ -148,6 +148,14 @@ END
     [ "$(value r.json fibers)" -eq 100 ]
 }
 
+@test "an open surface is filled with a warning" {
+    "$BIN/mesh-clean" -q biceps.ply -o whole.obj
+    awk '!/^f/ || ++n > 40' whole.obj > open.obj
+    "$BIN/fiber-fill" --report r.json open.obj > /dev/null 2> err
+    grep -q 'not closed' err
+    [ "$(value r.json outsideAfter)" -eq 0 ]
+}
+
 @test "attachments are the ends; --tips leaves them aside" {
     "$BIN/attach-detect" -q --bone a=humerus.ply --bone b=radius.ply --distance 20mm built.json -o attached.json
     "$BIN/fiber-fill" --report r.json attached.json > /dev/null
