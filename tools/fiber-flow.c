@@ -1,18 +1,26 @@
 /* fiber-flow.c -- a fibre direction at every surface vertex of a muscle. */
 #include "cli.h"
 
+#include <stdlib.h>
+
 #include "sinew/rig.h"
 
 static sn_flow_params params;
 static int field, weights;
+static const char *ends, *from_fibers;
 static int64_t smooth = -1;
 
-static const char *const field_names[] = {"tree", NULL};
-static const char *const weight_names[] = {"inverse-square", "paper", NULL}; /* in the order of sn_flow_weights */
+static const char *const field_names[] = {"auto", "tree", "harmonic", "fibers", NULL}; /* in the order of sn_flow_field */
+static const char *const weight_names[] = {"inverse-square", "paper", NULL};           /* in the order of sn_flow_weights */
 
 static const cli_option options[] = {
     {0, "field", "NAME", CLI_CHOICE, &field, CLI_RESULT, 0, 0, field_names,
-     "where directions come from: tree, the internal structure (default)"},
+     "where directions come from: tree, the internal structure; harmonic, a field from end to end; fibers, those of --from-fibers; auto "
+     "(default), harmonic where the ends are known by --ends or by attachment areas, else tree"},
+    {0, "ends", "FILE", CLI_TEXT, &ends, CLI_RESULT | CLI_FILE, 0, 0, NULL,
+     "known sites of both ends: lines \"origin X Y Z\" and \"insertion X Y Z\""},
+    {0, "from-fibers", "FILE", CLI_TEXT, &from_fibers, CLI_RESULT | CLI_FILE, 0, 0, NULL,
+     "take each direction from the nearest of these fibres: lines of an OBJ file, or the fibres of a document"},
     {0, "weights", "NAME", CLI_CHOICE, &weights, CLI_RESULT, 0, 0, weight_names,
      "how samples at distance d weigh: inverse-square, 1/(d^2 + eps^2) (default), or paper, d"},
     {0, "smooth", "N", CLI_INTEGER, &smooth, CLI_RESULT, 0, 10000, NULL, "steps of diffusion along the surface (default 3)"},
@@ -27,27 +35,64 @@ static const cli_tool tool = {
 
 #define DEGREES (180.0 / SN_PI)
 
+static const char *const source_names[] = {"tips", "eigenfunction", "attachments", "sites"}; /* in the order of sn_ends_source */
+
 static void write_report(sn_json *json, const void *data) {
     const sn_flow_report *r = data;
     sn_json_integer(json, "vertices", r->vertices);
-    sn_json_integer(json, "byTree", r->by_tree);
+    sn_json_text(json, "field", field_names[r->field]);
+    if (r->field == SN_FIELD_HARMONIC) sn_json_text(json, "ends", source_names[r->ends]);
+    sn_json_integer(json, "byField", r->by_field);
     sn_json_integer(json, "byNeighbours", r->by_neighbours);
     sn_json_integer(json, "byConvention", r->by_convention);
     sn_json_number(json, "maxNormalDot", r->max_normal_dot);
     sn_json_number(json, "meanAngleDegrees", r->mean_angle * DEGREES);
     sn_json_number(json, "percentile95AngleDegrees", r->percentile95_angle * DEGREES);
+    if (isfinite(r->roots_angle)) sn_json_number(json, "rootsAngleDegrees", r->roots_angle * DEGREES);
+    sn_json_number(json, "meanConfidence", r->mean_confidence);
+    sn_json_integer(json, "lowConfidence", r->low_confidence);
+    if (r->field == SN_FIELD_FIBERS) sn_json_number(json, "farthestFiber", r->farthest_fiber);
 }
 
 static void comment(const cli *c, const sn_flow_report *r) {
     cli_say(c,
-            "%d directions: %d from the structure, %d from neighbours, %d by convention; between neighbours %.1f degrees on average, 95 %% "
+            "%d directions by the field %s: %d from it, %d from neighbours, %d by convention; between neighbours %.1f degrees on average, "
+            "95 %% "
             "below %.1f",
-            r->vertices, r->by_tree, r->by_neighbours, r->by_convention, r->mean_angle * DEGREES, r->percentile95_angle * DEGREES);
+            r->vertices, field_names[r->field], r->by_field, r->by_neighbours, r->by_convention, r->mean_angle * DEGREES,
+            r->percentile95_angle * DEGREES);
     if (r->by_convention > 0)
-        cli_warn(c, "%d vertices have an arbitrary direction: neither the structure nor their neighbours gave one", r->by_convention);
+        cli_warn(c, "%d vertices have an arbitrary direction: neither the field nor their neighbours gave one", r->by_convention);
+}
+
+/* A field from end to end means little where nobody knows the ends. */
+static void comment_ends(const cli *c, const sn_flow_report *r) {
+    if (r->field == SN_FIELD_HARMONIC && (r->ends == SN_ENDS_TIPS || r->ends == SN_ENDS_EIGEN))
+        cli_warn(c, "the harmonic field runs between the tips of the shape; give sites with --ends, or attachment areas with attach-detect "
+                    "--method area, for the muscle's true ends");
 }
 
 /* ---- work ----------------------------------------------------------------------------------------------------------------- */
+
+static sn_status read_extras(sn_end_site **sites, sn_fibers *given, sn_error *error) {
+    sn_status status = ends != NULL ? sn_sites_read(ends, &params.site_count, sites, error) : SN_OK;
+    if (status == SN_OK && from_fibers != NULL) status = sn_polylines_read(from_fibers, given, error);
+    params.sites = *sites;
+    params.polyline_count = given->polyline_count;
+    params.polylines = given->polylines;
+    return status;
+}
+
+static void take_options(const cli *c) {
+    params.weights = (sn_flow_weights)weights;
+    params.field = from_fibers != NULL ? SN_FIELD_FIBERS : (sn_flow_field)field;
+    if (smooth >= 0) params.smooth = (sn_index)smooth;
+    if (from_fibers != NULL && (field == SN_FIELD_TREE || field == SN_FIELD_HARMONIC))
+        cli_usage_error(c, "--from-fibers and --field %s exclude each other", field_names[field]);
+    if (from_fibers == NULL && field == SN_FIELD_FIBERS) cli_usage_error(c, "--field fibers needs --from-fibers FILE");
+    if (ends != NULL && params.field != SN_FIELD_AUTO && params.field != SN_FIELD_HARMONIC)
+        cli_usage_error(c, "--ends is for the harmonic field, not for %s", field_names[params.field]);
+}
 
 /* Fibres through the volume are not this tool's: they stay. */
 static void take_directions(sn_muscle *muscle, sn_fibers *fibers) {
@@ -69,6 +114,7 @@ static sn_status flow(cli *c, cli_muscle *muscle, sn_error *error) {
     }
     take_directions(&muscle->muscle, &fibers);
     comment(c, &report);
+    comment_ends(c, &report);
     sn_status saved = cli_save(c, muscle, SN_SECTION_FIBERS, error);
     return saved == SN_OK ? cli_report(c, write_report, &report, error) : saved;
 }
@@ -76,13 +122,17 @@ static sn_status flow(cli *c, cli_muscle *muscle, sn_error *error) {
 int main(int argc, char **argv) {
     cli c;
     cli_muscle muscle = {0};
+    sn_end_site *sites = NULL;
+    sn_fibers given = {0};
     sn_error error = {0};
     params = sn_flow_defaults();
     cli_start(&c, &tool, argc, argv);
-    params.weights = (sn_flow_weights)weights;
-    if (smooth >= 0) params.smooth = (sn_index)smooth;
-    sn_status status = cli_load(&c, &muscle, &error);
+    take_options(&c);
+    sn_status status = read_extras(&sites, &given, &error);
+    if (status == SN_OK) status = cli_load(&c, &muscle, &error);
     if (status == SN_OK) status = flow(&c, &muscle, &error);
     cli_free(&muscle);
+    sn_fibers_free(&given);
+    free(sites);
     return cli_finish(&c, status, &error);
 }

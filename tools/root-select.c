@@ -11,7 +11,10 @@
 /* A ring farther than this share of L from the volume centroid is worth a look. */
 #define FAR_FROM_CENTROID 0.10
 
-static const char *indices, *near, *sphere, *box, *plane, *painted;
+static const char *indices, *near, *sphere, *box, *plane, *painted, *ends;
+static int tips;
+
+static const char *const tip_names[] = {"sweeps", "eigenfunction", NULL};
 
 static const cli_option options[] = {
     {0, "indices", "I,J,K", CLI_TEXT, &indices, CLI_RESULT, 0, 0, NULL, "these vertices"},
@@ -22,6 +25,11 @@ static const cli_option options[] = {
      "the ring of vertices along the section nearest to a point of this plane"},
     {0, "painted", "NAME[>T]", CLI_TEXT, &painted, CLI_RESULT, 0, 0, NULL,
      "the vertices whose PLY attribute NAME is greater than T (default 0)"},
+    {0, "ends", "FILE", CLI_TEXT, &ends, CLI_RESULT | CLI_FILE, 0, 0, NULL,
+     "known sites of both ends: lines \"origin X Y Z\" and \"insertion X Y Z\""},
+    {0, "tips", "HOW", CLI_CHOICE, &tips, CLI_RESULT, 0, 0, tip_names,
+     "what the ends are without sites or attachments: sweeps, the points farthest from each other (default), or eigenfunction, the "
+     "extremes of the surface's slowest vibration"},
 };
 
 static const cli_tool tool = {"root-select",
@@ -64,11 +72,14 @@ static void take_selection(const cli *c, sn_roots_params *params, selector *chos
     sn_error error = {0};
     if (text == NULL) return;
     if (parse_selection(kind, text, chosen, &error) != SN_OK) cli_usage_error(c, "%s", error.text);
+    if (ends != NULL) cli_usage_error(c, "--ends is for the automatic choice: it and --%s exclude each other", kind);
     params->automatic = false;
     params->selector = chosen->rule;
 }
 
 /* ---- report --------------------------------------------------------------------------------------------------------------- */
+
+static const char *const source_names[] = {"tips", "eigenfunction", "attachments", "sites"}; /* in the order of sn_ends_source */
 
 static void write_report(sn_json *json, const void *data) {
     const sn_roots_report *r = data;
@@ -80,7 +91,7 @@ static void write_report(sn_json *json, const void *data) {
     sn_json_number(json, "level", r->level);
     sn_json_number(json, "genus", r->genus);
     sn_json_integer(json, "components", r->components);
-    sn_json_bool(json, "fromAttachments", r->from_attachments);
+    sn_json_text(json, "ends", source_names[r->ends]);
     sn_json_bool(json, "fallback", r->fallback);
 }
 
@@ -92,6 +103,8 @@ static void comment(const cli *c, const sn_roots_report *r) {
     if (r->genus > 0.0)
         cli_warn(c, "the surface has handles (genus %g): a ring need not separate it, and branches are not to be trusted", r->genus);
     if (r->count == 0) return;
+    if (ends != NULL && r->ends != SN_ENDS_SITES)
+        cli_warn(c, "the sites of %s lead to no ring near the middle: they lie side by side, or all along the muscle; took the tips", ends);
     if (r->fallback) cli_warn(c, "no single contour has a ring that separates the surface: took the next best curve; look at the result");
     if (r->parts != 2)
         cli_warn(c, "the roots do not separate the surface in two (parts beside them: %d): fibres may run past them", r->parts);
@@ -119,13 +132,18 @@ int main(int argc, char **argv) {
     cli c;
     cli_muscle muscle = {0};
     selector chosen = {0};
+    sn_end_site *sites = NULL;
     sn_error error = {0};
     sn_roots_params params = sn_roots_defaults();
     cli_start(&c, &tool, argc, argv);
     take_selection(&c, &params, &chosen);
-    sn_status status = cli_load(&c, &muscle, &error);
+    params.eigenfunction = tips == 1;
+    sn_status status = ends != NULL ? sn_sites_read(ends, &params.site_count, &sites, &error) : SN_OK;
+    params.sites = sites;
+    if (status == SN_OK) status = cli_load(&c, &muscle, &error);
     if (status == SN_OK) status = select_roots(&c, &params, &muscle, &error);
     cli_free(&muscle);
     selector_free(&chosen);
+    free(sites);
     return cli_finish(&c, status, &error);
 }

@@ -137,6 +137,14 @@ SN_MUST_CHECK sn_status sn_muscle_write(const sn_muscle *muscle, const sn_docume
                                         const sn_history_entry *entry, bool keep_history, sn_output *output, sn_error *error);
 void sn_document_free(sn_document *document);
 
+/* ---- what a user adds to a muscle (lib/io/sites.c polylines.c) ----------------------------------------------------------------- */
+
+/* Lines "origin X Y Z" and "insertion X Y Z" (blanks, tabs or commas between; # begins a comment); *sites is freed by the caller. */
+SN_MUST_CHECK sn_status sn_sites_read(const char *path, sn_index *count, sn_end_site **sites, sn_error *error);
+/* Fibres: the lines (l) of an OBJ file, or the polylines of a muscle document or of any JSON object {"polylines": [{"points": [x,y,z,...]}]};
+ * at least one. Free with sn_fibers_free. */
+SN_MUST_CHECK sn_status sn_polylines_read(const char *path, sn_fibers *out, sn_error *error);
+
 /* ---- the scene document (lib/io/scene_document.c) -------------------------------------------------------------------------- */
 
 /* Is this a scene document, by its "format" member? false for anything else, also for what is malformed (lib/io/detect.c). */

@@ -34,12 +34,16 @@ typedef struct sn_polyline {
     double pennation; /* angle against the line of action, radians; counts only where the length is known */
 } sn_polyline;
 
+/* A place where the muscle is known to attach: at one of its ends, 0 = origin, 1 = insertion. An end may have many. */
+typedef struct sn_end_site { sn_vec3 point; int end; } sn_end_site;
+
 /* Fibre directions at surface vertices ([R18] 3.2), and fibres through the volume ([K21] 4). */
 typedef struct sn_fibers {
     sn_vec3 *directions; /* (vertex_count) unit and tangent; NULL = none */
     sn_index polyline_count;
     sn_polyline *polylines; /* (polyline_count) */
-    char *field;            /* "tree", "harmonic", ...; NULL = not known */
+    char *field;            /* "tree", "harmonic", "fibers"; NULL = not known */
+    double *confidence;     /* (vertex_count) of each direction, 0 (a guess) to 1; NULL = not known */
 } sn_fibers;
 
 /* Why a vertex is attached. The numbers are in documents. */

@@ -42,11 +42,11 @@ typedef struct sn_dropped_component {
 
 typedef struct sn_clean_report {
     sn_mesh_report before, after;
-    double weld_tolerance;     /* document units */
+    double weld_tolerance; /* document units */
     sn_index nonfinite_vertices, welded, degenerate, duplicate, unused;
-    sn_index crack_vertices;   /* joined or put into an edge where borders ran side by side */
-    double crack_width;        /* the widest gap closed; document units */
-    sn_index wall_triangles;   /* of fins and walls inside, dropped where more than two triangles met on an edge */
+    sn_index crack_vertices; /* joined or put into an edge where borders ran side by side */
+    double crack_width;      /* the widest gap closed; document units */
+    sn_index wall_triangles; /* of fins and walls inside, dropped where more than two triangles met on an edge */
     sn_index flipped_triangles, split_vertices, stitched_edges, holes_filled, flipped_components, decimated_triangles, flipped_slivers;
     bool orientable, unchanged; /* unchanged: same vertices and triangles in the same order */
     bool flat;                  /* closed, but no volume to speak of: a sheet folded onto itself */
@@ -98,9 +98,15 @@ SN_MUST_CHECK sn_status sn_select_vertices(const sn_mesh *mesh, const sn_topolog
 
 /* ---- roots (methods.md 2; lib/rig/roots.c) -------------------------------------------------------------------------- */
 
+/* What the ends of a muscle were taken from. */
+typedef enum sn_ends_source { SN_ENDS_TIPS, SN_ENDS_EIGEN, SN_ENDS_ATTACHMENTS, SN_ENDS_SITES } sn_ends_source;
+
 typedef struct sn_roots_params {
     bool automatic; /* true (default): the mid-section ring; false: selector */
     sn_selector selector;
+    bool eigenfunction;       /* tips are the extremes of the Fiedler eigenfunction; default false: the vertices farthest from each other */
+    sn_index site_count;      /* known sites of both ends come before attachments, those before tips; 0 = none */
+    const sn_end_site *sites; /* (site_count) */
 } sn_roots_params;
 
 typedef struct sn_roots_report {
@@ -108,11 +114,11 @@ typedef struct sn_roots_report {
     bool ring;              /* the roots are one closed loop of edges */
     sn_index parts;         /* connected parts of the surface without the roots; 2 = separates */
     double centroid_offset; /* distance of the ring's mean from the volume centroid */
-    double length;          /* L: tip-to-tip length along edges */
+    double length;          /* L: tip-to-tip length along the surface */
     double level;           /* area quantile of the chosen contour; NaN for manual selection */
     double genus;           /* of the surface; NaN where it is not closed */
     sn_index components;    /* of the surface; the automatic ring is on the one with most triangles */
-    bool from_attachments;  /* the ends of the automatic selection were attachments of the document, not tips */
+    sn_ends_source ends;    /* what the automatic selection took the ends from */
     bool fallback;          /* no single contour had a simple ring that separates: the next best curve was taken */
 } sn_roots_report;
 
@@ -149,22 +155,41 @@ SN_MUST_CHECK sn_status sn_structure_build(const sn_muscle *muscle, const sn_str
 
 /* ---- fibre flow (methods.md 4; lib/rig/fiber_flow.c) ------------------------------------------------------------------ */
 
+typedef enum sn_flow_field {
+    SN_FIELD_AUTO,     /* harmonic where sites are given or the document has attachment areas at two bones, else tree */
+    SN_FIELD_TREE,     /* the axes of nearby samples ([R18] 3.2) */
+    SN_FIELD_HARMONIC, /* the gradient of a harmonic field between the muscle's ends */
+    SN_FIELD_FIBERS    /* the tangent of the nearest of given fibres ([K21] 3.1) */
+} sn_flow_field;
+
 typedef enum sn_flow_weights { SN_FLOW_INVERSE_SQUARE, SN_FLOW_PAPER } sn_flow_weights;
 
 typedef struct sn_flow_params {
-    sn_flow_weights weights; /* default 1/(d^2 + eps^2); PAPER: d */
-    sn_index smooth;         /* steps of axis diffusion; default 3 */
-    bool align;              /* treat directions as axes when averaging; default true; false = the paper to the letter */
+    sn_flow_field field;      /* default AUTO */
+    sn_flow_weights weights;  /* default 1/(d^2 + eps^2); PAPER: d */
+    sn_index smooth;          /* steps of axis diffusion; default 3 */
+    bool align;               /* treat directions as axes when averaging; default true; false = the paper to the letter */
+    sn_index site_count;      /* known sites of both ends; 0 = none: the harmonic field runs between attachment areas, then tips */
+    const sn_end_site *sites; /* (site_count) */
+    sn_index polyline_count;  /* FIBERS */
+    const sn_polyline *polylines;
 } sn_flow_params;
 
 typedef struct sn_flow_report {
-    sn_index vertices, by_tree, by_neighbours, by_convention; /* the rule that gave each vertex its direction */
-    double max_normal_dot;                                    /* max |f . n| */
-    double mean_angle, percentile95_angle;                    /* between neighbours' axes, radians */
+    sn_flow_field field;                                       /* that was used */
+    sn_ends_source ends;                                       /* of a harmonic field */
+    sn_index vertices, by_field, by_neighbours, by_convention; /* the rule that gave each vertex its direction */
+    double max_normal_dot;                                     /* max |f . n| */
+    double mean_angle, percentile95_angle;                     /* between neighbours' axes, radians */
+    double roots_angle;                                        /* mean over the edges at the roots, radians; NaN without roots */
+    double mean_confidence;
+    sn_index low_confidence; /* vertices below 0.5 */
+    double farthest_fiber;   /* FIBERS: greatest distance of a vertex from the fibre it took its direction from */
 } sn_flow_report;
 
 sn_flow_params sn_flow_defaults(void);
-/* Needs a structure. out->directions: unit, tangent, finite at every vertex; polylines of the muscle are not touched. */
+/* TREE needs a structure. out->directions: unit, tangent, finite at every vertex; out->confidence: 0 to 1; polylines of the muscle are not
+ * touched. */
 SN_MUST_CHECK sn_status sn_flow_fibers(const sn_muscle *muscle, const sn_flow_params *params, sn_trace *trace, sn_fibers *out,
                                        sn_flow_report *report, sn_error *error);
 
@@ -292,41 +317,44 @@ typedef enum sn_fill_map { SN_FILL_HARMONIC, SN_FILL_MEAN_VALUE } sn_fill_map;
 typedef enum sn_fill_ends_kind { SN_FILL_ENDS_ATTACHMENTS, SN_FILL_ENDS_GIVEN, SN_FILL_ENDS_TIPS } sn_fill_ends_kind;
 
 /* A Bezier curve of any degree in the unit square x [0,1]; z runs from the origins to the insertions. */
-typedef struct sn_fill_curve { sn_index count; const sn_vec3 *points; } sn_fill_curve;
+typedef struct sn_fill_curve {
+    sn_index count;
+    const sn_vec3 *points;
+} sn_fill_curve;
 
 typedef struct sn_fill_params {
-    sn_index fibers, segments;  /* default 100 of 15 */
+    sn_index fibers, segments; /* default 100 of 15 */
     sn_fill_template template;
-    double angle;               /* pennate, bipennate: against the line of action, radians in (0, pi/2); default 20 degrees */
-    double narrow;              /* fan: width at the narrow end as a share; default 0.25 */
-    double bow;                 /* curved: 0 to 1; default 0.5 */
-    double turn;                /* turn of the template about the line of action, radians; 0 = x along the widest way of the section */
-    sn_index curve_count;       /* user: at least 1; a fibre has the shape of the curves, blended by how near their starts are to its seed */
+    double angle;         /* pennate, bipennate: against the line of action, radians in (0, pi/2); default 20 degrees */
+    double narrow;        /* fan: width at the narrow end as a share; default 0.25 */
+    double bow;           /* curved: 0 to 1; default 0.5 */
+    double turn;          /* turn of the template about the line of action, radians; 0 = x along the widest way of the section */
+    sn_index curve_count; /* user: at least 1; a fibre has the shape of the curves, blended by how near their starts are to its seed */
     const sn_fill_curve *curves;
     sn_fill_map map;
-    sn_index smooth;            /* rounds of smoothing along each fibre before it is divided; default 0 */
-    bool pull;                  /* default true: bring vertices that lie outside in */
+    sn_index smooth;                        /* rounds of smoothing along each fibre before it is divided; default 0 */
+    bool pull;                              /* default true: bring vertices that lie outside in */
     sn_index origin_count, insertion_count; /* > 0 both: the ends */
     const sn_index *origin, *insertion;
-    bool use_attachments;       /* default true */
-    sn_pool *pool;              /* NULL = the caller's thread; the fibres are the same */
+    bool use_attachments; /* default true */
+    sn_pool *pool;        /* NULL = the caller's thread; the fibres are the same */
 } sn_fill_params;
 
 typedef struct sn_fill_report {
     sn_index fibers, vertices;
-    sn_index leaves;            /* tips of the structure that the fibres' ends cover */
+    sn_index leaves;                    /* tips of the structure that the fibres' ends cover */
     sn_index levels, loops, most_loops; /* slices: in all, and on one level */
     sn_fill_ends_kind ends;
     bool closed;                /* every edge has two triangles */
     sn_index outside_before, outside_after; /* fibre vertices outside the volume, before and after the pull */
-    double farthest;            /* that one lay outside */
+    double farthest;                        /* that one lay outside */
     double mean_length, least_length, greatest_length;
     double mean_pennation, greatest_pennation; /* radians, against the line of slice centroids, by length */
-    double action_length;       /* of the line of slice centroids */
-    double area;                /* of the widest level */
-    double density;             /* fibres through that level per area */
-    sn_index leaves_reached;    /* ends of branches of slices where at least one fibre ends */
-    sn_index leaf_loops;        /* ends of branches of slices */
+    double action_length;                      /* of the line of slice centroids */
+    double area;                               /* of the widest level */
+    double density;                            /* fibres through that level per area */
+    sn_index leaves_reached;                   /* ends of branches of slices where at least one fibre ends */
+    sn_index leaf_loops;                       /* ends of branches of slices */
 } sn_fill_report;
 
 sn_fill_params sn_fill_defaults(void);

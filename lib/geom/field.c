@@ -1,6 +1,7 @@
 /* field.c -- harmonic fields on a surface by the cotangent Laplacian. */
 #include <stdlib.h>
 
+#include "field.h"
 #include "sinew/geom.h"
 #include "sinew/sparse.h"
 
@@ -17,8 +18,7 @@ static double cotangent(sn_vec3 apex, sn_vec3 a, sn_vec3 b) {
     return sine > 0.0 ? sn_dot(u, v) / sine : 0.0;
 }
 
-/* w = (cot alpha + cot beta) / 2 over the angles opposite to the edge. */
-static double edge_weight(const sn_mesh *mesh, const sn_edge *edge) {
+double sn_edge_weight(const sn_mesh *mesh, const sn_edge *edge) {
     const sn_vec3 *p = mesh->positions;
     double sum = 0.0;
     for (int side = 0; side < 2; side++)
@@ -97,7 +97,7 @@ static void assemble(harmonic *h, const double *u) {
         const sn_edge *edge = &h->topology->edges[e];
         sn_index i = h->unknown[edge->v[0]], j = h->unknown[edge->v[1]];
         if (i < 0 && j < 0) continue;
-        double w = edge_weight(h->mesh, edge);
+        double w = sn_edge_weight(h->mesh, edge);
         if (i >= 0) diagonal[i].value += w;
         if (j >= 0) diagonal[j].value += w;
         if (i >= 0 && j >= 0) h->entries[h->entry_count++] = (sn_entry){j, i, -w};

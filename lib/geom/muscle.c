@@ -25,6 +25,7 @@ void sn_fibers_free(sn_fibers *fibers) {
     for (sn_index i = 0; i < fibers->polyline_count && fibers->polylines != NULL; i++) free(fibers->polylines[i].points);
     free(fibers->polylines);
     free(fibers->directions);
+    free(fibers->confidence);
     free(fibers->field);
     *fibers = (sn_fibers){0};
 }
@@ -201,6 +202,9 @@ static sn_status check_fibers(const sn_muscle *muscle, sn_error *error) {
     const sn_fibers *fibers = &muscle->fibers;
     for (sn_index v = 0; v < muscle->mesh.vertex_count && fibers->directions != NULL; v++)
         if (!sn_finite3(fibers->directions[v])) return fail_element(error, v, "fibers: vertex", "has a direction that is not finite");
+    for (sn_index v = 0; v < muscle->mesh.vertex_count && fibers->confidence != NULL; v++)
+        if (!(fibers->confidence[v] >= 0.0 && fibers->confidence[v] <= 1.0))
+            return fail_element(error, v, "fibers: vertex", "has a confidence that is not between 0 and 1");
     if (fibers->polyline_count < 0 || (fibers->polyline_count > 0 && fibers->polylines == NULL))
         return sn_fail(error, SN_ERROR_INPUT, "fibers: the polylines are missing");
     for (sn_index i = 0; i < fibers->polyline_count; i++) {

@@ -223,7 +223,7 @@ static sn_status parse_polyline(const sn_json_value *value, sn_polyline *out, sn
     return status == SN_OK ? sn_json_get_number(&pennation, 0.0, SN_PI, &out->pennation, error) : status;
 }
 
-static sn_status parse_polylines(const sn_json_value *value, sn_fibers *out, sn_error *error) {
+sn_status sn_parse_polylines(const sn_json_value *value, sn_fibers *out, sn_error *error) {
     if (!sn_json_has(value)) return SN_OK;
     sn_status status = sn_json_expect_array(value, error);
     if (status != SN_OK) return status;
@@ -240,7 +240,7 @@ static sn_status parse_polylines(const sn_json_value *value, sn_fibers *out, sn_
 static sn_status parse_fibers(const sn_json_value *value, sn_index vertex_count, sn_fibers *out, sn_error *error) {
     if (!sn_json_has(value)) return SN_OK;
     sn_json_value directions = sn_json_member(value, "directions"), polylines = sn_json_member(value, "polylines"),
-                  field = sn_json_member(value, "field");
+                  field = sn_json_member(value, "field"), confidence = sn_json_member(value, "confidence");
     double *coordinates = NULL;
     sn_status status = sn_json_expect_object(value, error);
     if (status == SN_OK && sn_json_has(&directions)) {
@@ -249,7 +249,9 @@ static sn_status parse_fibers(const sn_json_value *value, sn_index vertex_count,
         out->directions = (sn_vec3 *)coordinates;
     }
     if (status == SN_OK) status = sn_json_get_text(&field, &out->field, error);
-    return status == SN_OK ? parse_polylines(&polylines, out, error) : status;
+    if (status == SN_OK && sn_json_has(&confidence))
+        status = sn_json_get_numbers(&confidence, 1, vertex_count, NULL, &out->confidence, error);
+    return status == SN_OK ? sn_parse_polylines(&polylines, out, error) : status;
 }
 
 static sn_status parse_attachment(const sn_json_value *value, sn_index vertex_count, sn_attachment *out, sn_error *error) {
@@ -510,6 +512,7 @@ static sn_status write_fibers(const sn_muscle *muscle, sn_json *json, sn_error *
     sn_json_object(json, "fibers");
     if (fibers->directions != NULL) write_points(json, "directions", fibers->directions, muscle->mesh.vertex_count);
     if (fibers->field != NULL) sn_json_text(json, "field", fibers->field);
+    if (fibers->confidence != NULL) sn_json_numbers(json, "confidence", fibers->confidence, (size_t)muscle->mesh.vertex_count);
     if (fibers->polyline_count > 0) {
         sn_json_array(json, "polylines");
         for (sn_index i = 0; i < fibers->polyline_count; i++) {

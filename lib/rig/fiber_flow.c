@@ -1,5 +1,6 @@
 /*
- * fiber_flow.c -- fibre direction at every surface vertex ([R18] 3.2): the axes of nearby samples, averaged, projected on the surface.
+ * fiber_flow.c -- fibre direction at every surface vertex ([R18] 3.2): the axes of nearby samples, averaged, projected on the surface; or
+ * those of a harmonic field, or of given fibres.
  *
  * Directions are axes: delta changes sign across the roots, so vectors are turned to agree before any averaging. Without that the flow near
  * the roots is 20-28 degrees off between neighbours, with it 4-6.
@@ -8,12 +9,18 @@
 
 #include <stdlib.h>
 
+#include "flow.h"
+
 /* The projection of a direction this nearly normal to the surface says nothing: the tips, where fibres leave the surface. */
 #define VANISHING 1e-2
 /* eps of 1 / (d^2 + eps^2), as a share of the box diagonal: a vertex on its sample must not divide by zero. */
 #define WEIGHT_EPSILON 1e-3
 
-typedef enum rule { RULE_NONE, RULE_TREE, RULE_NEIGHBOURS, RULE_CONVENTION } rule;
+/* Within this share of L of a tip every method is far off: confidence falls to 0 there. */
+#define TIP_SHARE 0.08
+#define LOW_CONFIDENCE 0.5
+
+typedef enum rule { RULE_NONE, RULE_FIELD, RULE_NEIGHBOURS, RULE_CONVENTION } rule;
 
 typedef struct flow {
     const sn_muscle *muscle;
@@ -22,18 +29,23 @@ typedef struct flow {
     const sn_flow_params *params;
     sn_trace *trace;
     sn_topology topology;
+    sn_flow_field field;
+    sn_ends_source ends;
+    double farthest_fiber;
     double epsilon;
     sn_index *child_start; /* (sample_count + 1) into child_list */
     sn_index *child_list;
-    sn_vec3 *normals;     /* (vertex_count) unit */
-    sn_vec3 *directions;  /* (vertex_count) */
-    sn_vec3 *scratch;     /* (vertex_count) */
-    unsigned char *rules; /* (vertex_count) rule */
+    sn_index *vertex_start; /* (sample_count + 1) into vertex_list */
+    sn_index *vertex_list;  /* (vertex_count) */
+    sn_vec3 *normals;       /* (vertex_count) unit */
+    sn_vec3 *directions;    /* (vertex_count) */
+    sn_vec3 *scratch;       /* (vertex_count) */
+    double *confidence;     /* (vertex_count) */
+    unsigned char *rules;   /* (vertex_count) rule */
 } flow;
 
-static sn_status check_request(const sn_muscle *muscle, const sn_flow_params *params, sn_error *error) {
+static sn_status check_structure(const sn_muscle *muscle, sn_error *error) {
     const sn_structure *s = &muscle->structure;
-    if (params->smooth < 0) return sn_fail(error, SN_ERROR_USAGE, "the number of smoothing steps must be 0 or more");
     if (s->sample_count < 1) return sn_fail(error, SN_ERROR_INPUT, "the muscle has no structure; run build-structure on it first");
     for (sn_index v = 0; v < muscle->mesh.vertex_count; v++) {
         if (s->vertex_sample[v] >= 0 && s->vertex_sample[v] < s->sample_count) continue;
@@ -42,6 +54,37 @@ static sn_status check_request(const sn_muscle *muscle, const sn_flow_params *pa
         return SN_ERROR_INPUT;
     }
     return SN_OK;
+}
+
+static sn_status check_fibers(const sn_flow_params *params, sn_error *error) {
+    for (sn_index i = 0; i < params->polyline_count; i++) {
+        const sn_polyline *line = &params->polylines[i];
+        bool finite = true;
+        double length = 0.0;
+        for (sn_index k = 0; k < line->count && finite; k++) {
+            finite = sn_finite3(line->points[k]);
+            if (k > 0) length += sn_distance(line->points[k - 1], line->points[k]);
+        }
+        if (!finite) return sn_fail(error, SN_ERROR_INPUT, "fibre %d has a point that is not finite", (int)i + 1);
+        if (length > 0.0) return SN_OK;
+    }
+    return sn_fail(error, SN_ERROR_INPUT, "there is no fibre with two different points to take directions from");
+}
+
+/* AUTO: harmonic where the ends are known. Patches of merely detected bone contact are poor ends: not used for it. */
+static sn_status choose_field(flow *f, sn_error *error) {
+    f->field = f->params->field;
+    if (f->params->smooth < 0) return sn_fail(error, SN_ERROR_USAGE, "the number of smoothing steps must be 0 or more");
+    if (f->field == SN_FIELD_AUTO) {
+        ends e;
+        sn_status status = ends_alloc(f->mesh->vertex_count, &e, error);
+        bool known = !status && (f->params->site_count > 0 || ends_from_attachments(f->muscle, true, &e));
+        ends_free(&e);
+        if (status) return status;
+        f->field = known ? SN_FIELD_HARMONIC : SN_FIELD_TREE;
+    }
+    if (f->field == SN_FIELD_TREE) return check_structure(f->muscle, error);
+    return f->field == SN_FIELD_FIBERS ? check_fibers(f->params, error) : SN_OK;
 }
 
 /* ---- normals -------------------------------------------------------------------------------------------------------------- */
@@ -135,11 +178,21 @@ static sn_vec3 neighbour_sum(const flow *f, sn_index vertex, sn_vec3 reference) 
 
 /* ---- the steps ---------------------------------------------------------------------------------------------------------------- */
 
-static sn_index follow_tree(flow *f) {
+static sn_status gather_directions(flow *f, sn_error *error) {
+    if (f->field == SN_FIELD_HARMONIC)
+        return harmonic_directions(f->muscle, &f->topology, f->params, f->trace, f->directions, &f->ends, error);
+    if (f->field == SN_FIELD_FIBERS)
+        return nearest_tangents(f->mesh, f->params->polyline_count, f->params->polylines, f->directions, &f->farthest_fiber, error);
+    for (sn_index v = 0; v < f->mesh->vertex_count; v++) f->directions[v] = tree_direction(f, v);
+    return SN_OK;
+}
+
+/* On the tangent planes; returns how many vanish there. */
+static sn_index lay_down(flow *f) {
     sn_index missing = 0;
     for (sn_index v = 0; v < f->mesh->vertex_count; v++) {
-        f->directions[v] = project(tree_direction(f, v), f->normals[v]);
-        f->rules[v] = sn_norm2(f->directions[v]) > 0.0 ? RULE_TREE : RULE_NONE;
+        f->directions[v] = project(f->directions[v], f->normals[v]);
+        f->rules[v] = sn_norm2(f->directions[v]) > 0.0 ? RULE_FIELD : RULE_NONE;
         missing += f->rules[v] == RULE_NONE;
     }
     return missing;
@@ -189,9 +242,17 @@ static void smooth_once(flow *f) {
     f->scratch = swap;
 }
 
+static const char *field_name(sn_flow_field field) {
+    static const char *const names[] = {"auto", "tree", "harmonic", "fibers"};
+    return names[field];
+}
+
 static sn_status run(flow *f, sn_error *error) {
-    sn_index missing = follow_tree(f);
-    bool stop = SN_TRACE(f->trace, "tree", sn_trace_number("vertices", f->mesh->vertex_count), sn_trace_number("vanishing", missing));
+    sn_status gathered = gather_directions(f, error);
+    if (gathered && gathered != SN_STOPPED) return gathered;
+    sn_index missing = lay_down(f);
+    bool stop = gathered == SN_STOPPED || SN_TRACE(f->trace, field_name(f->field), sn_trace_number("vertices", f->mesh->vertex_count),
+                                                   sn_trace_number("vanishing", missing));
     if (missing > 0) { /* also when stopped: what is written has a direction everywhere */
         sn_status status = fill_missing(f, missing, error);
         if (status) return status;
@@ -204,12 +265,67 @@ static sn_status run(flow *f, sn_error *error) {
     return SN_OK;
 }
 
+/* ---- confidence ------------------------------------------------------------------------------------------------------------------ */
+
+/* The vertex that lies farthest out on each leaf of the structure; without one, the two ends of the shape. Returns how many. */
+static sn_status find_all_tips(const flow *f, sn_index *tip, sn_index *count, double *length, sn_error *error) {
+    const sn_structure *s = f->structure;
+    surface_survey survey;
+    tips shape;
+    sn_status status = survey_surface(f->mesh, &f->topology, &survey, error);
+    if (!status) status = find_tips(f->mesh, &f->topology, survey.main_vertex, NULL, &shape, error);
+    if (status) return status;
+    *length = shape.length;
+    tip[0] = shape.end[0];
+    tip[1] = shape.end[1];
+    *count = 2;
+    for (sn_index i = 0; i < s->sample_count; i++) {
+        if (f->child_start[i] < f->child_start[i + 1]) continue;
+        sn_index best = SN_NONE;
+        double farthest = 0.0;
+        for (sn_index k = f->vertex_start[i]; k < f->vertex_start[i + 1]; k++) {
+            sn_index v = f->vertex_list[k];
+            double out = -sn_dot(s->axes[i], sn_sub(f->mesh->positions[v], s->positions[i]));
+            if (best != SN_NONE && !(out > farthest)) continue;
+            best = v;
+            farthest = out;
+        }
+        if (best != SN_NONE) tip[(*count)++] = best;
+    }
+    return SN_OK;
+}
+
+/* How well the neighbours' axes agree with that of the vertex: 1 = all parallel. */
+static double agreement_around(const flow *f, sn_index vertex) {
+    sn_index first = f->topology.vertex_start[vertex], last = f->topology.vertex_start[vertex + 1];
+    double sum = 0.0;
+    for (sn_index k = first; k < last; k++) sum += fabs(sn_dot(f->directions[vertex], f->directions[f->topology.neighbours[k]]));
+    return last > first ? sum / (double)(last - first) : 0.0;
+}
+
+/* The rule's own share, times how far the tips are (8 % of L or more is far), times how well the neighbours agree. */
+static sn_status set_confidence(flow *f, sn_error *error) {
+    static const double shares[] = {[RULE_NONE] = 0.0, [RULE_FIELD] = 1.0, [RULE_NEIGHBOURS] = 0.5, [RULE_CONVENTION] = 0.0};
+    sn_index *tip = SN_NEW(sn_index, (size_t)f->structure->sample_count + 2), count = 0;
+    double length = 0.0;
+    sn_status status = tip ? find_all_tips(f, tip, &count, &length, error) : sn_fail_memory(error, "the tips of the muscle");
+    if (!status) status = sn_geodesic_distance(f->mesh, &f->topology, count, tip, f->confidence, error);
+    for (sn_index v = 0; !status && v < f->mesh->vertex_count; v++) {
+        double near = length > 0.0 ? fmin(1.0, f->confidence[v] / (TIP_SHARE * length)) : 0.0;
+        f->confidence[v] = fmin(1.0, shares[f->rules[v]] * near * agreement_around(f, v));
+    }
+    free(tip);
+    return status;
+}
+
 /* ---- report -------------------------------------------------------------------------------------------------------------------- */
 
 static int compare_numbers(const void *left, const void *right) {
     double a = *(const double *)left, b = *(const double *)right;
     return (a > b) - (a < b);
 }
+
+static double axis_angle(sn_vec3 a, sn_vec3 b) { return atan2(sn_norm(sn_cross(a, b)), fabs(sn_dot(a, b))); }
 
 /* Angles between the axes at the two ends of each edge. */
 static sn_status measure_angles(const flow *f, sn_flow_report *r, sn_error *error) {
@@ -218,8 +334,7 @@ static sn_status measure_angles(const flow *f, sn_flow_report *r, sn_error *erro
     if (!angles) return sn_fail_memory(error, "the angles of the flow");
     for (sn_index e = 0; e < count; e++) {
         const sn_index *v = f->topology.edges[e].v;
-        sn_vec3 a = f->directions[v[0]], b = f->directions[v[1]];
-        angles[e] = atan2(sn_norm(sn_cross(a, b)), fabs(sn_dot(a, b)));
+        angles[e] = axis_angle(f->directions[v[0]], f->directions[v[1]]);
         sum += angles[e];
     }
     qsort(angles, (size_t)count, sizeof *angles, compare_numbers);
@@ -229,14 +344,31 @@ static sn_status measure_angles(const flow *f, sn_flow_report *r, sn_error *erro
     return SN_OK;
 }
 
+/* Over the edges at root vertices: where a tree's directions turn round. */
+static double angle_at_roots(const flow *f) {
+    double sum = 0.0;
+    sn_index count = 0;
+    for (sn_index i = 0; i < f->muscle->roots.count; i++) {
+        sn_index v = f->muscle->roots.vertices[i];
+        for (sn_index k = f->topology.vertex_start[v]; k < f->topology.vertex_start[v + 1]; k++, count++)
+            sum += axis_angle(f->directions[v], f->directions[f->topology.neighbours[k]]);
+    }
+    return count > 0 ? sum / count : NAN;
+}
+
 static sn_status fill_report(const flow *f, sn_flow_report *r, sn_error *error) {
-    *r = (sn_flow_report){.vertices = f->mesh->vertex_count};
+    *r = (sn_flow_report){.vertices = f->mesh->vertex_count, .field = f->field, .ends = f->ends, .farthest_fiber = f->farthest_fiber};
+    double confidence = 0.0;
     for (sn_index v = 0; v < f->mesh->vertex_count; v++) {
-        r->by_tree += f->rules[v] == RULE_TREE;
+        r->by_field += f->rules[v] == RULE_FIELD;
         r->by_neighbours += f->rules[v] == RULE_NEIGHBOURS;
         r->by_convention += f->rules[v] == RULE_CONVENTION;
+        r->low_confidence += f->confidence[v] < LOW_CONFIDENCE;
+        confidence += f->confidence[v];
         r->max_normal_dot = fmax(r->max_normal_dot, fabs(sn_dot(f->directions[v], f->normals[v])));
     }
+    r->mean_confidence = confidence / (double)f->mesh->vertex_count;
+    r->roots_angle = angle_at_roots(f);
     return measure_angles(f, r, error);
 }
 
@@ -251,22 +383,39 @@ static void list_children(flow *f) {
     f->child_start[0] = 0;
 }
 
+/* Vertices by sample. */
+static void list_vertices(flow *f) {
+    const sn_structure *s = f->structure;
+    for (sn_index v = 0; s->sample_count > 0 && v < f->mesh->vertex_count; v++)
+        if (s->vertex_sample[v] != SN_NONE) f->vertex_start[s->vertex_sample[v] + 1]++;
+    for (sn_index i = 0; i < s->sample_count; i++) f->vertex_start[i + 1] += f->vertex_start[i];
+    for (sn_index v = 0; s->sample_count > 0 && v < f->mesh->vertex_count; v++)
+        if (s->vertex_sample[v] != SN_NONE) f->vertex_list[f->vertex_start[s->vertex_sample[v]]++] = v;
+    for (sn_index i = s->sample_count; i > 0; i--) f->vertex_start[i] = f->vertex_start[i - 1];
+    f->vertex_start[0] = 0;
+}
+
 static sn_status prepare(flow *f, sn_error *error) {
     sn_status status = sn_mesh_validate(f->mesh, error);
-    if (!status) status = check_request(f->muscle, f->params, error);
+    if (!status) status = choose_field(f, error);
     if (!status) status = sn_topology_build(f->mesh, &f->topology, error);
     if (status) return status;
     size_t n = (size_t)f->mesh->vertex_count, samples = (size_t)f->structure->sample_count;
     f->child_start = SN_NEW(sn_index, samples + 1);
     f->child_list = SN_NEW(sn_index, samples);
+    f->vertex_start = SN_NEW(sn_index, samples + 1);
+    f->vertex_list = SN_NEW(sn_index, n);
+    f->confidence = SN_NEW(double, n);
     f->normals = SN_NEW(sn_vec3, n);
     f->directions = SN_NEW(sn_vec3, n);
     f->scratch = SN_NEW(sn_vec3, n);
     f->rules = SN_NEW(unsigned char, n);
-    if (!f->child_start || !f->child_list || !f->normals || !f->directions || !f->scratch || !f->rules)
+    if (!f->child_start || !f->child_list || !f->vertex_start || !f->vertex_list || !f->confidence || !f->normals || !f->directions ||
+        !f->scratch || !f->rules)
         return sn_fail_memory(error, "the fibre directions");
     f->epsilon = fmax(WEIGHT_EPSILON * sn_box_diagonal(sn_mesh_box(f->mesh)), 1e-150);
     list_children(f);
+    list_vertices(f);
     set_normals(f);
     return SN_OK;
 }
@@ -275,6 +424,9 @@ static void flow_free(flow *f) {
     sn_topology_free(&f->topology);
     free(f->child_start);
     free(f->child_list);
+    free(f->vertex_start);
+    free(f->vertex_list);
+    free(f->confidence);
     free(f->normals);
     free(f->directions);
     free(f->scratch);
@@ -291,15 +443,21 @@ sn_status sn_flow_fibers(const sn_muscle *muscle, const sn_flow_params *params, 
     flow f = {.muscle = muscle, .mesh = &muscle->mesh, .structure = &muscle->structure, .params = params, .trace = trace};
     sn_status status = prepare(&f, error);
     if (!status) status = run(&f, error);
+    if (status == SN_OK || status == SN_STOPPED) {
+        sn_status judged = set_confidence(&f, error);
+        if (judged) status = judged;
+    }
     if (report && (status == SN_OK || status == SN_STOPPED)) {
         sn_status reported = fill_report(&f, report, error);
         if (reported) status = reported;
     }
     if (status == SN_OK || status == SN_STOPPED) {
-        out->field = sn_strdup("tree");
+        out->field = sn_strdup(field_name(f.field));
         if (out->field) {
             out->directions = f.directions;
+            out->confidence = f.confidence;
             f.directions = NULL;
+            f.confidence = NULL;
         } else {
             status = sn_fail_memory(error, "the fibre directions");
         }

@@ -22,13 +22,13 @@ typedef struct pruning {
     tree *tree;
     sn_trace *trace;
     double least_height;
-    sn_index *children;   /* (count) */
-    sn_index *child;      /* (count) first child */
-    sn_index *sibling;    /* (count) next child of the same parent */
-    double *reach;        /* (count) greatest distance in the subtree */
-    sn_index *votes;      /* (count) all 0 between uses */
-    twig *heap;           /* (count) lowest first, then lowest index */
-    twig *kept;           /* (count) too high when they were looked at */
+    sn_index *children; /* (count) */
+    sn_index *child;    /* (count) first child */
+    sn_index *sibling;  /* (count) next child of the same parent */
+    double *reach;      /* (count) greatest distance in the subtree */
+    sn_index *votes;    /* (count) all 0 between uses */
+    twig *heap;         /* (count) lowest first, then lowest index */
+    twig *kept;         /* (count) too high when they were looked at */
     sn_index heap_count, kept_count, pruned;
 } pruning;
 

@@ -9,14 +9,15 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "ends.h"
 #include "section.h"
 #include "tips.h"
 
-#define PATCH_SHARE 0.05   /* patches around the tips, as a share of L */
-#define NEAR_CENTROID 0.10 /* a ring between attachments must lie within this share of L of the centroid */
+#define NEAR_CENTROID 0.10 /* a ring between sites or attachments must lie within this share of L of the centroid */
 
 typedef struct selection {
     const sn_muscle *muscle;
+    const sn_roots_params *params;
     const sn_mesh *mesh;
     sn_topology topology;
     section cut;
@@ -29,77 +30,26 @@ typedef struct selection {
     sn_index *vertices;
 } selection;
 
-/* ---- the ends ------------------------------------------------------------------------------------------------------- */
+/* ---- the field between the ends ----------------------------------------------------------------------------------------- */
 
-/* Vertices held at 0 (the first low_count) and at 1. */
-typedef struct ends {
-    sn_index count;
-    sn_index *vertices; /* (vertex_count) */
-    double *values;     /* (vertex_count) */
-} ends;
-
-static void ends_add(ends *e, sn_index vertex, double value) {
-    e->vertices[e->count] = vertex;
-    e->values[e->count++] = value;
+static sn_status find_ends(selection *s, bool known, ends *e, sn_error *error) {
+    if (known && s->params->site_count > 0)
+        return ends_from_sites(s->mesh, &s->topology, s->params->site_count, s->params->sites, s->tips.length, e, error);
+    if (known && ends_from_attachments(s->muscle, false, e)) return SN_OK;
+    return ends_from_tips(s->mesh, &s->topology, &s->tips, e, error);
 }
 
-static sn_vec3 attachment_mean(const sn_muscle *muscle, const sn_attachment *a) {
-    sn_vec3 sum = {0, 0, 0};
-    for (sn_index i = 0; i < a->count; i++) sum = sn_add(sum, muscle->mesh.positions[a->vertices[i]]);
-    return sn_scale(sum, 1.0 / (double)a->count);
-}
-
-/* The two bones whose attachments lie farthest apart; those between them stay free. */
-static bool farthest_attachments(const sn_muscle *muscle, sn_index pair[2]) {
-    double best = 0.0;
-    for (sn_index i = 0; i < muscle->attachment_count; i++)
-        for (sn_index j = i + 1; j < muscle->attachment_count; j++) {
-            const sn_attachment *a = &muscle->attachments[i], *b = &muscle->attachments[j];
-            if (a->count == 0 || b->count == 0) continue;
-            double apart = sn_distance(attachment_mean(muscle, a), attachment_mean(muscle, b));
-            if (!(apart > best)) continue;
-            best = apart;
-            pair[0] = i;
-            pair[1] = j;
-        }
-    return best > 0.0;
-}
-
-static bool ends_from_attachments(const selection *s, ends *e) {
-    sn_index pair[2];
-    if (!farthest_attachments(s->muscle, pair)) return false;
-    for (int side = 0; side < 2; side++) {
-        const sn_attachment *a = &s->muscle->attachments[pair[side]];
-        for (sn_index i = 0; i < a->count; i++) ends_add(e, a->vertices[i], side);
-    }
-    return true;
-}
-
-/* All vertices within 5 % of L of a tip. */
-static sn_status ends_from_tips(const selection *s, ends *e, sn_error *error) {
-    double *distance = SN_NEW(double, s->mesh->vertex_count);
-    if (!distance) return sn_fail_memory(error, "the distances from the tips");
-    sn_status status = SN_OK;
-    for (int side = 0; side < 2 && !status; side++) {
-        status = sn_edge_distance(s->mesh, &s->topology, 1, &s->tips.end[side], distance, NULL, error);
-        for (sn_index v = 0; !status && v < s->mesh->vertex_count; v++)
-            if (distance[v] <= PATCH_SHARE * s->tips.length) ends_add(e, v, side);
-    }
-    free(distance);
-    return status;
-}
-
-static sn_status harmonic_between(selection *s, bool attachments, double *u, sn_error *error) {
-    ends e = {.vertices = SN_NEW(sn_index, s->mesh->vertex_count), .values = SN_NEW(double, s->mesh->vertex_count)};
-    sn_status status = e.vertices && e.values ? SN_OK : sn_fail_memory(error, "the ends of the muscle");
-    s->report.from_attachments = !status && attachments && ends_from_attachments(s, &e);
-    if (!status && !s->report.from_attachments) status = ends_from_tips(s, &e, error);
+/* known: between sites or attachments, where there are some; else between the tips. */
+static sn_status harmonic_between(selection *s, bool known, double *u, sn_error *error) {
+    ends e;
+    sn_status status = ends_alloc(s->mesh->vertex_count, &e, error);
+    if (!status) status = find_ends(s, known, &e, error);
+    s->report.ends = e.source;
     if (!status) status = sn_harmonic_field(s->mesh, &s->topology, e.count, e.vertices, e.values, u, error);
-    if (!status && SN_TRACE(s->trace, "field", sn_trace_text("ends", s->report.from_attachments ? "attachments" : "tips"),
-                            sn_trace_indices("fixed", e.vertices, e.count)))
+    if (!status &&
+        SN_TRACE(s->trace, "field", sn_trace_text("ends", ends_source_name(e.source)), sn_trace_indices("fixed", e.vertices, e.count)))
         status = SN_STOPPED;
-    free(e.vertices);
-    free(e.values);
+    ends_free(&e);
     return status;
 }
 
@@ -279,13 +229,13 @@ static sn_status search_ring(selection *s, const double *u, sn_error *error) {
     return status;
 }
 
-static sn_status ring_between(selection *s, bool attachments, double *u, sn_error *error) {
+static sn_status ring_between(selection *s, bool known, double *u, sn_error *error) {
     s->count = 0;
-    sn_status status = harmonic_between(s, attachments, u, error);
+    sn_status status = harmonic_between(s, known, u, error);
     return status ? status : search_ring(s, u, error);
 }
 
-/* Attachments may lie side by side, or all along the muscle. */
+/* Sites and attachments may lie side by side, or all along the muscle. */
 static bool is_mid_section(selection *s) {
     if (s->count == 0 || section_parts(&s->cut, s->count, s->vertices) != 2) return false;
     return sn_distance(vertex_mean(s->mesh, s->count, s->vertices), s->centroid) <= NEAR_CENTROID * s->tips.length;
@@ -295,7 +245,8 @@ static sn_status select_automatic(selection *s, sn_error *error) {
     double *u = SN_NEW(double, s->mesh->vertex_count);
     s->vertices = SN_NEW(sn_index, s->mesh->vertex_count > s->topology.edge_count ? s->mesh->vertex_count : s->topology.edge_count);
     sn_status status = u && s->vertices ? ring_between(s, true, u, error) : sn_fail_memory(error, "the field between the muscle's ends");
-    if (!status && s->report.from_attachments && !is_mid_section(s)) status = ring_between(s, false, u, error);
+    bool known = s->report.ends == SN_ENDS_SITES || s->report.ends == SN_ENDS_ATTACHMENTS;
+    if (!status && known && !is_mid_section(s)) status = ring_between(s, false, u, error);
     if (!status && s->count == 0)
         status = sn_fail(error, SN_ERROR_INPUT,
                          "no closed ring of vertices runs around the muscle's middle; close the mesh with mesh-clean, or choose the roots "
@@ -366,7 +317,9 @@ static sn_status prepare(selection *s, sn_error *error) {
     if (!status) status = sn_topology_build(s->mesh, &s->topology, error);
     if (!status) status = section_create(s->mesh, &s->topology, &s->cut, error);
     if (!status) status = survey_surface(s->mesh, &s->topology, &s->survey, error);
-    if (!status) status = find_tips(s->mesh, &s->topology, s->survey.main_vertex, s->trace, &s->tips, error);
+    if (!status)
+        status = s->params->eigenfunction ? find_tips_by_eigenfunction(s->mesh, &s->topology, &s->survey, s->trace, &s->tips, error)
+                                          : find_tips(s->mesh, &s->topology, s->survey.main_vertex, s->trace, &s->tips, error);
     s->centroid = sn_mesh_volume_centroid(s->mesh);
     s->report.level = NAN;
     return status;
@@ -401,7 +354,7 @@ sn_status sn_roots_select(const sn_muscle *muscle, const sn_roots_params *params
     *out = (sn_roots){0};
     if (report) *report = (sn_roots_report){.level = NAN};
     if (sn_trace_stopped(trace)) return SN_STOPPED;
-    selection s = {.muscle = muscle, .mesh = &muscle->mesh, .trace = trace};
+    selection s = {.muscle = muscle, .params = params, .mesh = &muscle->mesh, .trace = trace};
     sn_status status = prepare(&s, error);
     if (!status) status = params->automatic ? select_automatic(&s, error) : select_manual(&s, &params->selector, error);
     if (!status) {

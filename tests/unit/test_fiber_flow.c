@@ -59,7 +59,7 @@ static void a_spindle_flows_along_its_meridians(void **state) {
     sn_flow_report r = flow(&m, sn_flow_defaults());
     check_directions(&m);
     assert_true(meridian_error(&m) < 1.0); /* not 0: the diagonals of the mesh tilt its normals */
-    assert_int_equal(r.by_tree + r.by_neighbours + r.by_convention, m.mesh.vertex_count);
+    assert_int_equal(r.by_field + r.by_neighbours + r.by_convention, m.mesh.vertex_count);
     assert_int_equal(r.by_neighbours, 2); /* the poles, where the muscle's axis is the normal */
     assert_true(r.max_normal_dot < 1e-6);
     sn_muscle_free(&m);
