@@ -68,13 +68,23 @@ static sn_status find_ways(inside_step *step, sn_index count, const sn_vec3 *poi
 }
 
 /* Ways that ran along the surface: from an edge, the mean normal leads inside where those of its faces do not. */
-static sn_status aim_again(inside_step *step, sn_index count, double diagonal, way_in *ways, sn_error *error) {
+static sn_status aim_by_mean_normal(inside_step *step, sn_index count, double diagonal, way_in *ways, sn_error *error) {
     sn_vec3 *normals = count > 0 ? SN_NEW(sn_vec3, step->mesh->vertex_count) : NULL;
     if (count > 0 && !normals) return sn_fail_memory(error, "the samples outside the volume");
     if (count > 0) sn_mesh_vertex_normals(step->mesh, normals);
     for (sn_index i = 0; i < count; i++) aim(step, &ways[i], sn_neg(smooth_normal(step->mesh, normals, &ways[i].closest)), diagonal);
     free(normals);
     return SN_OK;
+}
+
+/* Around a crease that crosses itself there is no inside: start from the middle of the face. */
+static void aim_from_face(inside_step *step, sn_index count, double diagonal, way_in *ways) {
+    for (sn_index i = 0; i < count; i++) {
+        const sn_index *v = step->mesh->triangles[ways[i].closest.triangle].v;
+        const sn_vec3 *p = step->mesh->positions;
+        ways[i].closest.point = sn_scale(sn_add(p[v[0]], sn_add(p[v[1]], p[v[2]])), 1.0 / 3.0);
+        aim(step, &ways[i], sn_neg(face_normal(step->mesh, ways[i].closest.triangle)), diagonal);
+    }
 }
 
 /* Go as far as is inside, by halves; the ways that never are stay, *count of them. */
@@ -115,7 +125,9 @@ sn_status move_inside(inside_step *step, sn_index count, sn_vec3 *points, sn_err
     if (!status) status = count_windings(step->mesh, count, points, winding, error);
     if (!status) status = find_ways(step, count, points, winding, diagonal, ways, &way_count, error);
     if (!status) status = follow_ways(step, &way_count, ways, points, tried, winding, error);
-    if (!status) status = aim_again(step, way_count, diagonal, ways, error);
+    if (!status) status = aim_by_mean_normal(step, way_count, diagonal, ways, error);
+    if (!status) status = follow_ways(step, &way_count, ways, points, tried, winding, error);
+    if (!status) aim_from_face(step, way_count, diagonal, ways);
     if (!status) status = follow_ways(step, &way_count, ways, points, tried, winding, error);
     free(winding);
     free(ways);

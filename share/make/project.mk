@@ -60,6 +60,11 @@ stability: programs $(B)/tests/numerics/xpbd_extremes
 off-equals-absent: programs examples
 	tests/off-equals-absent $(B)/bin $(B)/examples
 
+# every row of the study of rig generation, on every muscle (check runs a short form)
+anatomy: $(B)/tests/numerics/anatomy_rig
+	DATA=$(DATA) $< --all
+.PHONY: anatomy
+
 # ---- demo ---------------------------------------------------------------------------------------------------------------------
 demo: deps
 	@$(MAKE) --no-print-directory -j$(JOBS) programs examples

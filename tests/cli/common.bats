@@ -124,5 +124,6 @@ setup() {
     for tool in root-select fiber-flow simulate; do # build-structure asks what lies inside
         refute links $tool embree
     done
+    refute links build-structure gmp mpfr gsl cholmod
     refute links attach-detect gmp mpfr gsl cholmod
 }

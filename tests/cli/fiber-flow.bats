@@ -22,7 +22,7 @@ directions() { grep -o '"directions": *\[[^]]*\]' "$1" | sed 's/.*\[//; s/\]//' 
     [ "$(directions f.json | wc -l)" -eq "$(value r.json vertices)" ]
     directions f.json | awk '{ d = $1 * $1 + $2 * $2 + $3 * $3 - 1; if (!(d < 1e-9 && d > -1e-9)) exit 1 }'
     awk -v dot="$(value r.json maxNormalDot)" 'BEGIN { exit !(dot < 1e-6) }'
-    [ $(($(value r.json byTree) + $(value r.json byNeighbours) + $(value r.json byConvention))) -eq "$(value r.json vertices)" ]
+    [ $(($(value r.json byField) + $(value r.json byNeighbours) + $(value r.json byConvention))) -eq "$(value r.json vertices)" ]
 }
 
 @test "alignment and smoothing bring neighbours together" {
@@ -38,6 +38,61 @@ directions() { grep -o '"directions": *\[[^]]*\]' "$1" | sed 's/.*\[//; s/\]//' 
     "$BIN/fiber-flow" --no-history --field tree --weights inverse-square --smooth 3 built.json -o 2.json
     cmp 1.json 2.json
     grep -q '"field": "tree"' 1.json
+}
+
+@test "known ends make the field harmonic; automatic without them is the tree" {
+    printf '# two heads and a tendon\norigin -0.0014 0.0437 0.3175\norigin 0.0276,0.0366,0.3216\ninsertion\t0.0086 -0.0125 -0.0477\n' > ends.txt
+    "$BIN/fiber-flow" --ends ends.txt --report r.json built.json -o h.json 2> err
+    [ ! -s err ]
+    grep -q '"field": "harmonic"' h.json
+    grep -q '"ends": "sites"' r.json
+    "$BIN/fiber-flow" --report t.r.json built.json -o t.json
+    grep -q '"field": "tree"' t.r.json
+    if cmp -s <(directions t.json) <(directions h.json); then false; fi
+    directions h.json | awk '{ d = $1 * $1 + $2 * $2 + $3 * $3 - 1; if (!(d < 1e-9 && d > -1e-9)) exit 1 }'
+}
+
+@test "a harmonic field needs no structure, but warns where only the tips are known" {
+    "$BIN/fiber-flow" --field harmonic --report r.json biceps.ply -o h.json 2> err
+    grep -q 'warning.*--ends' err
+    grep -q '"ends": "tips"' r.json
+}
+
+@test "sites that cannot be are said in a sentence" {
+    printf 'origin 5 5 5\ninsertion 0 0 0\n' > far.txt
+    run -1 "$BIN/fiber-flow" --ends far.txt built.json
+    [[ "$output" == *"site 1 is"*"off the surface"* ]]
+    printf 'origin 0.0086 -0.0125 -0.0477\n' > one.txt
+    run -1 "$BIN/fiber-flow" --ends one.txt built.json
+    [[ "$output" == *"no site is given for the insertion"* ]]
+    printf 'beginning 1 2 3\n' > word.txt
+    run -1 "$BIN/fiber-flow" --ends word.txt built.json
+    [[ "$output" == *"word.txt:1"* || "$output" == *"word.txt"*"line 1"* ]]
+    run -2 "$BIN/fiber-flow" --ends one.txt --field tree built.json
+}
+
+@test "given fibres decide: lines of an OBJ file, and the same in JSON" {
+    printf 'v -1 0 0\nv 1 0 0\nl 1 2\n' > x.obj
+    printf '{"polylines":[{"points":[-1,0,0,1,0,0]}]}' > x.json
+    "$BIN/fiber-flow" --no-history --smooth 0 --from-fibers x.obj --report r.json built.json -o 1.json
+    "$BIN/fiber-flow" --no-history --smooth 0 --from-fibers x.json built.json -o 2.json
+    cmp 1.json 2.json
+    grep -q '"field": "fibers"' 1.json
+    # every direction is x laid into the tangent plane: none but those at a normal along x has less x than the others have to give
+    directions 1.json | awk '{ x = $1 < 0 ? -$1 : $1; sum += x; n++ } END { exit !(sum / n > 0.6) }'
+    printf 'v 0 0 0\nf 1 1 1\n' > none.obj
+    run -1 "$BIN/fiber-flow" --from-fibers none.obj built.json
+    [[ "$output" == *"holds no fibre"* ]]
+    run -2 "$BIN/fiber-flow" --from-fibers x.obj --field tree built.json
+    run -2 "$BIN/fiber-flow" --field fibers built.json
+}
+
+@test "every direction has a confidence, low at the tips" {
+    "$BIN/fiber-flow" --report r.json built.json -o f.json
+    grep -o '"confidence": *\[[^]]*\]' f.json | sed 's/.*\[//; s/\]//' | tr , '\n' > c.txt
+    [ "$(wc -l < c.txt)" -eq "$(value r.json vertices)" ]
+    awk '$1 < 0 || $1 > 1 { exit 1 }' c.txt
+    awk -v mean="$(value r.json meanConfidence)" -v low="$(value r.json lowConfidence)" 'BEGIN { exit !(mean > 0.6 && low > 0) }'
 }
 
 @test "files, pipes and a second run give the same bytes" {

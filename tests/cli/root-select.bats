@@ -93,7 +93,21 @@ roots() { tr -d '\n' < "$1" | sed -n 's/.*"roots": *{ *"vertices": *\[\([^]]*\)\
     "$BIN/root-select" --report r.json rig.json -o again.json 2> err
     grep -q structure err && grep -q fibers err
     [ "$(grep -c '"structure"' again.json)" -eq 0 ]
-    grep -q '"attachments"' again.json && grep -q '"fromAttachments": true' r.json
+    grep -q '"attachments"' again.json && grep -q '"ends": "attachments"' r.json
+}
+
+@test "known sites are the ends; the tips may be those of the eigenfunction" {
+    "$EXAMPLES/arm/arm" --out sites --triangles 1000
+    printf 'origin -0.0014 0.0437 0.3175\norigin 0.0276 0.0366 0.3216\ninsertion 0.0086 -0.0125 -0.0477\n' > ends.txt
+    "$BIN/root-select" --ends ends.txt --report r.json sites/biceps.ply -o e.json 2> err
+    [ ! -s err ]
+    grep -q '"ends": "sites"' r.json
+    grep -q '"parts": 2' r.json
+    "$BIN/root-select" --tips eigenfunction --report r.json --trace t.jsonl sites/biceps.ply -o e.json
+    grep -q '"ends": "eigenfunction"' r.json
+    grep -q '"stage":"eigenfunction"' t.jsonl
+    grep -q '"parts": 2' r.json
+    run -2 "$BIN/root-select" --ends ends.txt --near 0,0,0 sites/biceps.ply
 }
 
 @test "the history holds the selection; --no-history leaves it out" {
