@@ -520,11 +520,26 @@ static sn_status simulate(job *j, sn_error *error) {
 
 /* ---- plan and report -------------------------------------------------------------------------------------------------------- */
 
-static void write_group(sn_json *json, sn_row_kind kind, const sn_plan_group *group) {
+/* Milliseconds of a frame that the rows of one kind take, measured at the rest pose: 0 where there is no state to measure with. */
+static double measure_cost(const job *j, sn_index muscle, sn_row_kind kind, int sweeps) {
+    enum { LEAST_RUNS = 3, MOST_RUNS = 1000 };
+    const double enough = 2e-3;
+    double started = cli_seconds(), spent = 0.0;
+    int runs = 0;
+    while (runs < LEAST_RUNS || (runs < MOST_RUNS && spent < enough)) {
+        sn_project(j->model, j->state, muscle, kind);
+        spent = cli_seconds() - started;
+        runs++;
+    }
+    return 1e3 * spent / runs * sweeps * j->model->muscles[muscle].iterations * j->scene.solver.substeps;
+}
+
+static void write_group(sn_json *json, sn_row_kind kind, const sn_plan_group *group, double milliseconds) {
     sn_json_object(json, NULL);
     sn_json_text(json, "kind", sn_row_kind_name(kind));
     sn_json_integer(json, "rows", group->rows);
     sn_json_integer(json, "bytes", (int64_t)group->bytes);
+    if (milliseconds > 0.0) sn_json_number(json, "millisecondsPerFrame", milliseconds);
     if (kind < SN_DISTANCE_KINDS && group->rows > 0) sn_json_numbers(json, "rigidity", group->rigidity, 2);
     if (group->reason != SN_RUNS) sn_json_text(json, "leftOut", sn_left_out_text(group->reason));
     if (group->kinematic > 0) sn_json_integer(json, "carriedByBones", group->kinematic);
@@ -532,7 +547,18 @@ static void write_group(sn_json *json, sn_row_kind kind, const sn_plan_group *gr
     sn_json_close(json);
 }
 
-static void write_muscle_plan(sn_json *json, const sn_plan_muscle *plan) {
+/* muscle: in the model; SN_NONE where costs are not wanted. */
+static void write_groups(const job *j, sn_json *json, const sn_plan_muscle *plan, sn_index muscle) {
+    sn_json_array(json, "groups");
+    for (int kind = 0; kind < SN_ROW_KINDS; kind++) {
+        const sn_plan_group *group = &plan->groups[kind];
+        double cost = muscle != SN_NONE && group->rows > 0 ? measure_cost(j, muscle, (sn_row_kind)kind, group->sweeps) : 0.0;
+        write_group(json, (sn_row_kind)kind, group, cost);
+    }
+    sn_json_close(json);
+}
+
+static void write_muscle_plan(const job *j, sn_json *json, const sn_plan_muscle *plan, sn_index muscle) {
     sn_json_object(json, NULL);
     sn_json_text(json, "name", plan->name);
     if (!plan->enabled) {
@@ -549,24 +575,28 @@ static void write_muscle_plan(sn_json *json, const sn_plan_muscle *plan) {
         sn_json_text(json, "contraction", "surface edges keep their length: the document has no fibre directions (fiber-flow makes them)");
     sn_json_integer(json, "modelBytes", (int64_t)plan->model_bytes);
     sn_json_integer(json, "stateBytes", (int64_t)plan->state_bytes);
-    sn_json_array(json, "groups");
-    for (int kind = 0; kind < SN_ROW_KINDS; kind++) write_group(json, (sn_row_kind)kind, &plan->groups[kind]);
-    sn_json_close(json);
+    write_groups(j, json, plan, muscle);
     sn_json_close(json);
 }
 
-static void write_plan_members(sn_json *json, const sn_model *model) {
+static void write_plan_members(const job *j, sn_json *json, bool costs) {
+    const sn_plan *plan = &j->model->plan;
+    sn_index running = 0;
     sn_json_text(json, "solver", "xpbd");
-    sn_json_text(json, "scheme", sn_scheme_name(model->scene->solver.scheme));
-    sn_json_number(json, "substepDuration", model->substep_duration);
+    sn_json_text(json, "scheme", sn_scheme_name(j->scene.solver.scheme));
+    sn_json_number(json, "substepDuration", j->model->substep_duration);
     sn_json_array(json, "muscles");
-    for (sn_index i = 0; i < model->plan.muscle_count; i++) write_muscle_plan(json, &model->plan.muscles[i]);
+    for (sn_index i = 0; i < plan->muscle_count; i++) {
+        sn_index muscle = plan->muscles[i].enabled ? running++ : SN_NONE; /* in the model */
+        write_muscle_plan(j, json, &plan->muscles[i], costs ? muscle : SN_NONE);
+    }
     sn_json_close(json);
 }
 
-static sn_status print_plan(const job *j, sn_error *error) {
+static sn_status print_plan(job *j, sn_error *error) {
     sn_output *output = NULL;
-    sn_status status = sn_output_open("-", false, &output, error);
+    sn_status status = sn_state_create(j->model, &j->state, error);
+    if (status == SN_OK) status = sn_output_open("-", false, &output, error);
     if (status != SN_OK) return status;
     sn_json *json = sn_json_begin(output, true);
     if (json == NULL) {
@@ -578,7 +608,7 @@ static sn_status print_plan(const job *j, sn_error *error) {
     sn_scene_write(&j->scene, json);
     sn_json_close(json);
     sn_json_object(json, "plan");
-    write_plan_members(json, j->model);
+    write_plan_members(j, json, true);
     sn_json_close(json);
     sn_json_close(json);
     status = sn_json_end(json, error);
@@ -603,7 +633,7 @@ static void write_report(sn_json *json, const void *data) {
         sn_json_number(json, "medianFrameSeconds", j->frame_seconds[n / 2]);
         sn_json_number(json, "longestFrameSeconds", j->frame_seconds[n - 1]);
     }
-    write_plan_members(json, j->model);
+    write_plan_members(j, json, false);
 }
 
 static void warn_of_loose_muscles(const job *j) {

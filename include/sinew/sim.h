@@ -49,6 +49,7 @@ typedef enum sn_left_out {
 typedef struct sn_plan_group {
     sn_left_out reason;
     sn_index rows;       /* that run */
+    int sweeps;          /* over them in an iteration */
     sn_index kinematic;  /* rows left out because every point of theirs is carried by a bone */
     sn_index degenerate; /* rows left out because their rest shape has no length or no area (guards below) */
     size_t bytes;        /* of the rows, in model and state */

@@ -66,7 +66,7 @@ void sn_plan_decide(const sn_build *build) {
     groups[SN_ROWS_AREA].reason = !(source->least_area > 0.0) ? SN_OUT_SETTING : groups[SN_ROWS_MESH].reason;
     groups[SN_ROWS_VOLUME].reason = volume_reason(build);
     for (int kind = 0; kind < SN_ROW_KINDS; kind++)
-        if (!sn_scheme_has(build->scene->solver.scheme, (sn_row_kind)kind)) groups[kind].reason = SN_OUT_SCHEME;
+        if (sn_scheme_sweeps(build->scene->solver.scheme, (sn_row_kind)kind) == 0) groups[kind].reason = SN_OUT_SCHEME;
     inside = groups[SN_ROWS_INTERNAL].reason;
     build->plan->samples = inside == SN_RUNS ? source->rig.structure.sample_count : 0;
     build->plan->fibers = source->rig.fibers.directions != NULL;
@@ -128,6 +128,7 @@ void sn_plan_count(const sn_build *build) {
     sn_plan_group *groups = build->plan->groups;
     for (int kind = 0; kind < SN_ROW_KINDS; kind++) {
         if (groups[kind].reason == SN_RUNS && groups[kind].rows == 0) groups[kind].reason = SN_OUT_NOTHING;
+        groups[kind].sweeps = sn_scheme_sweeps(build->scene->solver.scheme, (sn_row_kind)kind);
         size_t row = row_bytes(m, (sn_row_kind)kind) + row_state_bytes(m, (sn_row_kind)kind);
         groups[kind].bytes = (size_t)groups[kind].rows * row;
         if (kind < SN_DISTANCE_KINDS && groups[kind].rows > 0) measure_rigidity(build, (sn_row_kind)kind);

@@ -35,7 +35,7 @@ typedef struct sn_scheme_rules {
 } sn_scheme_rules;
 
 const sn_scheme_rules *sn_scheme_rules_of(sn_scheme scheme);
-bool sn_scheme_has(sn_scheme scheme, sn_row_kind kind);
+int sn_scheme_sweeps(sn_scheme scheme, sn_row_kind kind); /* in an iteration; 0 = it has no such rows */
 
 /* How one group is projected now. */
 typedef struct sn_sweep {

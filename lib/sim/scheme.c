@@ -39,10 +39,10 @@ static const sn_scheme_rules RULES[] = {
 
 const sn_scheme_rules *sn_scheme_rules_of(sn_scheme scheme) { return &RULES[scheme]; }
 
-bool sn_scheme_has(sn_scheme scheme, sn_row_kind kind) {
-    for (int i = 0; i < RULES[scheme].count; i++)
-        if (RULES[scheme].order[i] == kind) return true;
-    return false;
+int sn_scheme_sweeps(sn_scheme scheme, sn_row_kind kind) {
+    int sweeps = 0;
+    for (int i = 0; i < RULES[scheme].count; i++) sweeps += RULES[scheme].order[i] == kind;
+    return sweeps;
 }
 
 const char *sn_scheme_name(sn_scheme scheme) {

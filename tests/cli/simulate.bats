@@ -206,9 +206,12 @@ for line in open("log.jsonl"): assert abs(json.loads(line)["kinetic_energy"]) < 
     run -1 sh -c "simulate one.scene.json --frames 0:1 > /dev/full"
 }
 
-@test "--report holds timings, the log and the plan none" {
+@test "--report holds timings and --plan measured costs; the log none" {
     simulate arm.scene.json --frames 0:3 --report report.json > log.jsonl
     grep -q '"medianFrameSeconds"' report.json
+    simulate --plan arm.scene.json | python3 -c 'import json,sys
+for m in json.load(sys.stdin)["plan"]["muscles"]:
+    for g in m["groups"]: assert ("millisecondsPerFrame" in g) == (g["rows"] > 0) and g.get("millisecondsPerFrame", 1) > 0'
     refute grep -qi second log.jsonl
 }
 
