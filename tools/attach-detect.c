@@ -75,13 +75,13 @@ static const cli_tool tool = {
              "          half:px,py,pz,nx,ny,nz  painted:NAME[>T]; in the document's unit",
 };
 
-/* ---- what is asked for --------------------------------------------------------------------------------------------------------- */
+/* ---- what is asked for ------------------------------------------------------------------------------------------------ */
 
 static bool wants_attachments(void) { return bone_texts.count > 0 || list_files.count > 0 || pin_texts.count > 0 || landmark_file != NULL; }
 
 static bool wants_neighbours(void) { return glue_files.count > 0 || skeleton_file != NULL; }
 
-/* ---- pins ---------------------------------------------------------------------------------------------------------------------- */
+/* ---- pins ------------------------------------------------------------------------------------------------------------- */
 
 typedef struct pin_list {
     int count;
@@ -116,7 +116,7 @@ static sn_status parse_pins(const cli *c, pin_list *list, sn_error *error) {
     return SN_OK;
 }
 
-/* ---- landmarks ------------------------------------------------------------------------------------------------------------------- */
+/* ---- landmarks -------------------------------------------------------------------------------------------------------- */
 
 /* Into the muscle's unit, z up. */
 static void convert_landmarks(const bone_list *bones, double meters_per_unit, sn_landmarks *landmarks) {
@@ -137,7 +137,7 @@ static sn_status load_landmarks(const bone_list *bones, double meters_per_unit, 
     return status;
 }
 
-/* ---- the report ------------------------------------------------------------------------------------------------------------------- */
+/* ---- the report ------------------------------------------------------------------------------------------------------- */
 
 typedef struct outcome {
     bone_list bones;
@@ -239,7 +239,7 @@ static void say_results(const cli *c, const sn_muscle *muscle) {
     }
 }
 
-/* ---- warnings ------------------------------------------------------------------------------------------------------------------------ */
+/* ---- warnings --------------------------------------------------------------------------------------------------------- */
 
 static void warn_of_areas(const cli *c, const outcome *o) {
     for (sn_index i = 0; i < o->report.area_count; i++) {
@@ -251,7 +251,8 @@ static void warn_of_areas(const cli *c, const outcome *o) {
                      "area %s: its boundary crosses itself in the order given; the landmarks were put into the order of the shortest tour",
                      name);
         if (area->area_share > 0.3)
-            cli_warn(c, "area %s: it is %.0f %% of the muscle's surface; does its boundary run around the muscle, not around a patch of it?",
+            cli_warn(c,
+                     "area %s: it is %.0f %% of the muscle's surface; does its boundary run around the muscle, not around a patch of it?",
                      name, 100.0 * area->area_share);
         if (area->coarse)
             cli_warn(c, "area %s: its boundary encloses no vertex; the nearest vertex of each landmark was taken; a finer mesh would help",
@@ -323,8 +324,7 @@ static void warn(const cli *c, const outcome *o, bool stopped) {
     if (wants_attachments() && !stopped && o->report.attached == 0) warn_nothing(c, o);
 }
 
-/* ---- bones -----------------------------------------------------------------------------------------------------------------------------
- */
+/* ---- bones ------------------------------------------------------------------------------------------------------------ */
 
 /* The history knows the contents of the bones that were looked at, and only the names of those out of reach. */
 static void mark_used(outcome *o) {
@@ -372,8 +372,7 @@ static sn_status attach(cli *c, sn_muscle *muscle, const pin_list *pins, outcome
     return status == SN_OK ? detect(c, muscle, pins, o, error) : status;
 }
 
-/* ---- neighbours
- * -------------------------------------------------------------------------------------------------------------------------- */
+/* ---- neighbours ------------------------------------------------------------------------------------------------------- */
 
 typedef struct neighbour_list {
     sn_index count;
@@ -464,8 +463,7 @@ static sn_status find_neighbours(cli *c, sn_muscle *muscle, sn_error *error) {
     return status;
 }
 
-/* ---- the work
- * ---------------------------------------------------------------------------------------------------------------------------- */
+/* ---- the work --------------------------------------------------------------------------------------------------------- */
 
 static sn_status work(cli *c, sn_error *error) {
     pin_list pins = {0};
@@ -485,6 +483,7 @@ static sn_status work(cli *c, sn_error *error) {
         status = cli_save(c, &document, changed, error);
     }
     if (status == SN_OK) status = cli_report(c, write_report, &o, error);
+    c->hash_user = NULL; /* the bones go now */
     sn_attach_report_free(&o.report);
     sn_landmarks_free(&o.landmarks);
     cli_free(&document);

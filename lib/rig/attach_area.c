@@ -29,7 +29,7 @@ typedef struct outline {
 
 static const sn_mesh *mesh_of(const outline *o) { return &o->ground->muscle->mesh; }
 
-/* ---- projection --------------------------------------------------------------------------------------------------------------- */
+/* ---- projection ------------------------------------------------------------------------------------------------------- */
 
 static void give_name(outline *o) {
     if (o->area->name != NULL)
@@ -82,7 +82,7 @@ static sn_status project(outline *o, double reach, double *farthest, sn_error *e
     return SN_OK;
 }
 
-/* ---- the boundary --------------------------------------------------------------------------------------------------------------- */
+/* ---- the boundary ----------------------------------------------------------------------------------------------------- */
 
 static void forget_paths(outline *o) {
     for (sn_index i = 0; i < o->walked; i++) sn_surface_path_free(&o->path[i]);
@@ -129,7 +129,7 @@ static sn_status walk(outline *o, sn_error *error) {
     return SN_OK;
 }
 
-/* ---- does it cross itself? ---------------------------------------------------------------------------------------------------------- */
+/* ---- does it cross itself? -------------------------------------------------------------------------------------------- */
 
 typedef struct piece {
     sn_index triangle, path;
@@ -182,7 +182,7 @@ static sn_status find_crossing(const outline *o, bool *crosses, sn_index paths[2
     return SN_OK;
 }
 
-/* ---- the shortest tour --------------------------------------------------------------------------------------------------------------- */
+/* ---- the shortest tour ------------------------------------------------------------------------------------------------ */
 
 /* Distances between all landmarks, (count x count), filled in by one of two ways. */
 typedef struct between {
@@ -282,7 +282,7 @@ static sn_status reorder(outline *o, sn_error *error) {
 
 static sn_status close_boundary(outline *o, bool *reordered, sn_error *error) {
     sn_index crossing[2];
-    bool crosses;
+    bool crosses = false;
     *reordered = false;
     sn_status status = walk(o, error);
     if (status == SN_OK) status = find_crossing(o, &crosses, crossing, error);
@@ -299,8 +299,7 @@ static sn_status close_boundary(outline *o, bool *reordered, sn_error *error) {
         o->name, (int)o->order[crossing[0]] + 1, (int)o->order[crossing[1]] + 1);
 }
 
-/* ---- the patch
- * --------------------------------------------------------------------------------------------------------------------------- */
+/* ---- the patch -------------------------------------------------------------------------------------------------------- */
 
 /* Edges that the boundary crosses an odd number of times: their ends are on different sides. */
 static void mark_crossed(const outline *o, bool *crossed) {
@@ -422,8 +421,7 @@ sn_status sn_area_patch(const sn_area_ground *ground, const sn_landmark_area *ar
     return status;
 }
 
-/* ---- the ground
- * ------------------------------------------------------------------------------------------------------------------------------ */
+/* ---- the ground ------------------------------------------------------------------------------------------------------- */
 
 static void share_areas(sn_area_ground *g) {
     const sn_mesh *mesh = &g->muscle->mesh;

@@ -39,7 +39,7 @@ static void print_row(const char *row, double value, double reach, double beat) 
     if (!isnan(beat)) verdict(value > beat);
 }
 
-/* ---- files -------------------------------------------------------------------------------------------------------------------- */
+/* ---- files ------------------------------------------------------------------------------------------------------------ */
 
 typedef struct names {
     size_t count, capacity;
@@ -82,7 +82,7 @@ static sn_mesh load(const char *data, const char *set, const char *file) {
     return mesh;
 }
 
-/* ---- the dog: which pairs are true ---------------------------------------------------------------------------------------------- */
+/* ---- the dog: which pairs are true ------------------------------------------------------------------------------------ */
 
 typedef struct dog {
     names muscles, bones;
@@ -171,7 +171,7 @@ static void free_dog(dog *d) {
     free_names(&d->bones);
 }
 
-/* ---- the dog: which pairs a rule finds -------------------------------------------------------------------------------------------- */
+/* ---- the dog: which pairs a rule finds -------------------------------------------------------------------------------- */
 
 typedef struct rule {
     const char *name;
@@ -244,8 +244,7 @@ static void try_pairs(const char *data, bool all) {
     free_dog(&d);
 }
 
-/* ---- areas: a known patch -------------------------------------------------------------------------------------------------------------
- */
+/* ---- areas: a known patch --------------------------------------------------------------------------------------------- */
 
 /* One muscle with what is measured on it. */
 typedef struct ground {
@@ -340,8 +339,7 @@ static void put_landmarks(const contour *c, sn_index count, sn_vec3 *landmarks) 
     }
 }
 
-/* ---- areas: found from landmarks -------------------------------------------------------------------------------------------------------
- */
+/* ---- areas: found from landmarks -------------------------------------------------------------------------------------- */
 
 enum { LANDMARKS = 16, KINDS = 4 };
 static const char *const kind_names[KINDS] = {"round, in order", "round, against it", "round, in an order that crosses", "long"};
@@ -545,8 +543,7 @@ static void try_areas_of(const char *data, const char *set, double meters_per_un
     free_names(&files);
 }
 
-/* ---- all -------------------------------------------------------------------------------------------------------------------------------
- */
+/* ---- all -------------------------------------------------------------------------------------------------------------- */
 
 static bool exists(const char *data) {
     char path[4096];
