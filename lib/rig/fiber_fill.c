@@ -64,8 +64,8 @@ static sn_status check_params(const sn_fill_params *p, sn_error *error) {
 /* ---- one fibre -------------------------------------------------------------------------------------------------------------------- */
 
 /* A node on a level: in the slice of its loop; false where the slices end before. */
-static bool place_on_level(const filling *f, sn_index level, fill_uv at, sn_vec3 *out) {
-    sn_index loop = fill_carry(&f->levels, level, &at), hint = 0;
+static bool place_on_level(const filling *f, sn_index level, fill_uv guide, fill_uv at, sn_vec3 *out) {
+    sn_index loop = fill_carry(&f->levels, level, guide, &at), hint = 0;
     if (loop == SN_NONE) return false;
     const fill_loop *l = &f->levels.loops[loop];
     *out = f->params->map == SN_FILL_HARMONIC ? fill_slice_at(&l->slice, at, &hint) : fill_mean_value_at(l->rim, l->wide, at);
@@ -85,14 +85,14 @@ static sn_index level_below(const fill_levels *l, double z) {
     return low;
 }
 
-static bool place(const filling *f, fill_node node, sn_vec3 *out) {
+static bool place(const filling *f, fill_uv guide, fill_node node, sn_vec3 *out) {
     const fill_levels *l = &f->levels;
     sn_index i = level_below(l, node.z);
     double step = l->z[i + 1] - l->z[i], t = step > 0.0 ? (node.z - l->z[i]) / step : 0.0;
     sn_vec3 a, b;
-    if (t < 1e-12) return place_on_level(f, i, node.at, out);
-    if (t > 1.0 - 1e-12) return place_on_level(f, i + 1, node.at, out);
-    if (!place_on_level(f, i, node.at, &a) || !place_on_level(f, i + 1, node.at, &b)) return false;
+    if (t < 1e-12) return place_on_level(f, i, guide, node.at, out);
+    if (t > 1.0 - 1e-12) return place_on_level(f, i + 1, guide, node.at, out);
+    if (!place_on_level(f, i, guide, node.at, &a) || !place_on_level(f, i + 1, guide, node.at, &b)) return false;
     *out = sn_lerp(a, b, t);
     return true;
 }
@@ -126,13 +126,23 @@ static double divide(sn_index count, const sn_vec3 *p, const double *z, sn_index
     return length;
 }
 
+/* Where the fibre is nearest to the trunk: that decides which head it takes. */
+static fill_uv at_trunk(const filling *f, sn_index count, const fill_node *nodes) {
+    double trunk = f->levels.z[f->levels.trunk];
+    sn_index best = 0;
+    for (sn_index i = 1; i < count; i++)
+        if (fabs(nodes[i].z - trunk) < fabs(nodes[best].z - trunk)) best = i;
+    return nodes[best].at;
+}
+
 static void lead_fiber(const filling *f, sn_index fiber) {
     fill_node nodes[TEMPLATE_NODES];
     sn_vec3 points[TEMPLATE_NODES];
     double z[TEMPLATE_NODES];
     sn_index given = fill_template_fiber(f->params, &f->levels, f->seeds[fiber], fiber, nodes), count = 0;
+    fill_uv guide = at_trunk(f, given, nodes);
     for (sn_index i = 0; i < given; i++)
-        if (place(f, nodes[i], &points[count])) z[count++] = nodes[i].z;
+        if (place(f, guide, nodes[i], &points[count])) z[count++] = nodes[i].z;
     sn_polyline *line = &f->lines[fiber];
     if (count < 2) {
         line->count = 0;

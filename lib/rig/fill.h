@@ -90,8 +90,9 @@ typedef struct fill_levels {
 
 SN_MUST_CHECK sn_status fill_levels_build(const sn_mesh *mesh, const sn_topology *topology, const double *u, sn_index level_count,
                                           double turn, sn_trace *trace, fill_levels *out, sn_error *error);
-/* The loop of `level` and the place in its square of what is at `at` of the trunk; SN_NONE where the slices end before. */
-sn_index fill_carry(const fill_levels *levels, sn_index level, fill_uv *at);
+/* The loop of `level` and the place in its square of what is at `at` of the trunk; SN_NONE where the slices end before. Where loops split
+ * the way of `guide` is taken, `at` kept within its share: a fibre that moves across does not change over to another head. */
+sn_index fill_carry(const fill_levels *levels, sn_index level, fill_uv guide, fill_uv *at);
 void fill_levels_free(fill_levels *levels);
 
 /* ---- seeds (fill_seeds.c) --------------------------------------------------------------------------------------------------- */

@@ -242,30 +242,37 @@ static fill_uv rotate(fill_uv at, int quarters) {
     return at;
 }
 
-/* Through the link whose strip holds `at`; SN_NONE = no link leads to the level. */
-static sn_index follow(const fill_levels *l, const fill_link *links, sn_index count, sn_index level, fill_uv *at) {
+/* Off the strip, along x: 0 inside. */
+static double off_strip(const fill_link *link, fill_uv at) {
+    double x = rotate(at, 4 - link->turn_from).x;
+    return fmax(fmax(link->from[0] - x, x - link->from[1]), 0.0);
+}
+
+static fill_uv through(const fill_link *link, fill_uv at) {
+    fill_uv p = rotate(at, 4 - link->turn_from);
+    double share = (p.x - link->from[0]) / (link->from[1] - link->from[0]);
+    p.x = link->to[0] + fmin(fmax(share, 0.0), 1.0) * (link->to[1] - link->to[0]);
+    return rotate(p, link->turn_to);
+}
+
+/* Through the link whose strip holds `guide`; SN_NONE = no link leads to the level. */
+static sn_index follow(const fill_levels *l, const fill_link *links, sn_index count, sn_index level, fill_uv *at, fill_uv *guide) {
     const fill_link *best = NULL;
-    fill_uv place = *at;
     double least = INFINITY;
     for (sn_index i = 0; i < count; i++) {
-        if (l->loops[links[i].loop].level != level) continue;
-        fill_uv p = rotate(*at, 4 - links[i].turn_from);
-        double off = fmax(fmax(links[i].from[0] - p.x, p.x - links[i].from[1]), 0.0);
-        if (off >= least) continue;
-        least = off;
+        if (l->loops[links[i].loop].level != level || off_strip(&links[i], *guide) >= least) continue;
+        least = off_strip(&links[i], *guide);
         best = &links[i];
-        place = p;
     }
     if (!best) return SN_NONE;
-    double share = (place.x - best->from[0]) / (best->from[1] - best->from[0]);
-    place.x = best->to[0] + fmin(fmax(share, 0.0), 1.0) * (best->to[1] - best->to[0]);
-    *at = rotate(place, best->turn_to);
+    *at = through(best, *at);
+    *guide = through(best, *guide);
     return best->loop;
 }
 
-sn_index fill_carry(const fill_levels *l, sn_index level, fill_uv *at) {
-    sn_index loop = follow(l, l->roots, l->root_count, l->trunk, at), step = level > l->trunk ? 1 : -1;
+sn_index fill_carry(const fill_levels *l, sn_index level, fill_uv guide, fill_uv *at) {
+    sn_index loop = follow(l, l->roots, l->root_count, l->trunk, at, &guide), step = level > l->trunk ? 1 : -1;
     for (sn_index i = l->trunk; loop != SN_NONE && i != level; i += step)
-        loop = follow(l, l->loops[loop].links, l->loops[loop].link_count, i + step, at);
+        loop = follow(l, l->loops[loop].links, l->loops[loop].link_count, i + step, at, &guide);
     return loop;
 }

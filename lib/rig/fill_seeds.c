@@ -92,7 +92,7 @@ static sn_status spread(const fill_levels *l, const sn_fill_params *params, sn_i
 static void count_ends(const fill_levels *l, fill_uv seed, sn_index *count, sn_index by, sn_index loops[2]) {
     for (int k = 0; k < 2; k++) {
         fill_uv at = seed;
-        loops[k] = fill_carry(l, k == 0 ? 0 : l->level_count - 1, &at);
+        loops[k] = fill_carry(l, k == 0 ? 0 : l->level_count - 1, seed, &at);
         if (loops[k] != SN_NONE) count[loops[k]] += by;
     }
 }

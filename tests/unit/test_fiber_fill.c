@@ -288,6 +288,36 @@ static void test_split(void **state) {
     sn_muscle_free(&muscle);
 }
 
+/* Fibres that bow aside by half the muscle's width stay in their prong: none crosses the gap between the two. */
+static void test_fibres_do_not_change_heads(void **state) {
+    (void)state;
+    sn_mesh mesh = blocks(two_prongs);
+    sn_muscle muscle = {.meters_per_unit = 1.0, .mesh = mesh};
+    sn_roots_params roots = sn_roots_defaults();
+    sn_structure_params structure = sn_structure_defaults();
+    sn_fill_params params = sn_fill_defaults();
+    sn_roots_report roots_report;
+    sn_structure_report structure_report;
+    sn_fill_report report;
+    sn_fibers fibers;
+    const sn_vec3 points[3] = {{0.1, 0.5, 0.0}, {0.9, 0.5, 0.5}, {0.1, 0.5, 1.0}};
+    const sn_fill_curve curve = {3, points};
+    params.template = SN_FILL_USER;
+    params.curve_count = 1;
+    params.curves = &curve;
+    params.segments = 40;
+    assert_ok(sn_roots_select(&muscle, &roots, NULL, &muscle.roots, &roots_report, NULL));
+    assert_ok(sn_structure_build(&muscle, &structure, NULL, &muscle.structure, &structure_report, NULL));
+    assert_ok(sn_fill_fibers(&muscle, &params, NULL, &fibers, &report, NULL));
+    for (sn_index i = 0; i < fibers.polyline_count; i++)
+        for (sn_index k = 1; k < fibers.polylines[i].count; k++) {
+            sn_vec3 a = fibers.polylines[i].points[k - 1], b = fibers.polylines[i].points[k];
+            if (a.z > 24.0 && b.z > 24.0) assert_true((a.x < 14.0) == (b.x < 14.0));
+        }
+    sn_fibers_free(&fibers);
+    sn_muscle_free(&muscle);
+}
+
 /* A spindle held at both ends, and touched by a bone at its side near one of them: the touch is no end, fibres pass by it. */
 static void test_a_touch_is_no_end(void **state) {
     (void)state;
@@ -396,6 +426,7 @@ int main(void) {
         cmocka_unit_test(test_user_curve),
         cmocka_unit_test(test_fibres_follow_the_surface),
         cmocka_unit_test(test_split),
+        cmocka_unit_test(test_fibres_do_not_change_heads),
         cmocka_unit_test(test_a_touch_is_no_end),
         cmocka_unit_test(test_threads_give_the_same_fibres),
         cmocka_unit_test(test_concave_sections),
