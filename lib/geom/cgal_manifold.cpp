@@ -8,7 +8,6 @@
 
 #include <CGAL/Polygon_mesh_processing/manifoldness.h>
 #include <CGAL/Polygon_mesh_processing/orient_polygon_soup.h>
-#include <CGAL/Polygon_mesh_processing/polygon_soup_to_polygon_mesh.h>
 #include <CGAL/Polygon_mesh_processing/stitch_borders.h>
 
 namespace PMP = CGAL::Polygon_mesh_processing;
@@ -48,6 +47,18 @@ Soup to_soup(const sn_bridge_mesh *in) {
     return soup;
 }
 
+/* Vertices get the numbers of the soup's points. Adding face by face checks as it goes; CGAL's conversion of a soup as a whole checks
+ * nothing, and the check before it takes as long as all the rest. */
+void build_surface(const Soup &soup, Surface &surface) {
+    surface.reserve(Surface::size_type(soup.points.size()), Surface::size_type(3 * soup.triangles.size()),
+                    Surface::size_type(soup.triangles.size()));
+    for (const Point &p : soup.points) surface.add_vertex(p);
+    for (const Triangle &t : soup.triangles) {
+        Face face = surface.add_face(Vertex(Surface::size_type(t[0])), Vertex(Surface::size_type(t[1])), Vertex(Surface::size_type(t[2])));
+        if (face == Surface::null_face()) throw std::runtime_error("its triangles cannot be oriented");
+    }
+}
+
 void from_stitched(const Surface &surface, const std::vector<sn_index> &origin, const sn_bridge_mesh *in, sn_bridge_mesh *out) {
     sinew::allocate_mesh(surface.number_of_vertices(), surface.number_of_faces(), out);
     std::vector<sn_index> place(surface.num_vertices(), SN_NONE);
@@ -79,9 +90,8 @@ sn_status sn_bridge_make_manifold(const sn_bridge_mesh *in, sn_bridge_mesh *out,
         visitor.origin = &soup.origin;
         PMP::orient_polygon_soup(soup.points, soup.triangles, CGAL::parameters::visitor(visitor));
         soup.origin.resize(soup.points.size(), SN_NONE);
-        if (!PMP::is_polygon_soup_a_polygon_mesh(soup.triangles)) throw std::runtime_error("its triangles cannot be oriented");
         Surface surface;
-        PMP::polygon_soup_to_polygon_mesh(soup.points, soup.triangles, surface);
+        build_surface(soup, surface);
         report->stitched_edges = sn_index(PMP::stitch_borders(surface));
         std::vector<sn_index> origin = soup.origin; /* vertices of the soup keep their numbers in the surface */
         std::vector<std::vector<Vertex>> copies;
