@@ -74,7 +74,14 @@ static int reap(pid_t child) {
     return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
 }
 
+/* A handler of this process has no business in the child's death. */
+static void die_plainly(void) {
+    const int signals[] = {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT, SIGPIPE, SIGXCPU};
+    for (size_t i = 0; i < sizeof signals / sizeof *signals; i++) signal(signals[i], SIG_DFL);
+}
+
 static void be_child(sn_child_work work, void *user, const sn_child_limits *limits, int out) {
+    die_plainly();
     set_limits(limits);
     _exit(work(user, out) ? 0 : 1);
 }

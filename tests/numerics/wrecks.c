@@ -287,7 +287,7 @@ static bool clean_one(const wreck *w, uint64_t start, sn_index keep) {
 }
 
 int main(int argc, char **argv) {
-    long draws = argc > 1 ? strtol(argv[1], NULL, 10) : 3000, passed = 0, failed = 0;
+    long draws = argc > 1 ? strtol(argv[1], NULL, 10) : 2000, passed = 0, failed = 0;
     uint64_t first = argc > 2 ? strtoull(argv[2], NULL, 10) : 1;
     for (long i = 0; i < draws; i++) {
         wreck w;
