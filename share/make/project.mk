@@ -50,6 +50,13 @@ $(STAMPS)/install: tests/install $(EVERYTHING) $(B)/libsinew.a
 	@tests/suite $@ install tests/install $(CONFIG)
 
 # ---- the solver's instruments: none of them runs in check ----------------------------------------------------------------------
+# the repair of every defective mesh at hand, as a table; and how time and memory of mesh-clean grow
+.PHONY: repair-table clean-growth
+repair-table: $(BUILT_TOOLS)
+	@tests/repair-table $(B)/bin $(DATA) $(B)/repair-table
+clean-growth: $(BUILT_TOOLS) $(B)/examples/arm/arm
+	@BIN=$(B)/bin EXAMPLES=$(B)/examples tests/bench/clean-growth.sh
+
 .PHONY: bench golden stability off-equals-absent
 bench: $(B)/tests/bench/sim_rows
 	$<
