@@ -29,6 +29,7 @@ typedef struct search {
     found *found;     /* (vertex_count) on the target under search */
     /* of the target under search */
     const sn_neighbour *target;
+    sn_vec3 *target_normals; /* (vertex_count of the target) */
     sn_surface *surface;
     sn_box box;
     bool superficial;
@@ -43,9 +44,12 @@ sn_neighbours_params sn_neighbours_defaults(void) {
 
 /* ---- one vertex --------------------------------------------------------------------------------------------------------------- */
 
-static sn_vec3 normal_at(const sn_mesh *mesh, sn_index triangle) {
-    const sn_index *v = mesh->triangles[triangle].v;
-    return sn_normalize(sn_area_vector(mesh->positions[v[0]], mesh->positions[v[1]], mesh->positions[v[2]]));
+/* Interpolated between the corners: the same from every triangle that a point belongs to. */
+static sn_vec3 normal_at(const search *s, const sn_closest *c) {
+    const sn_index *v = s->target->mesh->triangles[c->triangle].v;
+    sn_vec3 sum = {0, 0, 0};
+    for (int k = 0; k < 3; k++) sum = sn_add_scaled(sum, s->target_normals[v[k]], c->barycentric[k]);
+    return sn_normalize(sum);
 }
 
 static found look(const search *s, sn_index v) {
@@ -54,7 +58,7 @@ static found look(const search *s, sn_index v) {
     if (sn_box_gap((sn_box){p, p}, s->box) > s->reach) return f;
     f.closest = sn_surface_closest(s->surface, p, s->reach);
     if (f.closest.triangle == SN_NONE) return f;
-    double agree = sn_dot(s->normals[v], normal_at(s->target->mesh, f.closest.triangle));
+    double agree = sn_dot(s->normals[v], normal_at(s, &f.closest));
     bool fits = s->superficial ? agree > s->params->opposing : agree < -s->params->opposing;
     if (fits)
         f.distance = sn_surface_signed_distance(s->surface, p, NULL);
@@ -132,11 +136,18 @@ static sn_status search_target(search *s, sn_index t, bool superficial, sn_trace
     s->target = &s->targets[t];
     s->superficial = superficial;
     s->box = sn_mesh_box(s->target->mesh);
+    s->target_normals = SN_NEW(sn_vec3, s->target->mesh->vertex_count);
+    if (s->target_normals == NULL) return sn_fail_memory(error, "neighbours");
+    sn_mesh_vertex_normals(s->target->mesh, s->target_normals);
     sn_status status = sn_surface_create(s->target->mesh, &s->surface, &reason);
-    if (status != SN_OK) return sn_fail(error, status, "target \"%s\": %s", s->target->name, reason.text);
-    sn_parallel_for(s->pool, s->muscle->mesh.vertex_count, VERTICES_PER_CHUNK, look_range, s);
-    status = list_found(s, error);
-    sn_surface_destroy(s->surface);
+    if (status == SN_OK) {
+        sn_parallel_for(s->pool, s->muscle->mesh.vertex_count, VERTICES_PER_CHUNK, look_range, s);
+        status = list_found(s, error);
+        sn_surface_destroy(s->surface);
+    } else {
+        sn_fail(error, status, "target \"%s\": %s", s->target->name, reason.text);
+    }
+    free(s->target_normals);
     return status == SN_OK && trace_target(s, before, trace) ? SN_STOPPED : status;
 }
 

@@ -312,6 +312,12 @@ ring() { # BONE AREA X0 X1 Y0 Y1 [ORDER]
     [ "$(vertices ulna < a.json)" = "[3]" ] # attachments stay
     attach -q --pin ulna=indices:4 a.json -o b.json
     grep -q '"target": "above"' b.json # and so do externals
+    awk 'NR > 2 && NF == 3 { print 1000 * $1, 1000 * $2, 1000 * $3; next } { print }' above.off > mm.off # another unit
+    attach -q --units mm --pin ulna=indices:3 mm.off -o mm.muscle.json
+    attach -q --glue mm.muscle.json --soft 0.5 --minimum-distance 3mm in.json -o mm.json
+    for member in vertices triangles distances; do
+        [ "$(grep '"target"' mm.json | grep -o "\"$member\": [^]]*")" = "$(grep '"target"' a.json | grep -o "\"$member\": [^]]*")" ]
+    done
     [ "$(attach -q --glue above.off --reach 3mm sheet.off | grep -c '"target"')" -eq 0 ]
     [ "$(attach -q --glue sheet.off=above.off --skeleton env=above.off sheet.off | grep -c '"target"')" -eq 2 ]
     run -1 attach --glue above.off --slide nosuchmap sheet.off
