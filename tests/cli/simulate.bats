@@ -157,6 +157,49 @@ END
     [[ "$output" == *"not a state"* ]]
 }
 
+@test "maps, curves, forms and schemes come back from --plan, are checked, and change the result" {
+    one_muscle
+    python3 - <<'END'
+import json
+rig = json.load(open("biceps.muscle.json"))
+count = len(rig["mesh"]["vertices"]) // 3
+height = rig["mesh"]["vertices"][2::3]
+middle = sum(height) / count
+rig["mesh"]["attributes"] = {"share": {"values": [0 if z > middle else 1 for z in height]}, "firm": {"values": [2] * count}}
+json.dump(rig, open("painted.muscle.json", "w"))
+scene = json.load(open("one.scene.json"))
+m = scene["muscles"][0]
+m.update(rig="painted.muscle.json", activation=1.0)
+json.dump(scene, open("plain.scene.json", "w"))
+m.update(maps={"activation": "share", "stiffness": "firm"}, anisotropy="xpbd", leastArea=0.3, mass="unit", name="biceps")
+m["stiffness"] = {"areaScaled": False, "curve": [[0, 1e5], [0.5, 1e6], [1, 1e7]]}
+json.dump(scene, open("painted.scene.json", "w"))
+m["maps"]["activation"] = "shares"
+json.dump(scene, open("wrong.scene.json", "w"))
+END
+    simulate --plan painted.scene.json | python3 -c 'import json,sys
+scene = json.load(sys.stdin)["scene"]; m = scene["muscles"][0]
+assert m["maps"] == {"activation": "share", "stiffness": "firm"} and m["stiffness"]["curve"][1] == [0.5, 1e6] and m["stiffness"]["areaScaled"] is False
+assert m["anisotropy"] == "xpbd" and m["leastArea"] == 0.3 and m["mass"] == "unit" and scene["solver"]["scheme"] == "guarded"
+json.dump(scene, open("again.scene.json", "w"))'
+    for scene in plain painted again; do simulate $scene.scene.json --frames 0:2 --log $scene.jsonl -o $scene.pc2; done
+    cmp painted.pc2 again.pc2
+    refute cmp -s plain.pc2 painted.pc2
+    run -1 simulate wrong.scene.json
+    [[ "$output" == *'no attribute "shares"'* ]]
+}
+
+@test "a muscle whose inputs keep still sleeps, unless it may not" {
+    one_muscle
+    python3 -c 'import json; s=json.load(open("one.scene.json")); s["muscles"][0]["activation"]=0; s.pop("motion"); [b.pop("joint", None) for b in s["bones"]]; json.dump(s,open("still.scene.json","w"))'
+    simulate still.scene.json --frames 0:4 > still.jsonl
+    [ "$(values still.jsonl asleep | tail -n 1)" = True ]
+    simulate still.scene.json --frames 0:4 --no-sleep > awake.jsonl
+    [ "$(values awake.jsonl asleep | sort -u)" = False ]
+    simulate one.scene.json --frames 20:24 > moving.jsonl
+    [ "$(values moving.jsonl asleep | sort -u)" = False ]
+}
+
 @test "--fail-on names the first frame that breaks a limit: status 3, and everything is written" {
     one_muscle
     run -3 simulate one.scene.json --frames 0:4 -o out.pc2 --log log.jsonl --fail-on 'volume>0.01,mesh>1e-6,nan>0'
@@ -165,6 +208,9 @@ END
     [ -s out.pc2 ]
     [ "$(wc -l < log.jsonl)" -eq 5 ]
     run -0 simulate one.scene.json --frames 0:1 --log log.jsonl --fail-on 'volume>0.01,triangle<0.01'
+    run -0 simulate one.scene.json --frames 0:1 --log log.jsonl --fail-on 'internal>9,radial>9,area>0.4,energy>9,elastic>1e9,skipped>0,clamped>1e9'
+    run -3 simulate one.scene.json --frames 0:1 --log log.jsonl --fail-on 'elastic>0,residual>0,energy>0'
+    [ "$(echo "$output" | wc -l)" -eq 3 ]
     for bad in 'volume' 'volume>' 'size>1' 'volume>x' 'volume>0.1,,nan>0'; do
         run -2 simulate one.scene.json --frames 0:1 --fail-on "$bad"
     done
