@@ -103,39 +103,40 @@ static int corner_of(const sn_mesh *mesh, sn_index triangle, sn_index vertex) {
     return v[0] == vertex ? 0 : v[1] == vertex ? 1 : 2;
 }
 
-/* Corners at a vertex that are joined by edges form a fan: a manifold vertex has one. parent (3 triangle_count) is scratch. */
-static sn_index count_pinched_vertices(const sn_mesh *mesh, const sn_topology *topology, sn_index *parent) {
+/* Corners at a vertex that are joined by edges form a fan: a manifold vertex has one. parent (3 triangle_count) and fans (vertex_count) are
+ * scratch. */
+static sn_index count_pinched_vertices(const sn_mesh *mesh, const sn_topology *topology, sn_index *parent, sn_index *fans) {
     for (sn_index c = 0; c < 3 * mesh->triangle_count; c++) parent[c] = c;
     for (sn_index t = 0; t < mesh->triangle_count; t++) {
         for (int k = 0; k < 3; k++) {
             if (topology->triangle_edges[t][k] == SN_NONE) continue;
             const sn_edge *edge = &topology->edges[topology->triangle_edges[t][k]];
             sn_index first = edge->triangle[0];
+            if (first == t) continue;
             for (int end = 0; end < 2; end++) {
                 sn_set_join(parent, 3 * t + corner_of(mesh, t, edge->v[end]), 3 * first + corner_of(mesh, first, edge->v[end]));
             }
         }
     }
     sn_index pinched = 0;
-    for (sn_index v = 0; v < mesh->vertex_count; v++) {
-        sn_index fans = 0;
-        for (sn_index i = topology->corner_start[v]; i < topology->corner_start[v + 1]; i++) {
-            sn_index t = topology->vertex_triangles[i], corner = 3 * t + corner_of(mesh, t, v);
-            fans += topology->triangle_edges[t][0] != SN_NONE && parent[corner] == corner;
-        }
-        pinched += fans > 1;
+    for (sn_index c = 0; c < 3 * mesh->triangle_count; c++) {
+        bool is_fan = parent[c] == c && topology->triangle_edges[c / 3][0] != SN_NONE;
+        if (is_fan && ++fans[mesh->triangles[c / 3].v[c % 3]] == 2) pinched++;
     }
     return pinched;
 }
 
 static sn_status count_loops_and_fans(const sn_mesh *mesh, const sn_topology *topology, sn_mesh_report *out, sn_error *error) {
     size_t corners = 3 * (size_t)mesh->triangle_count, vertices = (size_t)mesh->vertex_count;
-    sn_index *parent = SN_NEW(sn_index, corners > vertices ? corners : vertices);
-    if (parent == NULL) return sn_fail_memory(error, "inspecting a mesh");
-    out->boundary_loops = count_boundary_loops(topology, parent);
-    out->nonmanifold_vertices = count_pinched_vertices(mesh, topology, parent);
+    sn_index *parent = SN_NEW(sn_index, corners > vertices ? corners : vertices), *fans = SN_NEW(sn_index, vertices);
+    bool enough = parent != NULL && fans != NULL;
+    if (enough) {
+        out->boundary_loops = count_boundary_loops(topology, parent);
+        out->nonmanifold_vertices = count_pinched_vertices(mesh, topology, parent, fans);
+    }
     free(parent);
-    return SN_OK;
+    free(fans);
+    return enough ? SN_OK : sn_fail_memory(error, "inspecting a mesh");
 }
 
 sn_status sn_mesh_look_at_edges(const sn_mesh *mesh, sn_mesh_report *out, sn_error *error) {

@@ -182,7 +182,7 @@ sn_index sn_mesh_components(const sn_mesh *mesh, const sn_topology *topology, sn
     for (sn_index t = 0; t < mesh->triangle_count; t++) {
         for (int k = 0; k < 3; k++) {
             sn_index e = topology->triangle_edges[t][k];
-            if (e != SN_NONE) sn_set_join(component, t, topology->edges[e].triangle[0]);
+            if (e != SN_NONE && topology->edges[e].triangle[0] != t) sn_set_join(component, t, topology->edges[e].triangle[0]);
         }
     }
     /* a set's parent is never above its member: it has its number already */
