@@ -52,6 +52,18 @@ value() { sed -n "s/^ *\"$2\": *\([^,]*\),*\$/\1/p" "$1" | head -n 1; }
     awk -v a="$(value parallel.report meanLength)" -v b="$(value pennate.report meanLength)" 'BEGIN { exit !(b < a) }'
 }
 
+@test "lengths and angles of the document are read again, and bad ones refused" {
+    "$BIN/fiber-fill" -n 3 --no-history built.json -o three.json
+    "$BIN/fiber-fill" -n 3 built.json -o lines.vtp
+    "$BIN/fiber-flow" --no-history three.json -o flowed.json
+    [ "$(grep -o '"length": *[0-9.e-]*' flowed.json)" = "$(grep -o '"length": *[0-9.e-]*' three.json)" ]
+    [ "$(grep -o '"length": *[0-9.e-]*' three.json | head -n 1 | sed 's/.*: *//')" = \
+        "$(sed -n '/Name="length"/{n;p;q}' lines.vtp)" ]
+    sed 's/"length": *[0-9.e-]*/"length": -1/' three.json > bad.json
+    run -1 "$BIN/fiber-flow" bad.json
+    [[ "$output" == *length* ]]
+}
+
 @test "VTP and OBJ outputs hold the fibres as lines" {
     "$BIN/fiber-fill" -n 12 built.json -o lines.vtp
     "$BIN/fiber-fill" -n 12 built.json -o lines.obj
