@@ -212,14 +212,22 @@ SN_INLINE void project_batch(const rows *in, sn_index r, const sn_sweep *sweep, 
     const sn_index *index = in->index + 4 * (size_t)r;
     wide_point p[4];
     wide_vec3 g[4];
-    wide c, sum = wide_splat(0.0);
+    wide c, sum = wide_splat(0.0), farthest = sum;
     for (int i = 0; i < 4; i++) p[i] = wide_gather(in->points, index + i, 4, lanes);
     wide_mask good = hinge(p, wide_load(in->angles + r, lanes), &c, g), far = wide_less(wide_splat(sweep->clamp), wide_abs(c)) & good;
     c = wide_select(far, wide_copysign(wide_splat(sweep->clamp), c), c);
     wide lambda = sweep->first ? wide_splat(0.0) : wide_load(in->lambda + r, lanes), compliance = wide_splat(sweep->compliance);
     if (in->softness != NULL) compliance = compliance * wide_load(in->softness + r, lanes);
-    for (int i = 0; i < 4; i++) sum = sum + p[i].w * wide_dot(g[i], g[i]);
+    for (int i = 0; i < 4; i++) {
+        wide moved = p[i].w * wide_dot(g[i], g[i]);
+        sum = sum + moved;
+        moved = p[i].w * moved;
+        farthest = wide_select(wide_less(farthest, moved), moved, farthest);
+    }
     wide change = wide_splat(sweep->gain) * (-c - compliance * lambda) / (sum + compliance);
+    /* an arm that is stretched to many times its length would throw its end as far: no point moves farther than most_step */
+    wide step = wide_sqrt(farthest) * wide_abs(change), most = wide_splat(sweep->most_step);
+    change = wide_select(wide_less(most, step), change * (most / step), change);
     wide_store(in->lambda + r, wide_select(good, lambda + change, lambda), lanes);
     for (int i = 0; i < 4; i++) wide_scatter(in->points, index + i, 4, wide_move(p[i], g[i], p[i].w * change, good), lanes);
     out->skipped += wide_count(~good, lanes);

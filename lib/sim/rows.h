@@ -24,6 +24,7 @@ typedef struct sn_scheme_rules {
     sn_row_kind order[8];      /* (count) as they are projected; a kind may come more than once */
     double gain[SN_ROW_KINDS]; /* factor on each correction */
     double hinge_clamp;        /* rad */
+    double hinge_step;         /* most move of a point by one hinge, mean edges */
     int volume_projections;    /* at most */
     double most_speed;         /* of a point, beside its bones: diagonals of the muscle per second; 0 = any */
     double keep;               /* factor on the velocities per step; 0 = the muscle's rate of damping */
@@ -42,6 +43,7 @@ typedef struct sn_sweep {
     double compliance; /* alpha / h^2 */
     double gain;       /* factor on the correction */
     double clamp;      /* of hinges, rad */
+    double most_step;  /* of a point by one hinge, m */
     int projections;   /* of the volume, at most */
     bool first;        /* lambda starts at 0 */
 } sn_sweep;

@@ -3,6 +3,7 @@
  *
  *   guarded   every row; inside first, then the surface, then its shape, the volume last; the least areas after each group that can crush
  *             a triangle (once an iteration leaves triangles of 0.01 of their rest area in the dog's biceps, so often 0.37)
+ *             no hinge moves a point by more than two edges: one whose arms are stretched 50 times would throw it 15
  *   romeo     the rows of [R18]: no dihedral angles, no least area; one projection of the volume
  *   kohout    [K21]: the surface only; plain position based dynamics, so no stiffness but a factor on each correction; points of 1 kg;
  *             velocities times 0.99 in each step; no contraction. Angles are those between outward normals, by arc tangent: eq. 6 as
@@ -16,6 +17,7 @@ static const sn_scheme_rules RULES[] = {
                                      SN_ROWS_VOLUME, SN_ROWS_AREA},
                            .gain = {1.0, 1.0, 1.0, 1.0, 1.0, 1.0},
                            .hinge_clamp = SN_HINGE_CLAMP,
+                           .hinge_step = 2.0,
                            .volume_projections = 5,
                            .most_speed = 50.0,
                            .contracts = true,
@@ -24,12 +26,14 @@ static const sn_scheme_rules RULES[] = {
                          .order = {SN_ROWS_MESH, SN_ROWS_INTERNAL, SN_ROWS_RADIAL, SN_ROWS_VOLUME},
                          .gain = {1.0, 1.0, 1.0, 1.0, 1.0, 1.0},
                          .hinge_clamp = INFINITY,
+                         .hinge_step = INFINITY,
                          .volume_projections = 1,
                          .contracts = true},
     [SN_SCHEME_KOHOUT] = {.count = 3,
                           .order = {SN_ROWS_MESH, SN_ROWS_VOLUME, SN_ROWS_DIHEDRAL},
                           .gain = {[SN_ROWS_MESH] = 1.0, [SN_ROWS_VOLUME] = 1.0, [SN_ROWS_DIHEDRAL] = 0.9},
                           .hinge_clamp = INFINITY,
+                          .hinge_step = INFINITY,
                           .volume_projections = 1,
                           .keep = 0.99,
                           .plain = true,

@@ -41,6 +41,7 @@ static void project_kind(const sn_model_muscle *m, sn_muscle_state *s, sn_row_ki
     const sn_sweep sweep = {.compliance = rules->plain ? 0.0 : 1.0 / (stiffness * h * h),
                             .gain = rules->gain[kind],
                             .clamp = rules->hinge_clamp,
+                            .most_step = rules->hinge_step * m->mean_edge,
                             .projections = rules->volume_projections,
                             .first = first};
     sweep_rows(m, s, kind, &sweep);
