@@ -14,15 +14,16 @@
 
 enum { FORMAT_PC2, FORMAT_PLY };
 static const char *const FORMATS[] = {"pc2", "ply", NULL};
+static const char *const SOLVERS[] = {"xpbd", "qn", NULL}; /* in the order of sn_solver_method */
 static const char *const LAWS[] = {"projected", "paper", "isochoric", NULL};
 static const char *const SCHEMES[] = {"guarded", "romeo", "kohout", NULL};
 static const char *const ANISOTROPIES[] = {"scheme", "none", "pbd", "xpbd", NULL};
 
 typedef struct choices {
     const char *frames, *log, *fail_on, *state, *from;
-    double rate, preroll;
+    double rate, preroll, tolerance;
     int64_t substeps, iterations, save_every;
-    int format, law, scheme, anisotropy;
+    int format, law, solver, scheme, anisotropy;
     bool plan, no_sleep;
 } choices;
 
@@ -37,10 +38,13 @@ static const cli_option OPTIONS[] = {
      "surface edges along the fibres yield: scheme, none, pbd or xpbd"},
     {0, NULL, NULL, CLI_HEADING, NULL, 0, 0, 0, NULL, "Solver:"},
     {0, "scheme", "SCHEME", CLI_CHOICE, &given.scheme, 0, 0, 0, SCHEMES, "guarded, or a paper to the letter: romeo, kohout"},
+    {0, "solver", "METHOD", CLI_CHOICE, &given.solver, 0, 0, 0, SOLVERS, "xpbd or qn, with its own defaults, instead of the scene's"},
     {0, "substeps", "N", CLI_INTEGER, &given.substeps, 0, 1, 1e6, NULL, "substeps per frame instead of the scene's"},
     {0, "iterations", "N", CLI_INTEGER, &given.iterations, 0, 1, 1e6, NULL,
      "iterations per substep, where a muscle has no number of its own"},
     {0, "no-sleep", NULL, CLI_FLAG, &given.no_sleep, 0, 0, 0, NULL, "step muscles at rest too"},
+    {0, "tolerance", "SHARE", CLI_NUMBER, &given.tolerance, 0, 0, 1, NULL,
+     "qn: a substep ends when a whole step moves no point by more than this share of the diagonal"},
     {0, NULL, NULL, CLI_HEADING, NULL, 0, 0, 0, NULL, "Output:"},
     {0, "format", "FORMAT", CLI_CHOICE, &given.format, 0, 0, 0, FORMATS, "frames in a folder: pc2 (default) or ply, one file per frame"},
     {0, "log", "FILE", CLI_TEXT, &given.log, 0, 0, 0, NULL, "write the log to FILE instead of standard output"},
@@ -175,6 +179,9 @@ static void apply_options(job *j) {
     }
     if (cli_given(&j->c, "rate")) scene->rate = given.rate;
     if (cli_given(&j->c, "preroll")) scene->preroll = given.preroll;
+    if (cli_given(&j->c, "solver") && scene->solver.method != (sn_solver_method)given.solver)
+        scene->solver = sn_solver_defaults((sn_solver_method)given.solver);
+    if (cli_given(&j->c, "tolerance")) scene->solver.tolerance = given.tolerance;
     if (cli_given(&j->c, "substeps")) scene->solver.substeps = (sn_index)given.substeps;
     if (cli_given(&j->c, "iterations")) scene->solver.iterations = (sn_index)given.iterations;
     for (sn_index i = 0; cli_given(&j->c, "law") && i < scene->muscle_count; i++) scene->muscles[i].law = (sn_fiber_law)given.law;
@@ -383,6 +390,14 @@ static void write_errors(sn_json *json, const sn_statistics *s, const sn_plan_mu
     sn_json_close(json);
 }
 
+static void write_quasi_newton(sn_json *json, const sn_statistics *s) {
+    sn_json_integer(json, "iterations", s->iterations);
+    sn_json_integer(json, "rejected_steps", s->rejected_steps);
+    sn_json_integer(json, "refactorisations", s->refactorisations);
+    sn_json_integer(json, "restarts", s->restarts);
+    sn_json_text(json, "stopped_by", sn_stop_reason_name(s->stop_reason));
+}
+
 static void write_statistics(const job *j, sn_json *json, const sn_statistics *s, const sn_plan_muscle *plan, bool stopped) {
     sn_json_object(json, NULL);
     sn_json_integer(json, "frame", j->state->frame);
@@ -406,6 +421,7 @@ static void write_statistics(const job *j, sn_json *json, const sn_statistics *s
     sn_json_integer(json, "clamped_hinges", s->clamped_hinges);
     sn_json_integer(json, "held_triangles", s->held_triangles);
     sn_json_integer(json, "skipped_triangles", s->skipped_triangles);
+    if (j->scene.solver.method == SN_SOLVER_QN) write_quasi_newton(json, s);
     sn_json_close(json);
 }
 

@@ -56,7 +56,7 @@ typedef struct sn_scene_muscle {
     bool enabled;          /* false = left out */
 } sn_scene_muscle;
 
-typedef enum sn_solver_method { SN_SOLVER_XPBD } sn_solver_method;
+typedef enum sn_solver_method { SN_SOLVER_XPBD, SN_SOLVER_QN } sn_solver_method;
 
 /* How `xpbd` goes about it: guarded is sinew's own; the others are the papers', to the letter ([R18] alg. 1, [K21] alg. 2). */
 typedef enum sn_scheme { SN_SCHEME_GUARDED, SN_SCHEME_ROMEO, SN_SCHEME_KOHOUT } sn_scheme;
@@ -64,8 +64,10 @@ typedef enum sn_scheme { SN_SCHEME_GUARDED, SN_SCHEME_ROMEO, SN_SCHEME_KOHOUT } 
 typedef struct sn_solver_settings {
     sn_solver_method method;
     sn_scheme scheme;
-    sn_index substeps;   /* per frame; default 16 */
-    sn_index iterations; /* per substep; default 2: a single one lets rows that disagree pump energy into the muscle */
+    sn_index substeps;   /* per frame; default 16 under xpbd, 1 under qn */
+    sn_index iterations; /* per substep; xpbd: default 2, since a single one lets rows that disagree pump energy into the muscle; qn: at
+                            most this many, default 10 */
+    double tolerance;    /* qn: a substep ends when a whole step moves no point by more than this share of the diagonal; default 1e-5 */
     int threads;         /* 0 = all */
     bool sleep;          /* a muscle at rest whose inputs keep still is not stepped; default true; moves nothing by 1e-9 of its size */
 } sn_solver_settings;
@@ -88,6 +90,7 @@ typedef struct sn_scene {
 void sn_scene_free(sn_scene *scene);
 void sn_scene_muscle_defaults(sn_scene_muscle *muscle); /* fills every default of an otherwise zeroed muscle */
 void sn_scene_defaults(sn_scene *scene);
+sn_solver_settings sn_solver_defaults(sn_solver_method method);
 /* Ranges, indices, names: SN_ERROR_INPUT naming bone or muscle and the value; attachments to bones the scene lacks are an error. */
 SN_MUST_CHECK sn_status sn_scene_validate(const sn_scene *scene, sn_error *error);
 

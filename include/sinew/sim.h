@@ -138,6 +138,8 @@ typedef struct sn_model_muscle {
     double mean_edge, diagonal; /* m */
     sn_index iterations;        /* per substep */
     bool contracts;             /* activation is felt: not under the scheme `kohout` */
+    bool quasi_newton;          /* the back end is `qn` */
+    double tolerance;           /* qn: stop when a whole step moves no point by more than this share of the diagonal */
 } sn_model_muscle;
 
 typedef struct sn_model {
@@ -161,6 +163,15 @@ typedef struct sn_residual {
     sn_index worst; /* row of its kind; SN_NONE = there is none */
 } sn_residual;
 
+/* Why a substep of back end `qn` ended. */
+typedef enum sn_stop_reason {
+    SN_STOP_ITERATIONS, /* after all of its iterations */
+    SN_STOP_TOLERANCE,  /* a whole step was below the tolerance */
+    SN_STOP_STALLED,    /* no step lowered the energy: it is at its minimum to rounding */
+    SN_STOP_FAILED      /* the matrix could not be factored or solved (no memory, a number that is not finite) */
+} sn_stop_reason;
+const char *sn_stop_reason_name(sn_stop_reason reason); /* "iterations", "tolerance", "stalled", "failed" */
+
 /* Of one muscle at one moment. Errors of lengths are over the mean edge, of angles in radians, of the volume over V0. */
 typedef struct sn_statistics {
     double activation, contraction; /* the input in [0,1]; a = contraction x activation */
@@ -180,6 +191,10 @@ typedef struct sn_statistics {
     int64_t clamped_hinges;                /* and that the dihedral clamp limited */
     int64_t held_triangles;                /* projections of triangles below their least area */
     int64_t skipped_triangles;             /* and those of triangles without a plane, which a guard left out */
+    /* back end `qn`, over the last frame; zero under xpbd */
+    int64_t iterations, rejected_steps, refactorisations;
+    int64_t restarts;           /* wrecked shapes that were given up for the rest pose, carried along with the bones */
+    sn_stop_reason stop_reason; /* of the last substep */
 } sn_statistics;
 
 /* ---- the state ------------------------------------------------------------------------------------------------------------ */
@@ -200,13 +215,28 @@ static inline sn_vec3 sn_point_position(const sn_point *p) { return sn_v3(p->x, 
     X(double, distance_lambda, m->distance_start[SN_DISTANCE_KINDS], true)                                                                 \
     X(double, hinge_lambda, m->hinge_count, true)                                                                                          \
     X(sn_vec3, volume_gradient, m->keeps_volume ? m->vertex_count : 0, false)                                                              \
-    X(sn_rigid, placed, m->site_count, true)
+    X(sn_rigid, placed, m->site_count, true)                                                                                               \
+    /* back end `qn`: where inertia takes each point, how far the carried ones came, and the L-BFGS pairs */                               \
+    X(sn_vec3, target, m->quasi_newton ? m->point_count : 0, true)                                                                         \
+    X(sn_vec3, last_jump, m->quasi_newton ? m->point_count : 0, true)                                                                      \
+    X(sn_vec3, pair_steps, m->quasi_newton ? 8 * (size_t)m->point_count : 0, true)                                                         \
+    X(sn_vec3, pair_changes, m->quasi_newton ? 8 * (size_t)m->point_count : 0, true)                                                       \
+    X(double, pair_products, m->quasi_newton ? 8 : 0, true)                                                                                \
+    X(bool, guarded, m->quasi_newton ? m->area_count : 0, true)
+
+struct sn_qn;
+typedef struct sn_qn sn_qn;
 
 typedef struct sn_muscle_state {
 #define SN_STATE_MEMBER(type, name, count, kept) type *name;
     SN_STATE_ARRAYS(SN_STATE_MEMBER)
 #undef SN_STATE_MEMBER
     double volume_lambda;
+    sn_index pair_count, pair_next; /* qn: pairs at hand, and the slot of the next */
+    sn_stop_reason stopped;         /* qn: why the substep needs no further iteration; SN_STOP_ITERATIONS = it may */
+    double energy;                  /* qn: Phi at the points, J */
+    double factor_stiffness;        /* qn: k that the matrix is factored for, N/m; NaN = none yet */
+    struct sn_qn *qn;               /* qn: factor and scratch, remade from the model; NULL under xpbd */
     double activation, contraction, stiffness, volume_goal; /* inputs at the state's time */
     sn_index still;                                         /* substeps in a row that moved nothing */
     double goal_contraction, goal_ratio;                    /* what `goals` were made for; NaN = not made yet */

@@ -23,11 +23,17 @@ void sn_scene_muscle_defaults(sn_scene_muscle *muscle) {
     muscle->enabled = true;
 }
 
+sn_solver_settings sn_solver_defaults(sn_solver_method method) {
+    bool newton = method == SN_SOLVER_QN;
+    return (sn_solver_settings){
+        .method = method, .substeps = newton ? 1 : 16, .iterations = newton ? 10 : 2, .tolerance = 1e-5, .sleep = true};
+}
+
 void sn_scene_defaults(sn_scene *scene) {
     *scene = (sn_scene){0};
     scene->meters_per_unit = 1.0;
     scene->rate = 24.0;
-    scene->solver = (sn_solver_settings){.method = SN_SOLVER_XPBD, .substeps = 16, .iterations = 2, .threads = 0, .sleep = true};
+    scene->solver = sn_solver_defaults(SN_SOLVER_XPBD);
 }
 
 /* ---- the end ---------------------------------------------------------------------------------------------------------- */
@@ -206,6 +212,10 @@ static sn_status check_clock(const sn_scene *scene, sn_error *error) {
         return sn_fail(error, SN_ERROR_INPUT, "solver.substeps is %ld; it must be at least 1", (long)solver->substeps);
     if (solver->iterations < 1)
         return sn_fail(error, SN_ERROR_INPUT, "solver.iterations is %ld; it must be at least 1", (long)solver->iterations);
+    if (solver->method != SN_SOLVER_XPBD && solver->scheme != SN_SCHEME_GUARDED)
+        return sn_fail(error, SN_ERROR_INPUT, "solver.scheme is a scheme of xpbd; leave it out or choose the method xpbd");
+    if (!within(solver->tolerance, 0.0, 1.0))
+        return sn_fail(error, SN_ERROR_INPUT, "solver.tolerance is %g; it must be within [0,1]", solver->tolerance);
     if (solver->threads < 0) return sn_fail(error, SN_ERROR_INPUT, "solver.threads is %d; it must be at least 0", solver->threads);
     return SN_OK;
 }

@@ -268,9 +268,11 @@ double sn_distance_energy(const sn_model_muscle *m, const sn_muscle_state *s, sn
         const sn_index *point = m->distances[r].point;
         double stiffness = m->distance_softness != NULL ? k / m->distance_softness[r] : k, c;
         sn_vec3 g[2];
-        if (!sn_distance_constraint(sn_point_position(&s->points[point[0]]), sn_point_position(&s->points[point[1]]), s->goals[r], &c, g))
-            continue;
+        bool pushes =
+            sn_distance_constraint(sn_point_position(&s->points[point[0]]), sn_point_position(&s->points[point[1]]), s->goals[r], &c, g);
+        if (!pushes) c = s->goals[r]; /* no length and no direction, but all of its energy */
         energy += 0.5 * stiffness * c * c;
+        if (!pushes) continue;
         for (int i = 0; gradient != NULL && i < 2; i++) gradient[point[i]] = sn_add_scaled(gradient[point[i]], g[i], stiffness * c);
     }
     return energy;

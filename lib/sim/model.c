@@ -115,6 +115,8 @@ static sn_status build_muscle(const sn_build *build, sn_error *error) {
     m->contracts = rules->contracts;
     m->source = build->source;
     m->vertex_count = build->source->rig.mesh.vertex_count;
+    m->quasi_newton = build->scene->solver.method == SN_SOLVER_QN;
+    m->tolerance = build->scene->solver.tolerance;
     m->iterations = build->source->iterations > 0 ? build->source->iterations : build->scene->solver.iterations;
     measure_size(build);
     sn_plan_decide(build);

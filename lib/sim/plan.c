@@ -10,6 +10,11 @@ const char *sn_row_kind_name(sn_row_kind kind) {
     return NAMES[kind];
 }
 
+const char *sn_stop_reason_name(sn_stop_reason reason) {
+    static const char *const names[] = {"iterations", "tolerance", "stalled", "failed"};
+    return names[reason];
+}
+
 const char *sn_left_out_text(sn_left_out reason) {
     switch (reason) {
     case SN_RUNS:

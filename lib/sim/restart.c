@@ -35,11 +35,16 @@ static void pass(cursor *c, void *data, size_t size) {
 
 static void pass_muscle(cursor *c, const sn_model_muscle *m, sn_muscle_state *s) {
     sn_statistics *st = &s->statistics;
-    int64_t *counters[] = {&st->skipped_edges, &st->skipped_hinges, &st->clamped_hinges, &st->held_triangles, &st->skipped_triangles};
+    int64_t *counters[] = {&st->skipped_edges, &st->skipped_hinges, &st->clamped_hinges,   &st->held_triangles, &st->skipped_triangles,
+                           &st->iterations,    &st->rejected_steps, &st->refactorisations, &st->restarts};
     for (size_t i = 0; i < sizeof counters / sizeof *counters; i++) pass(c, counters[i], sizeof *counters[i]);
-    double *numbers[] = {&s->volume_lambda, &s->activation, &s->contraction, &s->stiffness, &s->volume_goal, &st->residual};
+    double *numbers[] = {&s->volume_lambda, &s->activation, &s->contraction,      &s->stiffness,
+                         &s->volume_goal,   &s->energy,     &s->factor_stiffness, &st->residual};
     for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++) pass(c, numbers[i], sizeof *numbers[i]);
     pass(c, &s->still, sizeof s->still);
+    pass(c, &s->pair_count, sizeof s->pair_count);
+    pass(c, &s->pair_next, sizeof s->pair_next);
+    pass(c, &s->stopped, sizeof s->stopped);
 #define PASS(type, name, count, kept)                                                                                                      \
     if (kept) pass(c, s->name, (size_t)(count) * sizeof(type));
     SN_STATE_ARRAYS(PASS)

@@ -63,9 +63,12 @@ typedef struct sn_substep {
 typedef struct sn_backend {
     const char *name;
     void (*substep)(const sn_model_muscle *m, sn_muscle_state *s, const sn_substep *substep);
+    sn_status (*create)(const sn_model_muscle *m, sn_muscle_state *s, sn_error *error); /* nullable: scratch of its own */
+    void (*destroy)(sn_muscle_state *s);                                                /* nullable; also after a create that failed */
 } sn_backend;
 
 extern const sn_backend sn_backend_xpbd; /* xpbd.c */
+extern const sn_backend sn_backend_qn;   /* qn.c */
 const sn_backend *sn_backend_of(const sn_scene *scene);
 
 /* ---- plan.c ---- */

@@ -31,9 +31,13 @@ sn_status sn_state_create(const sn_model *model, sn_state **out, sn_error *error
     state->poses = joints > 0 && substeps > SIZE_MAX / joints ? NULL : SN_NEW(sn_rigid, joints * substeps);
     bool made = state->muscles != NULL && state->poses != NULL;
     for (sn_index i = 0; made && i < model->muscle_count; i++) made = make_arrays(&model->muscles[i], &state->muscles[i]);
-    if (!made) {
+    sn_status status = made ? SN_OK : sn_fail_memory(error, "the state");
+    const sn_backend *backend = sn_backend_of(model->scene);
+    for (sn_index i = 0; backend->create != NULL && status == SN_OK && i < model->muscle_count; i++)
+        status = backend->create(&model->muscles[i], &state->muscles[i], error);
+    if (status != SN_OK) {
         sn_state_destroy(model, state);
-        return sn_fail_memory(error, "the state");
+        return status;
     }
     sn_state_reset(model, state);
     *out = state;
@@ -42,7 +46,11 @@ sn_status sn_state_create(const sn_model *model, sn_state **out, sn_error *error
 
 void sn_state_destroy(const sn_model *model, sn_state *state) {
     if (state == NULL) return;
-    for (sn_index i = 0; state->muscles != NULL && i < model->muscle_count; i++) free_arrays(&state->muscles[i]);
+    const sn_backend *backend = sn_backend_of(model->scene);
+    for (sn_index i = 0; state->muscles != NULL && i < model->muscle_count; i++) {
+        if (backend->destroy != NULL) backend->destroy(&state->muscles[i]);
+        free_arrays(&state->muscles[i]);
+    }
     free(state->muscles);
     free(state->poses);
     free(state);
@@ -52,9 +60,13 @@ static void reset_muscle(const sn_model_muscle *m, sn_muscle_state *s, const sn_
     s->activation = s->goal_contraction = s->goal_ratio = NAN; /* nothing has been made for any input yet */
     s->statistics = (sn_statistics){.residual = NAN};
     s->still = 0;
+    s->pair_count = s->pair_next = 0;
+    s->factor_stiffness = NAN;
+    s->stopped = SN_STOP_ITERATIONS;
     for (sn_index i = 0; i < m->point_count; i++) {
         s->points[i].w = m->inverse_mass[i];
         s->velocities[i] = sn_v3(0, 0, 0);
+        if (m->quasi_newton) s->last_jump[i] = sn_v3(0, 0, 0);
     }
     sn_kinematics_carry(m, s, poses);
     sn_inputs_update(m, s, time);

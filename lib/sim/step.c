@@ -10,6 +10,8 @@ const sn_backend *sn_backend_of(const sn_scene *scene) {
     switch (scene->solver.method) {
     case SN_SOLVER_XPBD:
         return &sn_backend_xpbd;
+    case SN_SOLVER_QN:
+        return &sn_backend_qn;
     }
     return &sn_backend_xpbd;
 }
@@ -122,6 +124,7 @@ static void clear_counters(sn_state *state, sn_index muscle_count) {
         sn_statistics *statistics = &state->muscles[i].statistics;
         statistics->skipped_edges = statistics->skipped_hinges = statistics->clamped_hinges = 0;
         statistics->held_triangles = statistics->skipped_triangles = 0;
+        statistics->iterations = statistics->rejected_steps = statistics->refactorisations = statistics->restarts = 0;
     }
 }
 

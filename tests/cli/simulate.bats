@@ -308,6 +308,23 @@ scene() { # NAME UNIT BONES-JSON JOINT-JSON
 "muscles":[{"name":"%s","rig":"%s.muscle.json","contraction":0.3,"activation":{"keys":[[0,0],[3.75,1]]}}]}' "$2" "$4" "$3" "$1" "$1" > "$1.scene.json"
 }
 
+@test "the quasi-Newton solver holds the volume in a few iterations a frame and stops where it says" {
+    one_muscle
+    simulate one.scene.json --solver qn --frames 0:12 --log qn.jsonl -o qn.pc2
+    python3 - <<'END'
+import json
+lines = [json.loads(line) for line in open("qn.jsonl")]
+assert len(lines) == 13
+for line in lines[1:]:
+    assert 1 <= line["iterations"] <= 10 and line["nan"] == 0 and line["restarts"] == 0, line
+    assert abs(line["volume_error"]) < 0.01, line
+    assert line["stopped_by"] in ("iterations", "tolerance", "stalled"), line
+END
+    simulate one.scene.json --solver qn --iterations 400 --tolerance 1e-9 --frames 0:12 --log exact.jsonl -o exact.pc2
+    tail -n 1 exact.jsonl | grep -q '"stopped_by":"\(tolerance\|stalled\)"'
+    refute cmp -s qn.pc2 exact.pc2
+}
+
 @test "the tibialis anterior between tibia and a talus that turns" {
     leg=$DATA/leg-vhf/meshes/VHF_Left
     [ -e "${leg}_Bone_Talus_smooth.ply" ] || skip "no real anatomy at $DATA"

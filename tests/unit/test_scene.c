@@ -222,7 +222,7 @@ static void every_mistake_is_named(void **state) {
         {"[1,90]", "[1]", 2, "frames: expected an array of 2 numbers, found one of 1"},
         {"-9.81", "\"down\"", 2, "gravity[2]: expected a number, found \"down\""},
         {"\"substeps\": 16", "\"substeps\": 0", 2, "solver.substeps: expected a whole number in [1,"},
-        {"\"substeps\": 16", "\"method\": \"fem\"", 2, "solver.method: expected \"xpbd\", found \"fem\""},
+        {"\"substeps\": 16", "\"method\": \"fem\"", 2, "solver.method: expected \"xpbd\" or \"qn\", found \"fem\""},
         {"\"type\": \"hinge\", \"axis\": [1,2,3]", "\"type\": \"ball\", \"axis\": [1,2,3]", 4,
          "motion.joints[0].type: expected \"hinge\" or \"pose\""},
         {"[1,2,3]", "[0,0,0]", 4, "motion.joints[0].axis: the axis has no length"},

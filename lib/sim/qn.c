@@ -1,0 +1,356 @@
+/*
+ * qn.c -- back end `qn`: implicit Euler by quasi-Newton.   Liu, Bouaziz, Kavan 2017; numerics.md 2, 7
+ *
+ * A substep minimises Phi(x) (energy.c) from a predictor: L-BFGS on top of a constant factored matrix (precondition.c) gives a direction,
+ * Armijo's rule its length. Pairs are kept from substep to substep. A substep ends when a whole step would move no point by more than the
+ * tolerance, when no step lowers the energy any more, or after its iterations.
+ */
+#include "qn.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+static const double ARMIJO = 1e-4;
+static const int MOST_HALVINGS = 30;
+/* No point moves further than this share of the muscle's diagonal in one iteration. */
+static const double STEP_CAP = 0.1;
+/* No triangle shrinks below this share of its area in one step: hinges have no barrier against collapse. */
+static const double AREA_LIMIT = 0.3;
+/* A triangle that starts a substep below this share of its rest area goes through it without barrier and area limit (numerics.md 7). */
+static const double UNGUARDED = 0.05;
+/* One iteration alone may fall into a wrong basin. */
+enum { LEAST_ITERATIONS = 3 };
+/* A pair whose step and change are nearly orthogonal says nothing about curvature. */
+static const double LEAST_CURVATURE = 1e-10;
+
+/* ---- vectors of points ---------------------------------------------------------------------------------------------------- */
+
+static double dot(sn_index n, const sn_vec3 *a, const sn_vec3 *b) {
+    double sum = 0.0;
+    for (sn_index i = 0; i < n; i++) sum += sn_dot(a[i], b[i]);
+    return sum;
+}
+
+static void add_scaled(sn_index n, sn_vec3 *sum, const sn_vec3 *a, double scale) {
+    for (sn_index i = 0; i < n; i++) sum[i] = sn_add_scaled(sum[i], a[i], scale);
+}
+
+static double longest(sn_index n, const sn_vec3 *a) {
+    double most = 0.0;
+    for (sn_index i = 0; i < n; i++) most = fmax(most, sn_norm2(a[i]));
+    return sqrt(most);
+}
+
+static void set_position(sn_point *p, sn_vec3 position) { p->x = position.x, p->y = position.y, p->z = position.z; }
+
+/* ---- L-BFGS ----------------------------------------------------------------------------------------------------------------- */
+
+/* The slot of the pair `age` pairs ago; 0 is the latest. */
+static size_t slot_of(const sn_muscle_state *s, sn_index age) { return (size_t)((s->pair_next + SN_QN_MEMORY - 1 - age) % SN_QN_MEMORY); }
+
+static void forget_pairs(sn_muscle_state *s) { s->pair_count = s->pair_next = 0; }
+
+static void remember_pair(const sn_model_muscle *m, sn_muscle_state *s, double length) {
+    size_t n = (size_t)m->point_count, slot = (size_t)s->pair_next;
+    sn_vec3 *step = s->pair_steps + slot * n, *change = s->pair_changes + slot * n;
+    for (size_t i = 0; i < n; i++) {
+        step[i] = sn_scale(s->qn->direction[i], length);
+        change[i] = sn_sub(s->qn->trial_gradient[i], s->qn->gradient[i]);
+    }
+    double product = dot(m->point_count, step, change);
+    double size = sqrt(dot(m->point_count, step, step) * dot(m->point_count, change, change));
+    if (!(product > LEAST_CURVATURE * size)) return;
+    s->pair_products[slot] = product;
+    s->pair_next = (s->pair_next + 1) % SN_QN_MEMORY;
+    if (s->pair_count < SN_QN_MEMORY) s->pair_count++;
+}
+
+/* direction = -H gradient by the two-loop recursion; false where the matrix could not be solved. */
+static bool find_direction(const sn_model_muscle *m, sn_muscle_state *s) {
+    sn_index n = m->point_count;
+    sn_vec3 *d = s->qn->direction;
+    double weight[SN_QN_MEMORY];
+    for (sn_index i = 0; i < n; i++) d[i] = sn_neg(s->qn->gradient[i]);
+    for (sn_index age = 0; age < s->pair_count; age++) {
+        size_t slot = slot_of(s, age);
+        weight[age] = dot(n, s->pair_steps + slot * (size_t)n, d) / s->pair_products[slot];
+        add_scaled(n, d, s->pair_changes + slot * (size_t)n, -weight[age]);
+    }
+    if (!sn_preconditioner_apply(s->qn->preconditioner, d, d)) return false;
+    for (sn_index age = s->pair_count; age-- > 0;) {
+        size_t slot = slot_of(s, age);
+        double along = dot(n, s->pair_changes + slot * (size_t)n, d) / s->pair_products[slot];
+        add_scaled(n, d, s->pair_steps + slot * (size_t)n, weight[age] - along);
+    }
+    return true;
+}
+
+/* ---- one iteration ------------------------------------------------------------------------------------------------------------ */
+
+static sn_objective objective_of(const sn_model_muscle *m, const sn_muscle_state *s, double h) {
+    return (sn_objective){.model = m, .state = s, .h = h};
+}
+
+static double volume_stiffness(const sn_model_muscle *m, const sn_muscle_state *s) {
+    return m->keeps_volume ? sn_row_stiffness(m, s, SN_ROWS_VOLUME) : 0.0;
+}
+
+static double double_area(const sn_point *points, const sn_index *v) {
+    sn_vec3 a = sn_point_position(&points[v[0]]), b = sn_point_position(&points[v[1]]), c = sn_point_position(&points[v[2]]);
+    return sn_norm(sn_area_vector(a, b, c));
+}
+
+/* Does no triangle shrink too much from the state's points to the trial's? */
+static bool keeps_areas(const sn_model_muscle *m, const sn_muscle_state *s) {
+    for (sn_index r = 0; r < m->area_count; r++) {
+        const sn_index *v = m->areas[r].point;
+        if (s->guarded[r] && double_area(s->qn->trial, v) < AREA_LIMIT * double_area(s->points, v)) return false;
+    }
+    return true;
+}
+
+static void place_trial(const sn_model_muscle *m, sn_muscle_state *s, double length) {
+    for (sn_index i = 0; i < m->point_count; i++) {
+        s->qn->trial[i] = s->points[i];
+        if (s->points[i].w > 0.0)
+            set_position(&s->qn->trial[i], sn_add_scaled(sn_point_position(&s->points[i]), s->qn->direction[i], length));
+    }
+}
+
+/* A length of the direction that lowers the energy enough; 0 = none. The trial and its gradient are there, s->energy is the new one. */
+static double search(const sn_model_muscle *m, sn_muscle_state *s, double h, double slope) {
+    sn_objective objective = objective_of(m, s, h);
+    double length = 1.0;
+    for (int i = 0; i < MOST_HALVINGS; i++, length *= 0.5) {
+        place_trial(m, s, length);
+        if (keeps_areas(m, s)) {
+            double energy = sn_objective_evaluate(&objective, s->qn->trial, s->qn->trial_gradient);
+            if (energy <= s->energy + ARMIJO * length * slope) {
+                s->energy = energy;
+                return length;
+            }
+        }
+        s->statistics.rejected_steps++;
+    }
+    return 0.0;
+}
+
+/* A descent direction, not too long; the uncapped length of its longest step; negative = there is none. */
+static double make_direction(const sn_model_muscle *m, sn_muscle_state *s, double *slope) {
+    sn_vec3 *d = s->qn->direction;
+    for (int attempt = 0; attempt < 2; attempt++) {
+        if (!find_direction(m, s)) return -1.0;
+        *slope = dot(m->point_count, s->qn->gradient, d);
+        if (*slope <= 0.0) break;
+        forget_pairs(s); /* pairs from elsewhere mislead */
+    }
+    double most = longest(m->point_count, d), cap = STEP_CAP * m->diagonal;
+    if (!isfinite(most) || !(*slope <= 0.0)) return -1.0;
+    if (most > cap) {
+        for (sn_index i = 0; i < m->point_count; i++) d[i] = sn_scale(d[i], cap / most);
+        *slope *= cap / most;
+    }
+    return most;
+}
+
+static void accept(const sn_model_muscle *m, sn_muscle_state *s, double length) {
+    remember_pair(m, s, length);
+    memcpy(s->points, s->qn->trial, (size_t)m->point_count * sizeof *s->points);
+    memcpy(s->qn->gradient, s->qn->trial_gradient, (size_t)m->point_count * sizeof *s->qn->gradient);
+}
+
+static void stop(sn_muscle_state *s, sn_stop_reason reason) { s->statistics.stop_reason = s->stopped = reason; }
+
+/* The gradient is up to date before and after. */
+static void iterate(const sn_model_muscle *m, sn_muscle_state *s, double h, sn_index iteration) {
+    double slope = 0.0;
+    s->statistics.iterations++;
+    sn_preconditioner_set_volume(s->qn->preconditioner, s->volume_gradient, volume_stiffness(m, s));
+    double most = make_direction(m, s, &slope);
+    if (most < 0.0) {
+        stop(s, SN_STOP_FAILED);
+        return;
+    }
+    bool small = most <= m->tolerance * m->diagonal && iteration + 1 >= LEAST_ITERATIONS;
+    double length = search(m, s, h, slope);
+    if (length > 0.0) {
+        accept(m, s, length);
+        if (small) stop(s, SN_STOP_TOLERANCE);
+    } else if (s->pair_count > 0) {
+        forget_pairs(s); /* try again without them */
+        sn_objective objective = objective_of(m, s, h);
+        s->energy = sn_objective_evaluate(&objective, s->points, s->qn->gradient);
+    } else {
+        stop(s, SN_STOP_STALLED);
+    }
+}
+
+/* ---- the start of a substep --------------------------------------------------------------------------------------------------- */
+
+/* y = x + h (v + h g) e^(-c h) for the free points; previous = x. */
+static void aim(const sn_model_muscle *m, sn_muscle_state *s, sn_vec3 gravity, double h) {
+    double keep = exp(-m->source->damping * h);
+    for (sn_index i = 0; i < m->point_count; i++) {
+        s->target[i] = s->previous[i] = sn_point_position(&s->points[i]);
+        if (s->points[i].w == 0.0) continue;
+        sn_vec3 v = sn_scale(sn_add_scaled(s->velocities[i], gravity, h), keep);
+        s->target[i] = sn_add_scaled(s->previous[i], v, h);
+    }
+}
+
+/* Put the carried points at their places; jump (point_count) is how far they came. Returns the longest way. */
+static double place_carried(const sn_model_muscle *m, sn_muscle_state *s, const sn_rigid *poses) {
+    sn_kinematics_place(m, s, poses);
+    double most = 0.0;
+    for (sn_index i = 0; i < m->point_count; i++) {
+        s->qn->jump[i] = s->points[i].w == 0.0 ? sn_sub(sn_point_position(&s->points[i]), s->previous[i]) : sn_v3(0, 0, 0);
+        most = fmax(most, sn_norm2(s->qn->jump[i]));
+    }
+    return sqrt(most);
+}
+
+/* Where the predictor starts: everything where it was; or, where the carried points go on as in the last substep (to within an edge), the
+ * free points where inertia takes them. trial and jump are then base and what is left of the way. */
+static void choose_base(const sn_model_muscle *m, sn_muscle_state *s) {
+    double change = 0.0;
+    for (sn_index i = 0; i < m->point_count; i++) change = fmax(change, sn_distance(s->qn->jump[i], s->last_jump[i]));
+    bool smooth = change <= m->mean_edge;
+    for (sn_index i = 0; i < m->point_count; i++) {
+        sn_vec3 jump = s->qn->jump[i], before = s->last_jump[i];
+        bool carried = s->points[i].w == 0.0;
+        sn_vec3 base = !smooth ? s->previous[i] : carried ? sn_add(s->previous[i], before) : s->target[i];
+        s->qn->trial[i] = s->points[i];
+        set_position(&s->qn->trial[i], base);
+        s->last_jump[i] = jump;
+        s->qn->jump[i] = smooth ? sn_sub(jump, before) : jump;
+    }
+}
+
+/* d = -(A_ff + k_V g_f g_fT)^-1 (grad_f Phi(base) + A_fk jump + k_V g_f (g_k . jump)) takes the place of a first iteration: without it
+ * fast bones crush the first ring of triangles (numerics.md 7). Leaves the predicted points in trial; false: no direction. */
+static bool predict(const sn_model_muscle *m, sn_muscle_state *s, double h) {
+    sn_qn *qn = s->qn;
+    sn_objective objective = objective_of(m, s, h);
+    double k_volume = volume_stiffness(m, s);
+    choose_base(m, s);
+    sn_objective_evaluate(&objective, qn->trial, qn->gradient);
+    sn_preconditioner_add_jump(qn->preconditioner, qn->jump, s->volume_gradient, k_volume, qn->gradient);
+    sn_preconditioner_set_volume(qn->preconditioner, s->volume_gradient, k_volume);
+    if (!sn_preconditioner_apply(qn->preconditioner, qn->gradient, qn->direction)) return false;
+    for (sn_index i = 0; i < m->point_count; i++) {
+        sn_vec3 base = sn_point_position(&qn->trial[i]);
+        set_position(&qn->trial[i], s->points[i].w == 0.0 ? sn_point_position(&s->points[i]) : sn_sub(base, qn->direction[i]));
+    }
+    return true;
+}
+
+/* Marks the triangles that are not collapsed; returns how many are. */
+static sn_index guard_triangles(const sn_model_muscle *m, sn_muscle_state *s) {
+    sn_index collapsed = 0;
+    for (sn_index r = 0; r < m->area_count; r++) {
+        s->guarded[r] = double_area(s->points, m->areas[r].point) * m->area_scales[r] >= UNGUARDED;
+        collapsed += !s->guarded[r];
+    }
+    return collapsed;
+}
+
+/* May this be no shape that the muscle came to by moving: a tenth of it collapsed, half a mean edge off in the mean, or half of its volume
+ * gone? */
+static bool is_wrecked(const sn_model_muscle *m, const sn_muscle_state *s, sn_index collapsed) {
+    if (collapsed > m->area_count / 10 || sn_distance_residual(m, s, SN_ROWS_MESH).rms > 0.5) return true;
+    if (!m->keeps_volume) return false;
+    double volume = sn_volume_constraint(m->vertex_count, s->points, m->triangle_count, m->triangles, NULL);
+    return !(fabs(volume / (s->volume_goal * m->rest_volume) - 1.0) <= 0.5);
+}
+
+static void set_velocities(const sn_model_muscle *m, sn_muscle_state *s, double rate) {
+    for (sn_index i = 0; i < m->point_count; i++)
+        s->velocities[i] = sn_scale(sn_sub(sn_point_position(&s->points[i]), s->previous[i]), rate);
+}
+
+/* Phi at the state's points if they stood still. */
+static double energy_at_rest(const sn_model_muscle *m, sn_muscle_state *s, double h) {
+    sn_objective objective = objective_of(m, s, h);
+    for (sn_index i = 0; i < m->point_count; i++) s->target[i] = sn_point_position(&s->points[i]);
+    return sn_objective_evaluate(&objective, s->points, s->qn->gradient);
+}
+
+/* A wreck (coincident, flattened, random or mirrored points, a bone that has jumped far away) that holds more energy than the rest pose
+ * carried along with the bones is given up for that, at rest: the way back from it is no motion, and it may lead into another wreck. */
+static void restart(const sn_model_muscle *m, sn_muscle_state *s, const sn_substep *substep) {
+    size_t bytes = (size_t)m->point_count * sizeof *s->points;
+    double wrecked = energy_at_rest(m, s, substep->h);
+    memcpy(s->qn->trial, s->points, bytes);
+    sn_kinematics_carry(m, s, substep->poses);
+    if (energy_at_rest(m, s, substep->h) < wrecked) {
+        memset(s->velocities, 0, (size_t)m->point_count * sizeof *s->velocities);
+        forget_pairs(s);
+        s->statistics.restarts++;
+    } else {
+        memcpy(s->points, s->qn->trial, bytes);
+    }
+}
+
+/* Begin at the predictor or where inertia takes the points, whichever has the lower energy. */
+static void begin(const sn_model_muscle *m, sn_muscle_state *s, const sn_substep *substep) {
+    sn_qn *qn = s->qn;
+    sn_objective objective = objective_of(m, s, substep->h);
+    bool changed = false;
+    stop(s, SN_STOP_ITERATIONS);
+    if (is_wrecked(m, s, guard_triangles(m, s))) restart(m, s, substep);
+    guard_triangles(m, s);
+    aim(m, s, substep->gravity, substep->h);
+    double jump = place_carried(m, s, substep->poses);
+    if (!sn_preconditioner_update(qn->preconditioner, substep->h, s->stiffness, &s->factor_stiffness, &changed)) stop(s, SN_STOP_FAILED);
+    if (changed) forget_pairs(s);
+    s->statistics.refactorisations += changed;
+    bool predicted = jump > 0.0 && s->stopped != SN_STOP_FAILED && predict(m, s, substep->h);
+    if (jump == 0.0) memset(s->last_jump, 0, (size_t)m->point_count * sizeof *s->last_jump);
+    double predicted_energy = predicted ? sn_objective_evaluate(&objective, qn->trial, qn->gradient) : INFINITY;
+    for (sn_index i = 0; i < m->point_count; i++)
+        if (s->points[i].w > 0.0) set_position(&s->points[i], s->target[i]);
+    s->energy = sn_objective_evaluate(&objective, s->points, qn->trial_gradient);
+    if (predicted_energy <= s->energy) memcpy(s->points, qn->trial, (size_t)m->point_count * sizeof *s->points);
+}
+
+/* ---- the back end ------------------------------------------------------------------------------------------------------------- */
+
+static void qn_substep(const sn_model_muscle *m, sn_muscle_state *s, const sn_substep *substep) {
+    sn_objective objective = objective_of(m, s, substep->h);
+    bool changed = false;
+    if (substep->begin == 0)
+        begin(m, s, substep);
+    else if (!sn_preconditioner_update(s->qn->preconditioner, substep->h, s->stiffness, &s->factor_stiffness, &changed))
+        stop(s, SN_STOP_FAILED);
+    if (s->stopped == SN_STOP_ITERATIONS) s->energy = sn_objective_evaluate(&objective, s->points, s->qn->gradient);
+    for (sn_index i = substep->begin; i < substep->end && s->stopped == SN_STOP_ITERATIONS; i++) iterate(m, s, substep->h, i);
+    double force = sqrt(dot(m->point_count, s->qn->gradient, s->qn->gradient));
+    s->statistics.residual = s->stiffness > 0.0 ? force / (s->stiffness * m->diagonal) : NAN;
+    set_velocities(m, s, 1.0 / substep->h);
+}
+
+static void qn_destroy(sn_muscle_state *s) {
+    if (s->qn == NULL) return;
+    sn_preconditioner_destroy(s->qn->preconditioner);
+    free(s->qn->trial);
+    free(s->qn->gradient);
+    free(s->qn->trial_gradient);
+    free(s->qn->direction);
+    free(s->qn->jump);
+    free(s->qn);
+    s->qn = NULL;
+}
+
+static sn_status qn_create(const sn_model_muscle *m, sn_muscle_state *s, sn_error *error) {
+    sn_qn *qn = s->qn = SN_NEW(sn_qn, 1);
+    if (qn == NULL) return sn_fail_memory(error, "the quasi-Newton solver");
+    qn->trial = SN_NEW(sn_point, m->point_count);
+    qn->gradient = SN_NEW(sn_vec3, m->point_count);
+    qn->trial_gradient = SN_NEW(sn_vec3, m->point_count);
+    qn->direction = SN_NEW(sn_vec3, m->point_count);
+    qn->jump = SN_NEW(sn_vec3, m->point_count);
+    bool made = qn->trial != NULL && qn->gradient != NULL && qn->trial_gradient != NULL && qn->direction != NULL && qn->jump != NULL;
+    return made ? sn_preconditioner_create(m, &qn->preconditioner, error) : sn_fail_memory(error, "the quasi-Newton solver");
+}
+
+const sn_backend sn_backend_qn = {.name = "qn", .substep = qn_substep, .create = qn_create, .destroy = qn_destroy};

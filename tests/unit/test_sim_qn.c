@@ -1,0 +1,274 @@
+/* test_sim_qn.c -- back end `qn`: its gradient, its equilibrium against xpbd's, rest, free flight, wrecked starts, threads, stops. */
+#include "sim_scene.h"
+
+#include "../../lib/sim/qn.h"
+
+static void make_newton(sn_scene *scene, const fusiform *f) {
+    make_scene(scene, f);
+    scene->solver = sn_solver_defaults(SN_SOLVER_QN);
+    scene->muscles[0].contraction = 0.3;
+    set_keys(&scene->muscles[0].activation, 0.0, 0.0, 1.0, 1.0);
+    set_keys(&scene->motion.joints[0].angle, 0.0, 0.0, 1.0, -30.0 * SN_PI / 180.0);
+}
+
+static const sn_statistics *statistics(const simulation *s) { return &s->state->muscles[0].statistics; }
+
+static double greatest_difference(const simulation *a, const simulation *b) {
+    double most = 0.0;
+    for (sn_index i = 0; i < a->model->muscles[0].point_count; i++) most = fmax(most, sn_distance(position(a, i), position(b, i)));
+    return most;
+}
+
+/* dPhi/dx = (Phi(x + e) - Phi(x - e)) / 2e for every kind of row, at a crumpled pose, where barriers act too. */
+static void the_gradient_is_that_of_the_energy(void **state) {
+    (void)state;
+    sn_scene scene;
+    make_newton(&scene, &FUSIFORM);
+    simulation s = start(&scene);
+    const sn_model_muscle *m = &s.model->muscles[0];
+    sn_muscle_state *ms = &s.state->muscles[0];
+    uint64_t random = 11;
+    ms->volume_goal = 1.2;
+    for (sn_index r = 0; r < m->area_count; r++) ms->guarded[r] = true;
+    for (sn_index i = 0; i < m->point_count; i++) {
+        sn_point *p = &ms->points[i];
+        ms->target[i] = m->rest[i];
+        if (p->w == 0.0) continue;
+        p->x += 3e-3 * (sn_random(&random) - 0.5), p->y += 3e-3 * (sn_random(&random) - 0.5), p->z += 3e-3 * (sn_random(&random) - 0.5);
+    }
+    sn_objective objective = {.model = m, .state = ms, .h = 1.0 / 24.0};
+    sn_vec3 *gradient = SN_NEW(sn_vec3, m->point_count), *other = SN_NEW(sn_vec3, m->point_count);
+    sn_objective_evaluate(&objective, ms->points, gradient);
+    double largest = 0.0, worst = 0.0, e = 1e-8;
+    for (sn_index i = 0; i < m->point_count; i++) {
+        double *coordinates[3] = {&ms->points[i].x, &ms->points[i].y, &ms->points[i].z};
+        const double found[3] = {gradient[i].x, gradient[i].y, gradient[i].z};
+        for (int c = 0; c < 3; c++) {
+            double at = *coordinates[c];
+            if (ms->points[i].w == 0.0) {
+                assert_true(found[c] == 0.0);
+                continue;
+            }
+            *coordinates[c] = at + e;
+            double high = sn_objective_evaluate(&objective, ms->points, other);
+            *coordinates[c] = at - e;
+            double low = sn_objective_evaluate(&objective, ms->points, other);
+            *coordinates[c] = at;
+            largest = fmax(largest, fabs(found[c]));
+            worst = fmax(worst, fabs((high - low) / (2.0 * e) - found[c]));
+        }
+    }
+    assert_true(worst < 1e-5 * largest); /* what differences of an energy of this size can tell */
+    free(gradient);
+    free(other);
+    finish(&s);
+}
+
+static void rest_stays_at_rest(void **state) {
+    (void)state;
+    for (int law = 0; law < 3; law++) {
+        sn_scene scene;
+        make_scene(&scene, &FUSIFORM);
+        scene.solver = sn_solver_defaults(SN_SOLVER_QN);
+        scene.muscles[0].law = (sn_fiber_law)law;
+        scene.muscles[0].rest_activation = scene.muscles[0].activation.constant = 0.8;
+        simulation s = start(&scene);
+        step_frames(&s, 5, NULL);
+        assert_true(greatest_move(&s) < 1e-9);
+        finish(&s);
+    }
+}
+
+/* Without stiffness a step is y = x + h (v + h g) e^(-c h), to rounding. */
+static void no_stiffness_is_free_flight(void **state) {
+    (void)state;
+    fusiform f = FUSIFORM;
+    sn_scene scene;
+    f.pinned = 0.0;
+    make_scene(&scene, &f);
+    scene.solver = sn_solver_defaults(SN_SOLVER_QN);
+    scene.gravity = sn_v3(0, 0, -9.81);
+    scene.muscles[0].stiffness_relaxed = scene.muscles[0].stiffness_active = 0.0;
+    simulation s = start(&scene);
+    step_frames(&s, 10, NULL);
+    double h = 1.0 / 24.0, keep = exp(-scene.muscles[0].damping * h), speed = 0.0, way = 0.0;
+    for (int i = 0; i < 10; i++) {
+        speed = (speed - 9.81 * h) * keep;
+        way += speed * h;
+    }
+    for (sn_index i = 0; i < s.model->muscles[0].point_count; i++)
+        assert_true(fabs(position(&s, i).z - s.model->muscles[0].rest[i].z - way) < 1e-9);
+    finish(&s);
+}
+
+/* Run the usual motion to its end with these settings. */
+static simulation run_usual(sn_scene *scene, sn_solver_settings solver, sn_index frames) {
+    make_newton(scene, &FUSIFORM);
+    scene->solver = solver;
+    simulation s = start(scene);
+    step_frames(&s, frames, NULL);
+    return s;
+}
+
+/* Ten iterations a frame stay within 1e-4 L of the converged steps (numerics.md 2: 5e-4 at 5). */
+static void few_iterations_are_close_to_convergence(void **state) {
+    (void)state;
+    sn_scene few_scene, exact_scene;
+    sn_solver_settings few = sn_solver_defaults(SN_SOLVER_QN), exact = few;
+    exact.iterations = 400;
+    exact.tolerance = 1e-9;
+    simulation a = run_usual(&few_scene, few, 24), b = run_usual(&exact_scene, exact, 24);
+    assert_int_equal(statistics(&b)->nan_points, 0);
+    assert_true(statistics(&b)->stop_reason == SN_STOP_TOLERANCE || statistics(&b)->stop_reason == SN_STOP_STALLED);
+    assert_true(greatest_difference(&a, &b) < 1e-4 * a.model->muscles[0].diagonal);
+    assert_true(greatest_move(&b) > 0.005);
+    finish(&a);
+    finish(&b);
+}
+
+/* Two methods, one implicit Euler step: XPBD iterated to convergence and qn agree where rows are soft enough for XPBD to converge (k h^2 w
+ * of order 1), up to the square of the motion: XPBD sums its corrections along the gradients of the iterates, not of the end. */
+static void xpbd_converges_to_the_same_step(void **state) {
+    (void)state;
+    simulation s[2];
+    sn_scene scene[2];
+    for (int i = 0; i < 2; i++) {
+        sn_scene *at = &scene[i];
+        make_scene(at, &FUSIFORM);
+        at->solver = sn_solver_defaults(i == 0 ? SN_SOLVER_XPBD : SN_SOLVER_QN);
+        at->solver.substeps = 1;
+        at->solver.iterations = i == 0 ? 4000 : 500;
+        at->solver.tolerance = 1e-12;
+        at->muscles[0].stiffness_relaxed = at->muscles[0].stiffness_active = 2.0;
+        at->muscles[0].stiffness_volume = 40.0;
+        at->gravity = sn_v3(0, 0.02, 0);
+        s[i] = start(at);
+        step_frames(&s[i], 3, NULL);
+    }
+    double moved = greatest_move(&s[1]) / s[0].model->muscles[0].diagonal;
+    assert_true(moved > 5e-4);
+    assert_true(greatest_difference(&s[0], &s[1]) < 1e-6 * s[0].model->muscles[0].diagonal);
+    finish(&s[0]);
+    finish(&s[1]);
+}
+
+/* numerics.md 5: from coincident, flattened, random and mirrored points back to rest. */
+static void wrecked_starts_recover(void **state) {
+    (void)state;
+    for (int wreck = 0; wreck < 4; wreck++) {
+        sn_scene scene;
+        make_scene(&scene, &FUSIFORM);
+        scene.solver = sn_solver_defaults(SN_SOLVER_QN);
+        scene.solver.iterations = 30;
+        simulation s = start(&scene);
+        const sn_model_muscle *m = &s.model->muscles[0];
+        uint64_t random = 5;
+        for (sn_index i = 0; i < m->point_count; i++) {
+            sn_point *p = &s.state->muscles[0].points[i];
+            if (p->w == 0.0) continue;
+            if (wreck == 0) p->x = 0.001, p->y = 0.002, p->z = 0.1;
+            if (wreck == 1) p->x = 0.0;
+            if (wreck == 2) p->x = 0.1 * sn_random(&random), p->y = 0.1 * sn_random(&random), p->z = 0.2 * sn_random(&random);
+            if (wreck == 3) p->x = -p->x;
+        }
+        step_frames(&s, 60, NULL);
+        assert_int_equal(statistics(&s)->nan_points, 0);
+        double away = greatest_move(&s) / m->diagonal;
+        assert_true(away < 1e-6);
+        finish(&s);
+    }
+}
+
+/* A tip that jumps by 90 degrees and back: nothing is lost, and the muscle comes back to rest. */
+static void a_teleported_bone_is_survived(void **state) {
+    (void)state;
+    sn_scene scene;
+    make_scene(&scene, &FUSIFORM);
+    scene.solver = sn_solver_defaults(SN_SOLVER_QN);
+    sn_channel *angle = &scene.motion.joints[0].angle;
+    *angle = (sn_channel){.count = 4, .times = SN_NEW(double, 4), .values = SN_NEW(double, 4)};
+    const double times[] = {0.9, 0.901, 1.5, 1.501};
+    for (int i = 0; i < 4; i++) angle->times[i] = times[i], angle->values[i] = i == 1 || i == 2 ? SN_PI / 2 : 0.0;
+    simulation s = start(&scene);
+    step_frames(&s, 30, NULL);
+    assert_true(greatest_move(&s) > 0.01 && greatest_move(&s) < 2.0 * s.model->muscles[0].diagonal);
+    step_frames(&s, 90, NULL);
+    assert_int_equal(statistics(&s)->nan_points, 0);
+    assert_true(greatest_move(&s) < 1e-6 * s.model->muscles[0].diagonal);
+    finish(&s);
+}
+
+static void threads_change_no_bit(void **state) {
+    (void)state;
+    sn_scene scenes[2];
+    simulation s[2];
+    for (int i = 0; i < 2; i++) {
+        make_newton(&scenes[i], &FUSIFORM);
+        add_muscle(&scenes[i], "second", &FUSIFORM);
+        s[i] = start(&scenes[i]);
+        sn_pool *pool = i == 0 ? NULL : sn_pool_create(3);
+        step_frames(&s[i], 8, &(sn_step_options){.pool = pool});
+        sn_pool_destroy(pool);
+    }
+    for (int k = 0; k < 2; k++)
+        assert_memory_equal(s[0].state->muscles[k].points, s[1].state->muscles[k].points,
+                            (size_t)s[0].model->muscles[k].point_count * sizeof(sn_point));
+    finish(&s[0]);
+    finish(&s[1]);
+}
+
+/* Stopped after an iteration of a frame, packed, unpacked into a fresh state and continued: the bits of the run that was not stopped. */
+static void a_stop_changes_no_bit(void **state) {
+    (void)state;
+    sn_scene scenes[3];
+    simulation s[3];
+    for (int i = 0; i < 3; i++) {
+        make_newton(&scenes[i], &FUSIFORM);
+        s[i] = start(&scenes[i]);
+    }
+    step_frames(&s[0], 10, NULL);
+    step_frames(&s[1], 6, NULL); /* in the middle of the way from one factor to the next */
+    assert_int_equal(sn_step(s[1].model, s[1].state, &(sn_step_options){.stop_substep = 1, .stop_iteration = 4}, NULL), SN_STOPPED);
+    char *bytes;
+    size_t size;
+    assert_int_equal(sn_state_pack(s[1].model, s[1].state, &bytes, &size, NULL), SN_OK);
+    assert_int_equal(sn_state_unpack(s[2].model, bytes, size, s[2].state, NULL), SN_OK);
+    free(bytes);
+    for (int i = 1; i < 3; i++) {
+        step_frames(&s[i], 4, NULL);
+        assert_memory_equal(s[0].state->muscles[0].points, s[i].state->muscles[0].points,
+                            (size_t)s[0].model->muscles[0].point_count * sizeof(sn_point));
+    }
+    for (int i = 0; i < 3; i++) finish(&s[i]);
+}
+
+/* Stiffness 5e5 -> 5e7 refactors about once per doubling, not once per frame. */
+static void the_factor_is_kept_while_stiffness_changes_little(void **state) {
+    (void)state;
+    sn_scene scene;
+    make_newton(&scene, &FUSIFORM);
+    simulation s = start(&scene);
+    int64_t refactored = 0;
+    for (int frame = 0; frame < 24; frame++) {
+        step_frames(&s, 1, NULL);
+        refactored += statistics(&s)->refactorisations;
+    }
+    assert_in_range(refactored, 4, 8); /* log2(100) = 6.6 */
+    finish(&s);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(the_gradient_is_that_of_the_energy),
+        cmocka_unit_test(rest_stays_at_rest),
+        cmocka_unit_test(no_stiffness_is_free_flight),
+        cmocka_unit_test(few_iterations_are_close_to_convergence),
+        cmocka_unit_test(xpbd_converges_to_the_same_step),
+        cmocka_unit_test(wrecked_starts_recover),
+        cmocka_unit_test(a_teleported_bone_is_survived),
+        cmocka_unit_test(threads_change_no_bit),
+        cmocka_unit_test(a_stop_changes_no_bit),
+        cmocka_unit_test(the_factor_is_kept_while_stiffness_changes_little),
+    };
+    return cmocka_run_group_tests_name("qn", tests, NULL, NULL);
+}
