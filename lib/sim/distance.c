@@ -237,8 +237,8 @@ SN_INLINE int64_t project_batch(const rows *in, sn_index r, const sn_sweep *swee
     if (in->softness != NULL) compliance = compliance * wide_load(in->softness + r, lanes);
     wide_vec3 d = wide_between(p0, p1);
     wide square = wide_dot(d, d), length = wide_sqrt(square);
-    wide_mask good =
-        ~wide_less(square, wide_splat(SN_EDGE_GUARD)) & ~wide_less(wide_splat(DBL_MAX), square) & ~(wide_mask)(square != square);
+    wide_mask good = ~wide_less(square, wide_splat(SN_EDGE_GUARD)) & ~wide_less(wide_splat(DBL_MAX), square) &
+                     wide_less(wide_splat(-1.0), square); /* and no NaN */
     wide change = (wide_load(in->goals + r, lanes) - length - compliance * lambda) / (p0.w + p1.w + compliance);
     if (in->gain != NULL) change = change * wide_load(in->gain + r, lanes);
     change = change * wide_splat(sweep->gain);
