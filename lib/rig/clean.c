@@ -203,8 +203,9 @@ static sn_status remove_intersections(sn_cleaning *c) {
     if (status == SN_OK)
         status = sn_remove_self_intersections(c->mesh, c->params->seconds, &left, &c->report->intersections_late, c->error);
     if (status == SN_OK && left < before) status = sn_cleaning_look(c);
-    c->found.self_intersections = left;
+    if (status == SN_OK && left < before) status = sn_cleaning_outward(c); /* what crosses hides which side is out */
     if (status != SN_OK) return status;
+    c->found.self_intersections = left;
     return sn_stop_if(SN_TRACE(c->trace, "intersections", sn_trace_number("before", before), sn_trace_number("left", left)));
 }
 

@@ -445,6 +445,11 @@ END
     "$BIN/mesh-clean" -q --remove-intersections --repair full dented.off -o out.ply --report report.json
     [ "$(value report.json after selfIntersections)" -eq 0 ]
     "$BIN/mesh-clean" --check --self-intersections out.ply
+    [ -d "$DATA/body-bp3d-low" ] || return 0
+    # 23 pairs in the exact repair of the file
+    "$BIN/mesh-clean" -q --remove-intersections "$DATA/body-bp3d-low/meshes/FJ528_Right_vastus_lateralis.obj" -o out.ply --report report.json
+    [ "$(value report.json before selfIntersections)" -gt 10 ]
+    "$BIN/mesh-clean" --check --self-intersections out.ply
 }
 
 @test "painted values survive remeshing, decimation and wrapping; labels are not mixed" {

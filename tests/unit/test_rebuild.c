@@ -57,8 +57,8 @@ static void a_wrap_closes_what_is_open(void **state) {
     assert_int_equal(crossings, 0);
     assert_ok(sn_wrap(&sphere, 0.15, 0.02, &again, NULL));
     assert_true(shape_same(&wrapped, &again));
-    assert_int_equal(sn_wrap(&sphere, 0.0, 0.02, &again, NULL), SN_ERROR_USAGE);
     sn_mesh_free(&again);
+    assert_int_equal(sn_wrap(&sphere, 0.0, 0.02, &again, NULL), SN_ERROR_USAGE);
     sn_mesh_free(&wrapped);
     sn_mesh_free(&sphere);
 }
