@@ -69,6 +69,11 @@ static sn_status prepare(building *b, sn_error *error) {
     if (!status) status = tree_create(b->mesh, &b->topology, &b->muscle->roots, &b->tree, error);
     if (!status) status = check_all_reached(b, error);
     b->spacing = b->params->spacing > 0.0 ? b->params->spacing : 2.0 * sn_mesh_mean_edge(b->mesh, &b->topology);
+    if (!status && b->params->spacing > b->tips.length)
+        status =
+            sn_fail(error, SN_ERROR_USAGE,
+                    "a spacing of %g is longer than the muscle (%g from tip to tip); give a smaller one, or a unit with it (as in 6mm)",
+                    b->params->spacing, b->tips.length);
     if (!status && !(b->spacing > 0.0)) status = sn_fail(error, SN_ERROR_INPUT, "all edges of the mesh have length 0; clean it first");
     return status;
 }

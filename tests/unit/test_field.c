@@ -112,6 +112,25 @@ static void distances_are_those_of_the_path_back(void **state) {
     sn_mesh_free(&m);
 }
 
+/* The slowest vibration of a spindle: its extremes are the poles, it vanishes on the equator, and the start gives its sign. */
+static void the_fiedler_eigenfunction_has_its_extremes_at_the_poles(void **state) {
+    (void)state;
+    enum { RINGS = 31, SECTORS = 16 };
+    sn_mesh m = spindle(RINGS, SECTORS, 0.2, 0.03);
+    sn_topology t = topology_of(&m);
+    double *u = SN_NEW(double, m.vertex_count);
+    for (int turned = 0; turned < 2; turned++) {
+        for (sn_index v = 0; v < m.vertex_count; v++) u[v] = (turned ? -1.0 : 1.0) * (m.positions[v].z + 0.3 * m.positions[v].x);
+        assert_int_equal(sn_fiedler_field(&m, &t, u, NULL), SN_OK);
+        double low = turned ? u[m.vertex_count - 1] : u[0], high = turned ? u[0] : u[m.vertex_count - 1];
+        for (sn_index v = 0; v < m.vertex_count; v++) assert_true(u[v] >= low - 1e-9 * high && u[v] <= high * (1.0 + 1e-9));
+        for (sn_index k = 0; k < SECTORS; k++) assert_true(fabs(u[1 + (RINGS / 2) * SECTORS + k]) < 1e-2 * high);
+    }
+    free(u);
+    sn_topology_free(&t);
+    sn_mesh_free(&m);
+}
+
 /* From a straight row of sources the distance on a flat sheet is the height above the row, however the triangles lie. */
 static void fast_marching_is_exact_from_a_line(void **state) {
     (void)state;
@@ -161,10 +180,14 @@ static void fast_marching_finds_the_profile(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(between_two_poles_it_rises_ring_by_ring), cmocka_unit_test(a_flat_sheet_gives_a_linear_field),
-        cmocka_unit_test(what_no_fixed_vertex_reaches_is_nan),     cmocka_unit_test(bad_fixed_values_are_rejected),
-        cmocka_unit_test(distances_are_those_of_the_path_back),    cmocka_unit_test(fast_marching_is_exact_from_a_line),
+        cmocka_unit_test(between_two_poles_it_rises_ring_by_ring),
+        cmocka_unit_test(a_flat_sheet_gives_a_linear_field),
+        cmocka_unit_test(what_no_fixed_vertex_reaches_is_nan),
+        cmocka_unit_test(bad_fixed_values_are_rejected),
+        cmocka_unit_test(distances_are_those_of_the_path_back),
+        cmocka_unit_test(fast_marching_is_exact_from_a_line),
         cmocka_unit_test(fast_marching_finds_the_profile),
+        cmocka_unit_test(the_fiedler_eigenfunction_has_its_extremes_at_the_poles),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

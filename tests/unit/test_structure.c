@@ -168,6 +168,7 @@ static void bad_input_says_what_would_help(void **state) {
 
     m = rooted(spindle(31, 12, 0.2, 0.03), 0);
     expect_failure(&m, (sn_structure_params){.spacing = 1e-9, .prune = 0.03}, SN_ERROR_USAGE, "spacing");
+    expect_failure(&m, (sn_structure_params){.spacing = 5.0, .prune = 0.03}, SN_ERROR_USAGE, "longer than the muscle");
     expect_failure(&m, (sn_structure_params){.spacing = NAN, .prune = 0.03}, SN_ERROR_USAGE, "spacing");
     expect_failure(&m, (sn_structure_params){.spacing = 0.01, .prune = -1.0}, SN_ERROR_USAGE, "prune");
     m.roots.vertices[0] = m.mesh.vertex_count;
@@ -193,7 +194,8 @@ static void count_step(void *user, int64_t number, const char *stage, const sn_t
     s->resamples += strcmp(stage, "resample") == 0;
     s->connects += strcmp(stage, "connect") == 0;
     for (int i = 0; i < count; i++)
-        if ((strcmp(stage, "front") == 0 || strcmp(stage, "slab") == 0) && values[i].kind == SN_TRACE_INDICES) s->vertices += values[i].count;
+        if ((strcmp(stage, "front") == 0 || strcmp(stage, "slab") == 0) && values[i].kind == SN_TRACE_INDICES)
+            s->vertices += values[i].count;
 }
 
 static void the_trace_shows_every_step(void **state) {
