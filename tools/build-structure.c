@@ -50,7 +50,7 @@ static void comment(const cli *c, const sn_structure_report *r) {
     cli_say(c, "%d samples on %d branches, %d leaves, %d branches pruned, longest link %g", r->samples, r->branches, r->leaves, r->pruned,
             r->longest_link);
     if (r->genus > 0.0) cli_warn(c, "the surface has handles (genus %g): its branches are not to be trusted", r->genus);
-    if (r->moved > 0) cli_say(c, "%d times a sample was outside the volume, as happens on arched muscles, and moved inside", r->moved);
+    if (r->moved > 0) cli_say(c, "samples moved from outside the volume to its middle, as arched muscles need: %d", r->moved);
     if (r->outside > 0) cli_say(c, "%d of %d samples are outside the volume", r->outside, r->samples);
 }
 
