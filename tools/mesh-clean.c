@@ -278,8 +278,8 @@ static void judge(cli *c, const sn_clean_report *r) {
     else if (r->flat)
         cli_shortfall(c, "written, but the surface encloses no volume");
     else if (r->lost_share > params.most_lost)
-        cli_shortfall(c, "written, but %.3g %% of the area is lost; --repair full keeps it, --keep all keeps every piece",
-                      100.0 * r->lost_share);
+        cli_shortfall(c, "written, but %.3g %% of the area is lost; %s--keep all keeps every piece", 100.0 * r->lost_share,
+                      params.full ? "" : "--repair full keeps it, ");
     else if (triangles > 0 && after.triangles > triangles) {
         cli_shortfall(c, "written, but with %d triangles: no more edges can go", after.triangles);
     }

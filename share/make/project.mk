@@ -68,8 +68,10 @@ off-equals-absent: programs examples
 	tests/off-equals-absent $(B)/bin $(B)/examples
 
 # every row of the study of rig generation, on every muscle (check runs a short form)
-anatomy: $(B)/tests/numerics/anatomy_rig
-	DATA=$(DATA) $< --all
+anatomy: $(B)/tests/numerics/anatomy_rig $(B)/tests/numerics/attach_rules $(B)/tests/numerics/fill_anatomy
+	DATA=$(DATA) $(B)/tests/numerics/anatomy_rig --all
+	DATA=$(DATA) $(B)/tests/numerics/attach_rules --all
+	DATA=$(DATA) $(B)/tests/numerics/fill_anatomy all
 .PHONY: anatomy
 
 # ---- demo ---------------------------------------------------------------------------------------------------------------------

@@ -407,7 +407,7 @@ static int run(const char *data, bool all) {
               (const char *[]){"249, principal plane", "235, hops; 16, vertex bands", "12.7 %, hops; 6 %, slabs", ""});
     print_clean(&dog, 253);
     print_set(&leg, 38, 0, 0, 11.0, (const char *[]){"38, principal plane", "33, hops; 0, vertex bands", "", "17.6 deg, paper literal"});
-    if (all) print_set(&body, body.muscles, 0, body.muscles, 0.0, (const char *[]){"", "", "", ""});
+    if (all) print_set(&body, body.muscles, 0, 3, 0.0, (const char *[]){"", "", "", ""});
     printf("%d passed, %d failed\n", passed, failed);
     return failed > 0;
 }
