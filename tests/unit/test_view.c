@@ -374,7 +374,7 @@ static void long_captions_keep_their_ends(void **state) {
 static void a_sheet_lists_common_entries_only(void **state) {
     (void)state;
     const char *captions[16], *apart[16], *few[16];
-    char texts[16][24];
+    char texts[16][32];
     for (int i = 0; i < 16; i++) {
         snprintf(texts[i], sizeof texts[i], "on bone number %d", i);
         captions[i] = "tile";
