@@ -7,11 +7,13 @@
  *   sn_model_create     scene -> model: decides what runs (the plan), builds the rows of every constraint once
  *   sn_state_create     the arrays that a run writes; sn_state_reset puts them at the scene's first frame
  *   sn_settle           the pre-roll: time passes with the inputs of the first frame
- *   sn_step             one frame further; writes the state only; no allocation, printing or I/O
+ *   sn_step             one frame further; writes the state only; no printing or I/O, and under `xpbd` no allocation
  *
  * Back end `xpbd` ([R18] alg. 1, guarded): per substep predict, carry the attached vertices with their bones, then per iteration
- * project internal, radial and mesh distances, dihedral angles, least areas, and last the volume. Muscles run in parallel, each one in one
- * thread and in row order, so that the bits do not depend on the number of threads.
+ * project internal, radial and mesh distances, dihedral angles, least areas, and last the volume. Back end `qn`: per substep minimise the
+ * energy of the same rows and of inertia by a quasi-Newton method; its matrix is factored in the first step and whenever the stiffness has
+ * doubled or halved. Muscles run in parallel, each one in one thread and in row order, so that the bits do not depend on the number of
+ * threads.
  */
 #ifndef SINEW_SIM_H
 #define SINEW_SIM_H

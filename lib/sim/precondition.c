@@ -155,13 +155,6 @@ void sn_preconditioner_destroy(sn_preconditioner *p) {
     free(p);
 }
 
-size_t sn_preconditioner_bytes(const sn_preconditioner *p) {
-    size_t bytes = 2 * p->entry_count * sizeof *p->entries + p->coupling_count * sizeof *p->couplings;
-    bytes += (size_t)p->free_count * (6 * sizeof(double) + sizeof(sn_index) + sizeof(double));
-    bytes += (size_t)p->point_count * (2 * sizeof(sn_vec3) + sizeof(sn_index));
-    return bytes + (p->factor != NULL ? (size_t)sn_sparse_entries(p->factor) * (sizeof(double) + sizeof(int)) : 0);
-}
-
 /* ---- factor --------------------------------------------------------------------------------------------------------------- */
 
 static const double REFACTOR_RATIO = 2.0;

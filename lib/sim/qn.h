@@ -39,7 +39,6 @@ bool sn_preconditioner_apply(sn_preconditioner *p, const sn_vec3 *in, sn_vec3 *o
 /* in += A_fk jump + k_V g_f (g_k . jump): what a motion of the carried points adds to the gradient of the free ones. */
 void sn_preconditioner_add_jump(const sn_preconditioner *p, const sn_vec3 *jump, const sn_vec3 *volume_gradient, double volume_stiffness,
                                 sn_vec3 *in);
-size_t sn_preconditioner_bytes(const sn_preconditioner *p);
 
 /* Scratch and factor of one muscle; made with the state under back end `qn` only. */
 struct sn_qn {
