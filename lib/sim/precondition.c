@@ -26,9 +26,10 @@ struct sn_preconditioner {
     coupling *couplings; /* (coupling_count) */
     sn_sparse *factor;   /* NULL = none yet */
     double factor_h, factor_stiffness;
-    double *right, *solution; /* (3 free_count) one axis after the other */
+    double *right, *solution; /* (6 free_count) one axis after the other; of the volume row behind those of the caller */
     sn_vec3 *volume_gradient; /* (point_count) g on free points, zero elsewhere */
     sn_vec3 *volume_solved;   /* (point_count) A^-1 g */
+    double volume_stiffness;  /* k_V where A^-1 g is still to be found, by the next solve; 0 = nothing to find */
     double volume_scale;      /* k_V / (1 + k_V gT A^-1 g); 0 = no volume row */
 };
 
@@ -119,8 +120,8 @@ static bool number_points(sn_preconditioner *p, const sn_model_muscle *m) {
 
 static bool make_scratch(sn_preconditioner *p) {
     p->values = SN_NEW(sn_entry, p->entry_count);
-    p->right = SN_NEW(double, 3 * (size_t)p->free_count);
-    p->solution = SN_NEW(double, 3 * (size_t)p->free_count);
+    p->right = SN_NEW(double, 6 * (size_t)p->free_count);
+    p->solution = SN_NEW(double, 6 * (size_t)p->free_count);
     p->volume_gradient = SN_NEW(sn_vec3, p->point_count);
     p->volume_solved = SN_NEW(sn_vec3, p->point_count);
     return p->values != NULL && p->right != NULL && p->solution != NULL && p->volume_gradient != NULL && p->volume_solved != NULL;
@@ -186,36 +187,47 @@ bool sn_preconditioner_update(sn_preconditioner *p, double h, double stiffness, 
 
 /* ---- apply ------------------------------------------------------------------------------------------------------------------ */
 
-/* out = A^-1 in on free points, zero elsewhere. */
-static bool solve(sn_preconditioner *p, const sn_vec3 *in, sn_vec3 *out) {
+/* Numbers of the free points, one axis after the other; and back, zero elsewhere. */
+static void gather(const sn_preconditioner *p, const sn_vec3 *in, double *out) {
     size_t n = (size_t)p->free_count;
-    double *x = p->right, *y = p->right + n, *z = p->right + 2 * n;
-    for (sn_index i = 0; i < p->free_count; i++) {
+    for (size_t i = 0; i < n; i++) {
         sn_vec3 value = in[p->point_of[i]];
-        x[i] = value.x, y[i] = value.y, z[i] = value.z;
+        out[i] = value.x, out[n + i] = value.y, out[2 * n + i] = value.z;
     }
-    if (p->factor == NULL || sn_sparse_solve(p->factor, 3, p->right, p->solution, NULL) != SN_OK) return false;
-    memset(out, 0, (size_t)p->point_count * sizeof *out);
-    for (sn_index i = 0; i < p->free_count; i++)
-        out[p->point_of[i]] = sn_v3(p->solution[i], p->solution[n + (size_t)i], p->solution[2 * n + (size_t)i]);
-    return true;
 }
 
-bool sn_preconditioner_set_volume(sn_preconditioner *p, const sn_vec3 *volume_gradient, double volume_stiffness) {
+static void scatter(const sn_preconditioner *p, const double *in, sn_vec3 *out) {
+    size_t n = (size_t)p->free_count;
+    memset(out, 0, (size_t)p->point_count * sizeof *out);
+    for (size_t i = 0; i < n; i++) out[p->point_of[i]] = sn_v3(in[i], in[n + i], in[2 * n + i]);
+}
+
+void sn_preconditioner_set_volume(sn_preconditioner *p, const sn_vec3 *volume_gradient, double volume_stiffness) {
     p->volume_scale = 0.0;
-    if (!(volume_stiffness > 0.0) || p->free_count == 0) return true;
+    p->volume_stiffness = p->free_count > 0 ? volume_stiffness : 0.0;
+    if (!(p->volume_stiffness > 0.0)) return;
     for (sn_index i = 0; i < p->vertex_count; i++) p->volume_gradient[i] = p->free_of[i] == SN_NONE ? sn_v3(0, 0, 0) : volume_gradient[i];
-    if (!solve(p, p->volume_gradient, p->volume_solved)) return false;
+}
+
+/* A^-1 g has come: with it the row's scale. */
+static void take_volume(sn_preconditioner *p, const double *solution) {
     double product = 0.0;
+    scatter(p, solution, p->volume_solved);
     for (sn_index i = 0; i < p->vertex_count; i++) product += sn_dot(p->volume_gradient[i], p->volume_solved[i]);
-    p->volume_scale = volume_stiffness / (1.0 + volume_stiffness * product);
-    return isfinite(p->volume_scale);
+    p->volume_scale = p->volume_stiffness / (1.0 + p->volume_stiffness * product);
+    p->volume_stiffness = 0.0;
 }
 
 bool sn_preconditioner_apply(sn_preconditioner *p, const sn_vec3 *in, sn_vec3 *out) {
+    size_t n = (size_t)p->free_count;
+    bool both = p->volume_stiffness > 0.0; /* one pass over the factor for the two of them */
+    gather(p, in, p->right);
+    if (both) gather(p, p->volume_gradient, p->right + 3 * n);
+    if (p->factor == NULL || sn_sparse_solve(p->factor, both ? 6 : 3, p->right, p->solution, NULL) != SN_OK) return false;
+    if (both) take_volume(p, p->solution + 3 * n);
     double along = 0.0;
     for (sn_index i = 0; p->volume_scale > 0.0 && i < p->vertex_count; i++) along += sn_dot(p->volume_solved[i], in[i]);
-    if (!solve(p, in, out)) return false;
+    scatter(p, p->solution, out);
     double scale = -p->volume_scale * along;
     for (sn_index i = 0; p->volume_scale > 0.0 && i < p->point_count; i++) out[i] = sn_add_scaled(out[i], p->volume_solved[i], scale);
     return true;
