@@ -34,9 +34,10 @@ struct sn_preconditioner {
     rest_matrix scalar, corotated;
     sn_frames frames;         /* none until they are asked for */
     sn_quat *turns;           /* (point_count) frames of the points; NULL = this substep goes by the scalar matrix */
-    double *right, *solution; /* (3 free_count) */
+    double *right, *solution; /* (6 free_count) of the volume row behind those of the caller */
     sn_vec3 *volume_gradient; /* (point_count) g on free points, zero elsewhere */
     sn_vec3 *volume_solved;   /* (point_count) A^-1 g */
+    double volume_stiffness;  /* k_V where A^-1 g is still to be found, by the next solve; 0 = nothing to find */
     double volume_scale;      /* k_V / (1 + k_V gT A^-1 g); 0 = no volume row */
 };
 
@@ -123,8 +124,8 @@ static bool number_points(sn_preconditioner *p, const sn_model_muscle *m) {
 
 static bool make_scratch(sn_preconditioner *p) {
     p->mass = SN_NEW(double, p->free_count);
-    p->right = SN_NEW(double, 3 * (size_t)p->free_count);
-    p->solution = SN_NEW(double, 3 * (size_t)p->free_count);
+    p->right = SN_NEW(double, 6 * (size_t)p->free_count);
+    p->solution = SN_NEW(double, 6 * (size_t)p->free_count);
     p->volume_gradient = SN_NEW(sn_vec3, p->point_count);
     p->volume_solved = SN_NEW(sn_vec3, p->point_count);
     return p->mass != NULL && p->right != NULL && p->solution != NULL && p->volume_gradient != NULL && p->volume_solved != NULL;
@@ -188,58 +189,62 @@ void sn_preconditioner_turn(sn_preconditioner *p, const sn_point *points) {
 
 /* ---- apply ------------------------------------------------------------------------------------------------------------------ */
 
-static bool solve_scalar(sn_preconditioner *p, const sn_vec3 *in, sn_vec3 *out) {
-    size_t n = (size_t)p->free_count;
-    double *x = p->right, *y = p->right + n, *z = p->right + 2 * n;
-    for (size_t i = 0; i < n; i++) {
-        sn_vec3 value = in[p->point_of[i]];
-        x[i] = value.x, y[i] = value.y, z[i] = value.z;
-    }
-    if (p->scalar.factor == NULL || sn_sparse_solve(p->scalar.factor, 3, p->right, p->solution, NULL) != SN_OK) return false;
-    for (size_t i = 0; i < n; i++) out[p->point_of[i]] = sn_v3(p->solution[i], p->solution[n + i], p->solution[2 * n + i]);
-    return true;
-}
-
 static sn_vec3 turned_back(const sn_preconditioner *p, sn_index point, sn_vec3 v) {
     return sn_quat_rotate(sn_quat_conjugate(p->turns[point]), v);
 }
 
-static bool solve_corotated(sn_preconditioner *p, const sn_vec3 *in, sn_vec3 *out) {
-    for (sn_index i = 0; i < p->free_count; i++) {
-        sn_vec3 value = turned_back(p, p->point_of[i], in[p->point_of[i]]);
-        p->right[3 * i] = value.x, p->right[3 * i + 1] = value.y, p->right[3 * i + 2] = value.z;
+/* Numbers of the free points as the matrix orders them: scalar one axis after the other, corotated point after point in their frames. */
+static void gather(const sn_preconditioner *p, const sn_vec3 *in, double *out) {
+    size_t n = (size_t)p->free_count, across = p->turns != NULL ? 1 : n, along = p->turns != NULL ? 3 : 1;
+    for (size_t i = 0; i < n; i++) {
+        sn_index point = p->point_of[i];
+        sn_vec3 value = p->turns != NULL ? turned_back(p, point, in[point]) : in[point];
+        double *to = out + along * i;
+        to[0] = value.x, to[across] = value.y, to[2 * across] = value.z;
     }
-    if (p->corotated.factor == NULL || sn_sparse_solve(p->corotated.factor, 1, p->right, p->solution, NULL) != SN_OK) return false;
-    for (sn_index i = 0; i < p->free_count; i++) {
-        const double *s = p->solution + 3 * (size_t)i;
-        out[p->point_of[i]] = sn_quat_rotate(p->turns[p->point_of[i]], sn_v3(s[0], s[1], s[2]));
-    }
-    return true;
 }
 
-/* out = A^-1 in on free points, zero elsewhere; out may be in. */
-static bool solve(sn_preconditioner *p, const sn_vec3 *in, sn_vec3 *out) {
-    if (!(p->turns != NULL ? solve_corotated(p, in, out) : solve_scalar(p, in, out))) return false;
+/* And back; zero elsewhere. */
+static void scatter(const sn_preconditioner *p, const double *in, sn_vec3 *out) {
+    size_t n = (size_t)p->free_count, across = p->turns != NULL ? 1 : n, along = p->turns != NULL ? 3 : 1;
+    for (size_t i = 0; i < n; i++) {
+        const double *from = in + along * i;
+        sn_vec3 value = sn_v3(from[0], from[across], from[2 * across]);
+        out[p->point_of[i]] = p->turns != NULL ? sn_quat_rotate(p->turns[p->point_of[i]], value) : value;
+    }
     for (sn_index i = p->free_count; i < p->point_count; i++) out[p->point_of[i]] = sn_v3(0, 0, 0);
-    return true;
 }
 
-bool sn_preconditioner_set_volume(sn_preconditioner *p, const sn_vec3 *volume_gradient, double volume_stiffness) {
+void sn_preconditioner_set_volume(sn_preconditioner *p, const sn_vec3 *volume_gradient, double volume_stiffness) {
     p->volume_scale = 0.0;
-    if (!(volume_stiffness > 0.0) || p->free_count == 0) return true;
+    p->volume_stiffness = p->free_count > 0 ? volume_stiffness : 0.0;
+    if (!(p->volume_stiffness > 0.0)) return;
     for (sn_index i = 0; i < p->vertex_count; i++)
         p->volume_gradient[i] = p->number_of[i] >= p->free_count ? sn_v3(0, 0, 0) : volume_gradient[i];
-    if (!solve(p, p->volume_gradient, p->volume_solved)) return false;
+}
+
+/* A^-1 g has come: with it the row's scale. */
+static void take_volume(sn_preconditioner *p, const double *solution) {
     double product = 0.0;
+    scatter(p, solution, p->volume_solved);
     for (sn_index i = 0; i < p->vertex_count; i++) product += sn_dot(p->volume_gradient[i], p->volume_solved[i]);
-    p->volume_scale = volume_stiffness / (1.0 + volume_stiffness * product);
-    return isfinite(p->volume_scale);
+    p->volume_scale = p->volume_stiffness / (1.0 + p->volume_stiffness * product);
+    p->volume_stiffness = 0.0;
 }
 
 bool sn_preconditioner_apply(sn_preconditioner *p, const sn_vec3 *in, sn_vec3 *out) {
+    const rest_matrix *matrix = p->turns != NULL ? &p->corotated : &p->scalar;
+    sn_index columns = p->turns != NULL ? 1 : 3;
+    size_t numbers = 3 * (size_t)p->free_count;
+    bool both = p->volume_stiffness > 0.0; /* one pass over the factor for the two of them */
+    gather(p, in, p->right);
+    if (both) gather(p, p->volume_gradient, p->right + numbers);
+    if (matrix->factor == NULL || sn_sparse_solve(matrix->factor, both ? 2 * columns : columns, p->right, p->solution, NULL) != SN_OK)
+        return false;
+    if (both) take_volume(p, p->solution + numbers);
     double along = 0.0;
     for (sn_index i = 0; p->volume_scale > 0.0 && i < p->vertex_count; i++) along += sn_dot(p->volume_solved[i], in[i]);
-    if (!solve(p, in, out)) return false;
+    scatter(p, p->solution, out);
     double scale = -p->volume_scale * along;
     for (sn_index i = 0; p->volume_scale > 0.0 && i < p->point_count; i++) out[i] = sn_add_scaled(out[i], p->volume_solved[i], scale);
     return true;

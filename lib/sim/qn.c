@@ -365,6 +365,7 @@ static void qn_destroy(sn_muscle_state *s) {
     if (s->qn == NULL) return;
     sn_preconditioner_destroy(s->qn->preconditioner);
     free(s->qn->trial);
+    free(s->qn->forces);
     free(s->qn->gradient);
     free(s->qn->trial_gradient);
     free(s->qn->direction);
@@ -377,11 +378,13 @@ static sn_status qn_create(const sn_model_muscle *m, sn_muscle_state *s, sn_erro
     sn_qn *qn = s->qn = SN_NEW(sn_qn, 1);
     if (qn == NULL) return sn_fail_memory(error, "the quasi-Newton solver");
     qn->trial = SN_NEW(sn_point, m->point_count);
+    qn->forces = SN_NEW(sn_point, m->point_count);
     qn->gradient = SN_NEW(sn_vec3, m->point_count);
     qn->trial_gradient = SN_NEW(sn_vec3, m->point_count);
     qn->direction = SN_NEW(sn_vec3, m->point_count);
     qn->jump = SN_NEW(sn_vec3, m->point_count);
     bool made = qn->trial != NULL && qn->gradient != NULL && qn->trial_gradient != NULL && qn->direction != NULL && qn->jump != NULL;
+    made = made && qn->forces != NULL;
     return made ? sn_preconditioner_create(m, &qn->preconditioner, error) : sn_fail_memory(error, "the quasi-Newton solver");
 }
 

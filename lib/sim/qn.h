@@ -15,7 +15,8 @@ enum { SN_QN_MEMORY = 8 };
 /* What Phi depends on besides the points: the state's inputs, its target y, its guarded triangles. */
 typedef struct sn_objective {
     const sn_model_muscle *model;
-    const sn_muscle_state *state; /* not its points; its volume_gradient (vertex_count) is left at dV/dx of the points evaluated */
+    const sn_muscle_state *state; /* not its points; its volume_gradient (vertex_count) is left at dV/dx of the points evaluated;
+                                     qn->forces is scratch */
     double h;
 } sn_objective;
 
@@ -35,8 +36,8 @@ void sn_preconditioner_destroy(sn_preconditioner *p); /* NULL is fine */
 bool sn_preconditioner_update(sn_preconditioner *p, double h, double stiffness, sn_quat *turns, double *factored_for, bool *changed);
 /* Turn the corotated matrix with the muscle at these points (point_count); nothing for the scalar one. */
 void sn_preconditioner_turn(sn_preconditioner *p, const sn_point *points);
-/* The volume row at volume_gradient g (vertex_count) with stiffness k_V; k_V = 0: without it. */
-bool sn_preconditioner_set_volume(sn_preconditioner *p, const sn_vec3 *volume_gradient, double volume_stiffness);
+/* From the next solve on: the volume row at volume_gradient g (vertex_count; copied) with stiffness k_V; k_V = 0: without it. */
+void sn_preconditioner_set_volume(sn_preconditioner *p, const sn_vec3 *volume_gradient, double volume_stiffness);
 /* out = (A + k_V g gT)^-1 in, on free points; zero on carried ones. Both (point_count); out may be in. */
 bool sn_preconditioner_apply(sn_preconditioner *p, const sn_vec3 *in, sn_vec3 *out);
 /* in += A_fk jump + k_V g_f (g_k . jump): what a motion of the carried points adds to the gradient of the free ones. */
@@ -47,6 +48,7 @@ void sn_preconditioner_add_jump(const sn_preconditioner *p, const sn_vec3 *jump,
 struct sn_qn {
     sn_preconditioner *preconditioner;
     sn_point *trial;          /* (point_count) */
+    sn_point *forces;         /* (point_count) the gradient while it is summed, as records of four */
     sn_vec3 *gradient;        /* (point_count) at the current points */
     sn_vec3 *trial_gradient;  /* (point_count) */
     sn_vec3 *direction;       /* (point_count) */
