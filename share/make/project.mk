@@ -57,8 +57,10 @@ repair-table: $(BUILT_TOOLS)
 clean-growth: $(BUILT_TOOLS) $(B)/examples/arm/arm
 	@BIN=$(B)/bin EXAMPLES=$(B)/examples tests/bench/clean-growth.sh
 
-.PHONY: bench golden stability off-equals-absent
+.PHONY: bench bench-body golden stability off-equals-absent
 bench: $(B)/tests/bench/sim_rows
+	$<
+bench-body: $(B)/tests/bench/sim_body
 	$<
 golden:
 	tests/golden
