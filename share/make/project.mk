@@ -64,8 +64,8 @@ bench-body: $(B)/tests/bench/sim_body
 	$<
 golden:
 	tests/golden
-stability: programs $(B)/tests/numerics/xpbd_extremes
-	tests/stability $(B)/bin $(B)/tests/numerics/xpbd_extremes $(DATA) $(B)/stability
+stability: programs $(B)/tests/numerics/sim_extremes
+	tests/stability $(B)/bin $(B)/tests/numerics/sim_extremes $(DATA) $(B)/stability
 off-equals-absent: programs examples
 	tests/off-equals-absent $(B)/bin $(B)/examples
 
