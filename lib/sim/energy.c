@@ -49,7 +49,7 @@ SN_INLINE wide logarithm(wide x) {
     wide k = wide_of_bits(((power + wide_splat_bits(ONE)) >> 52) | wide_splat_bits(TWO_52)) - wide_splat(0x1p52 + 1023.0);
     wide m = wide_of_bits(wide_bits_of(x) - power), one = wide_splat(1.0);
     wide s = (m - one) / (m + one), z = s * s, sum = wide_splat(1.0 / 21.0);
-    for (int i = 19; i > 0; i -= 2) sum = sum * z + wide_splat(1.0 / i);
+    _Pragma("GCC unroll 10") for (int i = 19; i > 0; i -= 2) sum = sum * z + wide_splat(1.0 / i);
     return k * wide_splat(0.69314718055994530942) + wide_splat(2.0) * s * sum;
 }
 
@@ -74,6 +74,7 @@ typedef struct barriers {
 SN_INLINE void area_batch(const barriers *in, sn_index r, int lanes, wide_total *energy) {
     const sn_index *index = in->index + 3 * (size_t)r;
     wide_point p[3];
+    SN_UNROLL
     for (int i = 0; i < 3; i++) p[i] = wide_gather(in->points, index + i, 3, lanes);
     wide_vec3 d1 = wide_between(p[1], p[0]), d2 = wide_between(p[2], p[0]), n = wide_cross(d1, d2);
     wide scale = wide_load(in->scales + r, lanes), size = wide_sqrt(wide_dot(n, n)), j = size * scale, slope;

@@ -95,6 +95,7 @@ SN_INLINE void volume_batch(const triangles *in, sn_index t, int lanes, wide_tot
     const wide_point centre = {wide_splat(in->centre.x), wide_splat(in->centre.y), wide_splat(in->centre.z), wide_splat(0.0)};
     wide_vec3 p[3];
     wide_records areas[3];
+    SN_UNROLL
     for (int i = 0; i < 3; i++) p[i] = wide_between(wide_gather(in->points, index + i, 3, lanes), centre);
     wide_vec3 bc = wide_cross(p[1], p[2]);
     wide_count_in(volume, t, wide_dot(p[0], bc), lanes);

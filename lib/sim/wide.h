@@ -25,6 +25,7 @@ enum { WIDE_LANES = SN_BATCH };
 typedef double wide __attribute__((vector_size(32)));
 typedef int64_t wide_mask __attribute__((vector_size(32)));
 typedef uint64_t wide_bits __attribute__((vector_size(32)));
+typedef double wide_half __attribute__((vector_size(16)));
 
 #if defined(__x86_64__) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__) && !defined(__clang__)
 #define SN_WIDE_KERNEL __attribute__((target_clones("avx2", "default")))
@@ -138,7 +139,11 @@ SN_INLINE void wide_add_record(sn_forces sum, sn_index point, const wide_records
         a += record;
         memcpy(to, &a, sizeof a);
     } else {
-        for (int c = 0; c < 3; c++) to[c] += record[c];
+        wide_half low;
+        memcpy(&low, to, sizeof low);
+        low += __builtin_shufflevector(record, record, 0, 1);
+        memcpy(to, &low, sizeof low);
+        to[2] += record[2];
     }
 }
 
