@@ -15,6 +15,8 @@
 enum { FORMAT_PC2, FORMAT_PLY };
 static const char *const FORMATS[] = {"pc2", "ply", NULL};
 static const char *const SOLVERS[] = {"xpbd", "qn", NULL}; /* in the order of sn_solver_method */
+static const char *const PRECONDITIONERS[] = {"scalar", "corotated", NULL};
+static const char *const STRETCHES[] = {"springs", "membrane", NULL};
 static const char *const LAWS[] = {"projected", "paper", "isochoric", NULL};
 static const char *const SCHEMES[] = {"guarded", "romeo", "kohout", NULL};
 static const char *const ANISOTROPIES[] = {"scheme", "none", "pbd", "xpbd", NULL};
@@ -23,7 +25,7 @@ typedef struct choices {
     const char *frames, *log, *fail_on, *state, *from;
     double rate, preroll, tolerance;
     int64_t substeps, iterations, save_every;
-    int format, law, solver, scheme, anisotropy;
+    int format, law, solver, scheme, anisotropy, stretch, preconditioner;
     bool plan, no_sleep;
 } choices;
 
@@ -36,6 +38,8 @@ static const cli_option OPTIONS[] = {
     {0, "law", "LAW", CLI_CHOICE, &given.law, 0, 0, 0, LAWS, "fibre law of all muscles: projected, paper or isochoric"},
     {0, "anisotropy", "FORM", CLI_CHOICE, &given.anisotropy, 0, 0, 0, ANISOTROPIES,
      "surface edges along the fibres yield: scheme, none, pbd or xpbd"},
+    {0, "stretch", "MODEL", CLI_CHOICE, &given.stretch, 0, 0, 0, STRETCHES,
+     "what resists the stretching of all surfaces: springs, or (qn) a membrane"},
     {0, NULL, NULL, CLI_HEADING, NULL, 0, 0, 0, NULL, "Solver:"},
     {0, "scheme", "SCHEME", CLI_CHOICE, &given.scheme, 0, 0, 0, SCHEMES, "guarded, or a paper to the letter: romeo, kohout"},
     {0, "solver", "METHOD", CLI_CHOICE, &given.solver, 0, 0, 0, SOLVERS, "xpbd or qn, with its own defaults, instead of the scene's"},
@@ -45,6 +49,7 @@ static const cli_option OPTIONS[] = {
     {0, "no-sleep", NULL, CLI_FLAG, &given.no_sleep, 0, 0, 0, NULL, "step muscles at rest too"},
     {0, "tolerance", "SHARE", CLI_NUMBER, &given.tolerance, 0, 0, 1, NULL,
      "qn: a substep ends when a whole step moves no point by more than this share of the diagonal"},
+    {0, "preconditioner", "MATRIX", CLI_CHOICE, &given.preconditioner, 0, 0, 0, PRECONDITIONERS, "qn: scalar or corotated"},
     {0, NULL, NULL, CLI_HEADING, NULL, 0, 0, 0, NULL, "Output:"},
     {0, "format", "FORMAT", CLI_CHOICE, &given.format, 0, 0, 0, FORMATS, "frames in a folder: pc2 (default) or ply, one file per frame"},
     {0, "log", "FILE", CLI_TEXT, &given.log, 0, 0, 0, NULL, "write the log to FILE instead of standard output"},
@@ -187,6 +192,8 @@ static void apply_options(job *j) {
     for (sn_index i = 0; cli_given(&j->c, "law") && i < scene->muscle_count; i++) scene->muscles[i].law = (sn_fiber_law)given.law;
     for (sn_index i = 0; cli_given(&j->c, "anisotropy") && i < scene->muscle_count; i++)
         scene->muscles[i].anisotropy = (sn_anisotropy)given.anisotropy;
+    for (sn_index i = 0; cli_given(&j->c, "stretch") && i < scene->muscle_count; i++) scene->muscles[i].stretch = (sn_stretch)given.stretch;
+    if (cli_given(&j->c, "preconditioner")) scene->solver.preconditioner = (sn_preconditioning)given.preconditioner;
     if (given.no_sleep) scene->solver.sleep = false;
     if (cli_given(&j->c, "scheme")) scene->solver.scheme = (sn_scheme)given.scheme;
     if (j->c.threads > 0) scene->solver.threads = j->c.threads;

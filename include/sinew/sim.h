@@ -32,6 +32,7 @@ typedef enum sn_row_kind {
     SN_ROWS_MESH,
     SN_ROWS_DIHEDRAL,
     SN_ROWS_AREA,
+    SN_ROWS_MEMBRANE, /* back end `qn` only, in place of SN_ROWS_MESH */
     SN_ROWS_VOLUME,
     SN_ROW_KINDS
 } sn_row_kind;
@@ -42,6 +43,7 @@ typedef enum sn_left_out {
     SN_OUT_NO_STIFFNESS, /* its stiffness is 0 at every activation */
     SN_OUT_SETTING,      /* the scene switches it off */
     SN_OUT_SCHEME,       /* the scheme has no such rows */
+    SN_OUT_MEMBRANE,     /* the membrane takes its place */
     SN_OUT_NO_STRUCTURE, /* the document has no internal structure */
     SN_OUT_OPEN_SURFACE, /* an open surface encloses no volume */
     SN_OUT_FLAT,         /* the rest volume is 0 */
@@ -74,7 +76,7 @@ typedef struct sn_plan {
     sn_plan_muscle *muscles; /* (muscle_count) one per muscle of the scene, disabled ones too */
 } sn_plan;
 
-const char *sn_row_kind_name(sn_row_kind kind);   /* "internal", "radial", "mesh", "dihedral", "area", "volume" */
+const char *sn_row_kind_name(sn_row_kind kind);   /* "internal", "radial", "mesh", "dihedral", "area", "membrane", "volume" */
 const char *sn_left_out_text(sn_left_out reason); /* half a sentence; "" for SN_RUNS */
 const char *sn_scheme_name(sn_scheme scheme);     /* "guarded", "romeo", "kohout" */
 const char *sn_fiber_law_name(sn_fiber_law law);  /* "projected", "paper", "isochoric" */
@@ -95,6 +97,14 @@ typedef struct sn_hinge_row {
 typedef struct sn_area_row {
     sn_index point[3];
 } sn_area_row;
+
+/* A triangle as a membrane: its rest edges in the plane, and what activation and maps do to it. The points are apart. */
+typedef struct sn_membrane_row {
+    double edge[2][2]; /* m; [0] along the fibre, [1] across it; columns are x1 - x0 and x2 - x0 */
+    double share;      /* of the contraction */
+    double softness;   /* 1 / factor on the stiffness */
+} sn_membrane_row;
+#define SN_MEMBRANE_GOALS 6 /* per row: D00, D01, D10, D11 of the goal shape (1/m), its area A (m^2), A mu / k */
 
 /* The square of a goal length is a sum of terms (of the row) times factors (of the activation); see distance.c. */
 #define SN_LAW_TERMS 3
@@ -129,20 +139,23 @@ typedef struct sn_model_muscle {
     double *hinge_angles;   /* (hinge_count) theta0, rad */
     double *hinge_softness; /* (hinge_count) 1 / factor on the stiffness; NULL = 1 for all */
     sn_index area_count;
-    sn_area_row *areas;         /* (area_count) */
-    double *area_scales;        /* (area_count) 1 / (2 A0), 1/m^2 */
-    bool keeps_volume;          /* the volume row runs */
-    double rest_volume;         /* V0, m^3; NaN for an open or flat surface */
-    sn_curve *stiffness_curve;  /* ln k over activation; NULL = straight from relaxed to active */
-    sn_curve *volume_ratio;     /* g(activation); NULL = 1 */
-    double rest_ratio;          /* g(rest activation) */
-    double mass;                /* kg, all points together */
-    double mean_edge, diagonal; /* m */
-    sn_index iterations;        /* per substep */
-    bool contracts;             /* activation is felt: not under the scheme `kohout` */
-    bool quasi_newton;          /* the back end is `qn` */
-    bool corotated;             /* qn: by the rest shape's Hessian, turned with the muscle, where the shape allows it */
-    double tolerance;           /* qn: stop when a whole step moves no point by more than this share of the diagonal */
+    sn_area_row *areas;  /* (area_count) */
+    double *area_scales; /* (area_count) 1 / (2 A0), 1/m^2 */
+    sn_index membrane_count;
+    sn_area_row *membrane_points; /* (membrane_count) */
+    sn_membrane_row *membranes;   /* (membrane_count) */
+    bool keeps_volume;            /* the volume row runs */
+    double rest_volume;           /* V0, m^3; NaN for an open or flat surface */
+    sn_curve *stiffness_curve;    /* ln k over activation; NULL = straight from relaxed to active */
+    sn_curve *volume_ratio;       /* g(activation); NULL = 1 */
+    double rest_ratio;            /* g(rest activation) */
+    double mass;                  /* kg, all points together */
+    double mean_edge, diagonal;   /* m */
+    sn_index iterations;          /* per substep */
+    bool contracts;               /* activation is felt: not under the scheme `kohout` */
+    bool quasi_newton;            /* the back end is `qn` */
+    bool corotated;               /* qn: by the rest shape's Hessian, turned with the muscle, where the shape allows it */
+    double tolerance;             /* qn: stop when a whole step moves no point by more than this share of the diagonal */
 } sn_model_muscle;
 
 typedef struct sn_model {
@@ -215,11 +228,12 @@ static inline sn_vec3 sn_point_position(const sn_point *p) { return sn_v3(p->x, 
     X(sn_vec3, velocities, m->point_count, true)                                                                                           \
     X(sn_vec3, previous, m->point_count, true)                                                                                             \
     X(double, goals, m->distance_start[SN_DISTANCE_KINDS], false)                                                                          \
+    X(double, membrane_goals, SN_MEMBRANE_GOALS *(size_t)m->membrane_count, false)                                                         \
     X(double, distance_lambda, m->distance_start[SN_DISTANCE_KINDS], true)                                                                 \
     X(double, hinge_lambda, m->hinge_count, true)                                                                                          \
     X(sn_vec3, volume_gradient, m->keeps_volume ? m->vertex_count : 0, false)                                                              \
     X(sn_rigid, placed, m->site_count, true)                                                                                               \
-    /* back end `qn`: where inertia takes each point, how far the carried ones came, the L-BFGS pairs, frames, dV/dx at the start */      \
+    /* back end `qn`: where inertia takes each point, how far the carried ones came, the L-BFGS pairs, frames, dV/dx of the matrix */      \
     X(sn_vec3, target, m->quasi_newton ? m->point_count : 0, true)                                                                         \
     X(sn_vec3, last_jump, m->quasi_newton ? m->point_count : 0, true)                                                                      \
     X(sn_vec3, pair_steps, m->quasi_newton ? 8 * (size_t)m->point_count : 0, true)                                                         \
@@ -227,7 +241,7 @@ static inline sn_vec3 sn_point_position(const sn_point *p) { return sn_v3(p->x, 
     X(double, pair_products, m->quasi_newton ? 8 : 0, true)                                                                                \
     X(bool, guarded, m->quasi_newton ? m->area_count : 0, true)                                                                            \
     X(sn_quat, turns, m->corotated ? m->point_count : 0, true)                                                                             \
-    X(sn_vec3, start_gradient, m->quasi_newton && m->keeps_volume ? m->vertex_count : 0, true)
+    X(sn_vec3, row_gradient, m->quasi_newton && m->keeps_volume ? m->vertex_count : 0, true)
 
 struct sn_qn;
 typedef struct sn_qn sn_qn;

@@ -74,6 +74,7 @@ void sn_distance_goals(const sn_model_muscle *m, sn_muscle_state *s) {
         if (share != NULL) law_factors(m->source->law, share[r] * s->contraction, share[r] * a0, s->volume_goal, factors);
         s->goals[r] = goal_length(m->distance_terms[r], factors);
     }
+    sn_membrane_goals(m, s);
     s->goal_contraction = s->contraction;
     s->goal_ratio = s->volume_goal;
 }

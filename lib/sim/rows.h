@@ -121,6 +121,13 @@ SN_MUST_CHECK sn_status sn_area_build(const sn_build *build, sn_error *error);
 void sn_area_sweep(const sn_model_muscle *m, sn_muscle_state *s);
 sn_residual sn_area_residual(const sn_model_muscle *m, const sn_muscle_state *s);
 
+/* ---- membrane.c ---- */
+SN_MUST_CHECK sn_status sn_membrane_build(const sn_build *build, sn_error *error);
+/* Goal shapes for the contraction and volume goal in the state. */
+void sn_membrane_goals(const sn_model_muscle *m, sn_muscle_state *s);
+double sn_membrane_energy(const sn_model_muscle *m, const sn_muscle_state *s, double k, sn_forces gradient);
+sn_residual sn_membrane_residual(const sn_model_muscle *m, const sn_muscle_state *s);
+
 /* ---- volume.c ---- */
 void sn_volume_build(const sn_build *build);
 void sn_volume_sweep(const sn_model_muscle *m, sn_muscle_state *s, const sn_sweep *sweep);
