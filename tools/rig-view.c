@@ -482,24 +482,21 @@ static sn_status set_ranges(const cli *c, stills *s, sn_error *error) {
     return status;
 }
 
-static char *state_caption(const stills *s, const sn_state *state, sn_row_kind kind) {
-    char moment[96], text[160];
-    int length = snprintf(moment, sizeof moment, "frame %d", (int)state->frame);
-    bool inside = state->substep > 0 || state->iteration > 0;
-    if (inside)
-        length +=
-            snprintf(moment + length, sizeof moment - (size_t)length, ", substep %d", (int)state->substep + (state->iteration > 0 ? 1 : 0));
-    if (state->iteration > 0) snprintf(moment + length, sizeof moment - (size_t)length, ", iteration %d", (int)state->iteration);
-    snprintf(text, sizeof text, "%s%s%s", moment, s->kinds.count > 1 ? ": " : "", s->kinds.count > 1 ? sn_row_kind_name(kind) : "");
+/* "frame 12", "frame 12:3" or "frame 12:3:2": as --stop-after of simulate has it. */
+static char *state_caption(const sn_state *state) {
+    char text[96];
+    int length = snprintf(text, sizeof text, "frame %d", (int)state->frame);
+    int substep = (int)state->substep + (state->iteration > 0 ? 1 : 0); /* the one that iterations are done of, else the last done */
+    if (substep > 0) length += snprintf(text + length, sizeof text - (size_t)length, ":%d", substep);
+    if (state->iteration > 0) snprintf(text + length, sizeof text - (size_t)length, ":%d", (int)state->iteration);
     return sn_strdup(text);
 }
 
 /* A tile: its caption tells the moment, and the worst row where there are several tiles. */
 static sn_status add_state(album *a, const stills *s, const sn_state *state, sn_index kind, sn_error *error) {
-    content item = {.group = a->group_count, .caption = state_caption(s, state, s->kinds.items[kind])};
-    unsigned show = a->show;
+    content item = {.group = a->group_count, .caption = state_caption(state)};
     sn_status status = item.caption ? SN_OK : sn_fail_memory(error, "a caption");
-    if (!status) status = sn_view_add_state(&item.view, s->model, state, s->kinds.items[kind], s->ranges[kind], show, error);
+    if (!status) status = sn_view_add_state(&item.view, s->model, state, s->kinds.items[kind], s->ranges[kind], a->show, error);
     if (!status) {
         char text[512];
         bool alone = given.states.count == 1 && s->kinds.count == 1;

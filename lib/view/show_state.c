@@ -244,23 +244,34 @@ static const char *scale_text(sn_row_kind kind) {
     }
 }
 
-/* "vertices 3, 17" or "samples ..." of the worst row. */
+/* "vertices 3, 17", "samples 4, 5" or "sample 4, vertex 17": the points of the worst row. */
 static void worst_points(const scene_view *s, char *text, size_t room) {
     sn_index points[4], vertices = s->model->muscles[s->worst_muscle].vertex_count;
     int count = field_points(s->model, s->worst_muscle, s->kind, s->worst_row, points), length = 0;
+    bool mixed = s->kind == SN_ROWS_RADIAL;
     for (int i = 0; i < count && length < (int)room; i++) {
         bool sample = points[i] >= vertices;
-        length += snprintf(text + length, room - (size_t)length, "%s%s %d", i > 0 ? ", " : "", sample ? "sample" : "vertex",
+        const char *one = sample ? "sample " : "vertex ", *many = sample ? "samples " : "vertices ";
+        length += snprintf(text + length, room - (size_t)length, "%s%s%d", i > 0 ? ", " : "",
+                           mixed || count == 1 ? one
+                           : i == 0            ? many
+                                               : "",
                            sample ? points[i] - vertices : points[i]);
     }
 }
 
 static sn_status write_subtitle(const scene_view *s, sn_error *error) {
-    char text[320] = "no such rows", points[128] = "";
-    if (s->worst_row != SN_NONE) {
+    char text[320], points[128] = "";
+    if (s->worst_row == SN_NONE) {
+        snprintf(text, sizeof text, "no rows: %s", sn_row_kind_name(s->kind));
+    } else if (!(s->worst > 0.0 || isnan(s->worst))) {
+        snprintf(text, sizeof text, "%s: no error", sn_row_kind_name(s->kind));
+    } else {
         const char *muscle = s->model->muscle_count > 1 ? s->model->muscles[s->worst_muscle].source->name : "";
+        char value[32] = "no angle";
+        if (!isnan(s->worst)) snprintf(value, sizeof value, "%.3g", s->worst);
         worst_points(s, points, sizeof points);
-        snprintf(text, sizeof text, "%s: worst %.3g, %s%s%s", sn_row_kind_name(s->kind), s->worst, muscle, *muscle ? ", " : "", points);
+        snprintf(text, sizeof text, "%s: worst %s, %s%s%s", sn_row_kind_name(s->kind), value, muscle, *muscle ? ", " : "", points);
     }
     s->view->subtitle = sn_strdup(text);
     return s->view->subtitle ? SN_OK : sn_fail_memory(error, "the subtitle");
@@ -276,7 +287,8 @@ static sn_status mark_worst(const scene_view *s, sn_error *error) {
     sn_vec3 at = middle_of(s->model, s->state, s->worst_muscle, s->kind, s->worst_row);
     sn_status status = sn_view_add_ring(s->view, at, error);
     if (!status) status = sn_view_add_tube(s->view, (sn_view_tube){at, at, WORST_RADIUS, COLOR_WORST}, error);
-    return status ? status : sn_view_add_entry(s->view, SN_MARK_RING, COLOR_WORST, "worst row, behind the muscle where it is empty", error);
+    return status ? status
+                  : sn_view_add_entry(s->view, SN_MARK_RING, COLOR_WORST, "worst row; behind the muscle where the ring is empty", error);
 }
 
 /* ---- the whole
