@@ -1,0 +1,16 @@
+# [K21] table 1: adductor brevis, 17124 triangles, i7-7700K
+$published << END
+1	53.04
+3	62.55
+5	74.66
+10	104.96
+25	193.66
+50	441.72
+100	658.71
+END
+set logscale xy
+set xlabel 'iterations'
+set ylabel 'time of a step, ms'
+plot $published using 1:2 with linespoints ls 4 title 'published, 17124 triangles', \
+     for [k = 0:2] data using 2:3 skip (k == 0 ? 1 : 0) index k with linespoints ls 1 pt 7 - k title (k == 0 ? 'kohout' : ''), \
+     for [k = 0:2] data using 2:4 skip (k == 0 ? 1 : 0) index k with linespoints ls 2 pt 5 - k title (k == 0 ? 'guarded, the default scheme' : '')
