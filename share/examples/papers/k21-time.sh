@@ -14,12 +14,12 @@ step() {
 }
 printf 'triangles\titerations\tkohout_ms\tguarded_ms\n' > "$out/$recipe.tsv"
 for n in $triangles; do
+    [ "$n" = "$most" ] || printf '\n\n' # gnuplot: another data set
     rig "muscle-$n" "$n" "$@"
     scene "muscle-$n" "$frames" '' "$@"
     for i in $iterations; do
         printf '%s\t%s\t%s\t%s\n' "$(count "muscle-$n")" "$i" "$(step "muscle-$n" kohout "$i")" "$(step "muscle-$n" guarded "$i")"
     done
-    printf '\n\n' # gnuplot: another data set
 done >> "$out/$recipe.tsv"
 rm "$out/time.json"
 chart "$recipe"

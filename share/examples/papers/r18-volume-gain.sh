@@ -9,35 +9,35 @@ frames=${frames:-36}
 [ "$given" -gt 0 ] || generate "${triangles:-4000}"
 rig muscle "$([ "$given" -gt 0 ] && echo "${triangles:-0}" || echo 0)" "$@"
 
-turned=$((frames / 3))
-scenes=''
+turned=$((frames / 3)) turning=$joint scenes=''
 for gain in rest 1.0 1.3 1.5 2.0; do
-    members=", \"law\": \"isochoric\", \"contraction\": 0.26"
+    members=', "law": "isochoric", "contraction": 0.26'
+    rise="{ \"keys\": [[0, 0], { \"frame\": $turned, \"activation\": 1 }], \"interpolation\": \"smooth\" }"
+    joint="${turning% *} 0" name=rest
     if [ "$gain" != rest ]; then
-        members="$members, \"volumeRatio\": $gain, \"activation\": { \"keys\": [[0, 0], { \"frame\": $turned, \"activation\": 1 }], \"interpolation\": \"smooth\" }"
+        members="$members, \"volumeRatio\": $gain, \"activation\": $rise"
+        joint=$turning name=gain-$gain
     fi
-    cp "$out/muscle.muscle.json" "$out/gain-$gain.muscle.json"
-    turning=$joint
-    [ "$gain" != rest ] || joint="${joint% *} 0"
-    scene "gain-$gain" "$frames" "$members" "$@"
-    joint=$turning
-    scenes="$scenes $out/gain-$gain.scene.json"
+    cp "$out/muscle.muscle.json" "$out/$name.muscle.json"
+    scene "$name" "$frames" "$members" "$@"
+    scenes="$scenes $name"
 done
 printf 'gain\tromeo\tromeo_error\tdefault\tdefault_error\n' > "$out/$recipe.tsv"
-for gain in rest 1.0 1.3 1.5 2.0; do
+for name in $scenes; do
     figures=''
     for scheme in romeo guarded; do
         mkdir -p "$out/$scheme"
-        simulate "$out/gain-$gain.scene.json" --scheme "$scheme" -o "$out/$scheme/gain-$gain.pc2" --log "$out/log.jsonl" -q
+        simulate "$out/$name.scene.json" --scheme "$scheme" -o "$out/$scheme/$name.pc2" --log "$out/log.jsonl" -q
         figures="$figures	$(tail -n 1 "$out/log.jsonl" | member volume_ratio)	$(tail -n 1 "$out/log.jsonl" | member volume_error)"
     done
-    printf '%s%s\n' "$gain" "$figures" >> "$out/$recipe.tsv"
+    printf '%s%s\n' "${name#gain-}" "$figures" >> "$out/$recipe.tsv"
 done
 rm "$out/log.jsonl"
+set --
+for name in $scenes; do set -- "$@" "$out/$name.scene.json"; done
 for scheme in romeo guarded; do
     for side in front right; do
-        # shellcheck disable=SC2086
-        rig-view $scenes --frames "$out/$scheme" --frame "$frames" --show surface --camera "$side" --columns 5 --size 220x480 -q \
+        rig-view "$@" --frames "$out/$scheme" --frame "$frames" --show surface --camera "$side" --columns 5 --size 220x480 -q \
             --title "$scheme, from the $side: at rest, and active with volume gain 1.0, 1.3, 1.5, 2.0" -o "$out/$recipe-$scheme-$side.png"
         say "$out/$recipe-$scheme-$side.png"
     done
