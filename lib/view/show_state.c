@@ -268,7 +268,8 @@ static sn_status write_subtitle(const scene_view *s, sn_error *error) {
         snprintf(text, sizeof text, "%s: no error", sn_row_kind_name(s->kind));
     } else {
         const char *muscle = s->model->muscle_count > 1 ? s->model->muscles[s->worst_muscle].source->name : "";
-        char value[32] = "no angle";
+        char value[32] = "no number";
+        if (s->kind == SN_ROWS_DIHEDRAL) snprintf(value, sizeof value, "no angle");
         if (!isnan(s->worst)) snprintf(value, sizeof value, "%.3g", s->worst);
         worst_points(s, points, sizeof points);
         snprintf(text, sizeof text, "%s: worst %s, %s%s%s", sn_row_kind_name(s->kind), value, muscle, *muscle ? ", " : "", points);

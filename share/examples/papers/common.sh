@@ -1,4 +1,5 @@
 # common.sh -- what the recipes share: options, the muscle, its rig, the scene, the charts. Sourced by a recipe, not run.
+# shellcheck shell=sh disable=SC2034
 #
 #   RECIPE [-o OUT] [-t TRIANGLES] [-f FRAMES] [-i ITERATIONS] [-u UNIT] [-j JOINT] [SURFACE ATTACH-OPTION...]
 #
@@ -22,7 +23,7 @@ while getopts o:t:f:i:u:j:h option; do
     u) unit=$OPTARG ;;
     j) joint=$OPTARG ;;
     *)
-        sed -n '3,10s/^#\( \|$\)//p' "$here/common.sh"
+        sed -n '4,11s/^#\( \|$\)//p' "$here/common.sh"
         [ "$option" = h ] && exit 0
         exit 2
         ;;

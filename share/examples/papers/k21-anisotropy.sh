@@ -3,6 +3,7 @@
 # Pictures of both, coloured by the error of the edges on one scale, and figures: the mean length of edges along and across the fibres over
 # that at rest, and how far the two shapes are apart. The paper: "surprisingly, it is barely observable". Runs that blew up are not drawn.
 # Usage: k21-anisotropy.sh [-o OUT] [-t TRIANGLES] [-f FRAMES] [-i "ITERATIONS ..."] [-u UNIT] [-j JOINT] [SURFACE ATTACH-OPTION...]
+# shellcheck source=common.sh
 . "$(dirname "$0")/common.sh"
 frames=${frames:-40} iterations=${iterations:-1 3 5 10 100}
 lengths=$(program lengths papers)

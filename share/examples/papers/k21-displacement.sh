@@ -2,6 +2,7 @@
 # [K21] figure 7: how far an iteration moves the points, on average over the frames of a motion, for 1 to 100 iterations (-i).
 # The paper: below 0.1 mm after a few iterations, below 0.01 mm after 10.
 # Usage: k21-displacement.sh [-o OUT] [-t TRIANGLES] [-f FRAMES] [-i ITERATIONS] [-u UNIT] [-j JOINT] [SURFACE ATTACH-OPTION...]
+# shellcheck source=common.sh
 . "$(dirname "$0")/common.sh"
 frames=${frames:-10} iterations=${iterations:-100}
 [ "$given" -gt 0 ] || generate "${triangles:-4000}"

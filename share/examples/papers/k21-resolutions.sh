@@ -3,6 +3,7 @@
 # anisotropy on. mesh-clean --triangles decimates. The paper: the coarser ones look better in less time; L2 with 1000 iterations takes less
 # than L0 with 100. Runs that blew up are told and not drawn.
 # Usage: k21-resolutions.sh [-o OUT] [-t "L0 L1 L2"] [-f FRAMES] [-i ITERATIONS] [-u UNIT] [-j JOINT] [SURFACE ATTACH-OPTION...]
+# shellcheck source=common.sh
 . "$(dirname "$0")/common.sh"
 frames=${frames:-40} iterations=${iterations:-100} triangles=${triangles:-17124 3000 1000}
 [ "$given" -gt 0 ] || generate "${triangles%% *}"

@@ -2,6 +2,7 @@
 # [K21] table 1: the time of a simulation step with 1, 3, 5, 10, 25, 50 and 100 iterations, here at three resolutions (17124, 3000 and 1000
 # triangles, or -t "N N ..."), on one thread. A step is a substep, of which a frame has eight here: the statistics at its end then add little.
 # Usage: k21-time.sh [-o OUT] [-t "TRIANGLES ..."] [-f FRAMES] [-i "ITERATIONS ..."] [-u UNIT] [-j JOINT] [SURFACE ATTACH-OPTION...]
+# shellcheck source=common.sh
 . "$(dirname "$0")/common.sh"
 frames=${frames:-3} iterations=${iterations:-1 3 5 10 25 50 100} triangles=${triangles:-17124 3000 1000}
 most=${triangles%% *}

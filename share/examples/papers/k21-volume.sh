@@ -2,6 +2,7 @@
 # [K21] figure 11: the volume over the motion with 3 iterations a step. The paper: the error is below 1 % in all cases.
 # Beside it the default: guarded, 16 substeps of 2 iterations, and guarded with no more work than kohout: 1 substep of 3 iterations.
 # Usage: k21-volume.sh [-o OUT] [-t TRIANGLES] [-f FRAMES] [-i ITERATIONS] [-u UNIT] [-j JOINT] [SURFACE ATTACH-OPTION...]
+# shellcheck source=common.sh
 . "$(dirname "$0")/common.sh"
 frames=${frames:-90} iterations=${iterations:-3}
 [ "$given" -gt 0 ] || generate "${triangles:-4000}"

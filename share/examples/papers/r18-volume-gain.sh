@@ -4,6 +4,7 @@
 # By the paper's scheme (romeo) and by the default.
 # Usage: r18-volume-gain.sh [-o OUT] [-t TRIANGLES] [-f FRAMES] [-u UNIT] [-j JOINT] [SURFACE ATTACH-OPTION...]
 swing='radius 0,0,0 0,-1,0 10'
+# shellcheck source=common.sh
 . "$(dirname "$0")/common.sh"
 frames=${frames:-36}
 [ "$given" -gt 0 ] || generate "${triangles:-4000}"
