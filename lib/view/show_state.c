@@ -299,7 +299,7 @@ static sn_status mark_worst(const scene_view *s, sn_error *error) {
 double sn_view_state_frame(const sn_model *model, const sn_state *state) {
     double substeps = model->scene->solver.substeps;
     if (state->substep == 0 && state->iteration == 0) return state->frame;
-    return state->frame - 1 + (state->substep + (state->iteration > 0 ? 1 : 0)) / substeps;
+    return (double)state->frame - 1.0 + (state->substep + (state->iteration > 0 ? 1 : 0)) / substeps;
 }
 
 sn_status sn_view_add_state(sn_view *view, const sn_model *model, const sn_state *state, sn_row_kind kind, double range, unsigned show,

@@ -29,7 +29,7 @@ chart() {
 }
 
 @test "table 1 of K21: more iterations and more triangles take longer" {
-    "$RECIPES/k21-time.sh" -o out -t "2500 700" -f 2 -i "1 60" > said
+    "$RECIPES/k21-time.sh" -o out -t "2500 700" -f 5 -i "1 60" > said
     chart out/k21-time
     awk -F '\t' 'NF == 4 && NR > 1 { for (i = 3; i <= 4; i++) t[$1 > 1000, $2, i] = $i; rows++ }
         END { for (i = 3; i <= 4; i++) if (!(t[1, 60, i] > t[1, 1, i] && t[0, 60, i] > t[0, 1, i] && t[1, 60, i] > t[0, 60, i])) exit 1
