@@ -49,7 +49,7 @@ LIBS_fiber-flow      := sparse mesh json
 LIBS_fiber-fill      := gsl sparse embree mesh json
 LIBS_attach-detect   := embree mesh json
 LIBS_simulate        := gsl sparse mesh json
-LIBS_rig-view        := embree gsl mesh json png
+LIBS_rig-view        := embree gsl sparse mesh json png
 
 # run by the tools, not by hand: installed in libexec/sinew
 LIBEXEC_TOOLS := mesh-import

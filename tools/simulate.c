@@ -67,10 +67,10 @@ static const cli_tool TOOL = {
     .shared = CLI_TAKES_INPUT | CLI_HAS_OUTPUT | CLI_HAS_TRACE | CLI_HAS_REPORT | CLI_HAS_THREADS,
     .options = OPTIONS,
     .option_count = sizeof OPTIONS / sizeof *OPTIONS,
-    .notes =
-        "-o is NAME.pc2 for one muscle, or a folder with one cache per muscle. --stop-after takes FRAME[:SUBSTEP[:ITERATION]].\n"
-        "--fail-on knows volume, nan, triangle, internal, radial, mesh, dihedral, area, energy, elastic, residual, skipped and clamped;\n"
-        "'<' and '>' compare.",
+    .notes = "-o is NAME.pc2 for one muscle, or a folder with one cache per muscle. --stop-after takes FRAME[:SUBSTEP[:ITERATION]].\n"
+             "--fail-on knows volume, nan, triangle, internal, radial, mesh, dihedral, area, membrane, energy, elastic, residual, skipped "
+             "and clamped;\n"
+             "'<' and '>' compare.",
 };
 
 /* "A:B" or "A" into whole numbers; unset parts keep their value. Returns how many there were; 0 = not of this form. */
@@ -101,6 +101,7 @@ static double read_radial(const sn_statistics *s) { return s->residuals[SN_ROWS_
 static double read_mesh(const sn_statistics *s) { return s->residuals[SN_ROWS_MESH].max; }
 static double read_dihedral(const sn_statistics *s) { return s->residuals[SN_ROWS_DIHEDRAL].max; }
 static double read_area(const sn_statistics *s) { return s->residuals[SN_ROWS_AREA].max; }
+static double read_membrane(const sn_statistics *s) { return s->residuals[SN_ROWS_MEMBRANE].max; }
 static double read_energy(const sn_statistics *s) { return s->kinetic_energy; }
 static double read_elastic(const sn_statistics *s) { return s->elastic_energy; }
 static double read_residual(const sn_statistics *s) { return s->residual; }
@@ -108,10 +109,10 @@ static double read_skipped(const sn_statistics *s) { return (double)(s->skipped_
 static double read_clamped(const sn_statistics *s) { return (double)s->clamped_hinges; }
 
 static const measure MEASURES[] = {
-    {"volume", read_volume},   {"nan", read_nan},         {"triangle", read_triangle}, {"internal", read_internal},
-    {"radial", read_radial},   {"mesh", read_mesh},       {"dihedral", read_dihedral}, {"energy", read_energy},
-    {"area", read_area},       {"elastic", read_elastic}, {"residual", read_residual}, {"skipped", read_skipped},
-    {"clamped", read_clamped},
+    {"volume", read_volume},   {"nan", read_nan},           {"triangle", read_triangle}, {"internal", read_internal},
+    {"radial", read_radial},   {"mesh", read_mesh},         {"dihedral", read_dihedral}, {"energy", read_energy},
+    {"area", read_area},       {"elastic", read_elastic},   {"residual", read_residual}, {"skipped", read_skipped},
+    {"clamped", read_clamped}, {"membrane", read_membrane},
 };
 enum { MEASURE_COUNT = sizeof MEASURES / sizeof *MEASURES, MAX_LIMITS = 32 };
 

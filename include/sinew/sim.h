@@ -304,6 +304,18 @@ SN_MUST_CHECK sn_status sn_step(const sn_model *model, sn_state *state, const sn
 /* Project the rows of one kind of a muscle once, as the first iteration of a substep does under `xpbd`: to measure what they cost. */
 void sn_project(const sn_model *model, sn_state *state, sn_index muscle, sn_row_kind kind);
 
+/* ---- errors row by row (errors.c): what sn_residual is the sum of --------------------------------------------------------- */
+
+/* Rows of a kind that run; of the volume 1 or 0. */
+sn_index sn_row_count(const sn_model *model, sn_index muscle, sn_row_kind kind);
+/* The points of a row. Returns how many: 2 of a distance, 4 of a hinge, 3 of an area; 0 for the volume, which has all vertices. */
+int sn_row_points(const sn_model *model, sn_index muscle, sn_row_kind kind, sn_index row, sn_index points[4]);
+/* |C| of every row of a kind now: errors (sn_row_count), in the units of sn_statistics; NaN: a hinge that has no angle (its guard). */
+void sn_row_errors(const sn_model *model, const sn_state *state, sn_index muscle, sn_row_kind kind, double *errors);
+/* How far one rigid projection of the volume would move each vertex, w_i |dV/dx_i| |C| / sum w |dV/dx|^2, over the mean edge:
+ * moves (vertex_count), zeros where no volume is kept; gradients (vertex_count) is scratch, and holds dV/dx then. */
+void sn_volume_moves(const sn_model *model, const sn_state *state, sn_index muscle, sn_vec3 *gradients, double *moves);
+
 /* ---- single constraints: value and gradients, for tests, pictures and other back ends ------------------------------------- */
 
 /* Guards (numerics.md 5): an edge with l^2 below the first has no direction; a hinge with |n|^2 <= the second x |e|^4 has no angle. */

@@ -301,16 +301,21 @@ static inline void load(const sn_muscle_state *s, const sn_hinge_row *row, sn_ve
     for (int i = 0; i < 4; i++) p[i] = sn_point_position(&s->points[row->point[i]]);
 }
 
+double sn_hinge_error(const sn_model_muscle *m, const sn_muscle_state *s, sn_index row) {
+    sn_vec3 p[4], g[4];
+    double c;
+    load(s, &m->hinges[row], p);
+    return sn_hinge_constraint(p, m->hinge_angles[row], &c, g) ? fabs(c) : NAN;
+}
+
 sn_residual sn_hinge_residual(const sn_model_muscle *m, const sn_muscle_state *s) {
     sn_residual residual = {.worst = SN_NONE};
     double sum = 0.0;
     for (sn_index r = 0; r < m->hinge_count; r++) {
-        sn_vec3 p[4], g[4];
-        double c = 0.0;
-        load(s, &m->hinges[r], p);
-        if (!sn_hinge_constraint(p, m->hinge_angles[r], &c, g)) continue;
+        double c = sn_hinge_error(m, s, r);
+        if (isnan(c)) continue;
         sum += c * c;
-        if (residual.worst == SN_NONE || fabs(c) > residual.max) residual.max = fabs(c), residual.worst = r;
+        if (residual.worst == SN_NONE || c > residual.max) residual.max = c, residual.worst = r;
     }
     if (m->hinge_count > 0) residual.rms = sqrt(sum / m->hinge_count);
     return residual;

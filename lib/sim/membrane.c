@@ -150,8 +150,7 @@ double sn_membrane_energy(const sn_model_muscle *m, const sn_muscle_state *s, do
     return energy_of_membranes(&in, m->membrane_count);
 }
 
-/* |1/2 (FT F - I)|, Green's strain. */
-static double strain(const sn_model_muscle *m, const sn_muscle_state *s, sn_index row) {
+double sn_membrane_error(const sn_model_muscle *m, const sn_muscle_state *s, sn_index row) {
     const sn_index *v = m->membrane_points[row].point;
     const double *goal = s->membrane_goals + row;
     size_t n = (size_t)m->membrane_count;
@@ -166,7 +165,7 @@ sn_residual sn_membrane_residual(const sn_model_muscle *m, const sn_muscle_state
     sn_residual residual = {.worst = SN_NONE};
     double sum = 0.0;
     for (sn_index r = 0; r < m->membrane_count; r++) {
-        double value = strain(m, s, r);
+        double value = sn_membrane_error(m, s, r);
         sum += value * value;
         if (residual.worst == SN_NONE || value > residual.max) residual.max = value, residual.worst = r;
     }

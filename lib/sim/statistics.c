@@ -4,9 +4,8 @@
 #include "rows.h"
 
 static void measure_volume(const sn_model_muscle *m, const sn_muscle_state *s, sn_statistics *out) {
-    double volume = sn_volume_constraint(m->vertex_count, s->points, m->triangle_count, m->triangles, NULL);
-    double error = volume / m->rest_volume - s->volume_goal;
-    out->volume_ratio = volume / m->rest_volume;
+    double ratio = sn_volume_ratio(m, s), error = ratio - s->volume_goal;
+    out->volume_ratio = ratio;
     out->volume_goal = s->volume_goal;
     out->volume_error = out->volume_ratio / s->volume_goal - 1.0;
     out->residuals[SN_ROWS_VOLUME] = m->keeps_volume ? (sn_residual){fabs(error), fabs(error), 0} : (sn_residual){.worst = SN_NONE};

@@ -6,6 +6,8 @@
  */
 #include "rows.h"
 
+#include <string.h>
+
 /* Where each point would be without constraints. Damping is a rate: exact for any h. */
 static void predict(const sn_model_muscle *m, sn_muscle_state *s, const sn_substep *substep) {
     double h = substep->h, keep = substep->rules->keep > 0.0 ? substep->rules->keep : exp(-m->source->damping * h);
@@ -105,6 +107,7 @@ static void xpbd_substep(const sn_model_muscle *m, sn_muscle_state *s, const sn_
         predict(m, s, substep);
         sn_kinematics_place(m, s, substep->poses);
     }
+    if (substep->start != NULL) memcpy(substep->start, s->points, (size_t)m->point_count * sizeof *s->points);
     project(m, s, substep);
     s->statistics.residual = NAN;
     if (substep->end == m->iterations) update_velocities(m, s, substep); /* until then they are the predicted ones */

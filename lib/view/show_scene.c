@@ -7,7 +7,7 @@ static sn_color mix(sn_color a, sn_color b, double t) {
     return (sn_color){a.r + (b.r - a.r) * t, a.g + (b.g - a.g) * t, a.b + (b.b - a.b) * t};
 }
 
-static sn_status show_bones(sn_view *view, const sn_scene *scene, double time, sn_error *error) {
+sn_status show_bones(sn_view *view, const sn_scene *scene, double time, sn_error *error) {
     sn_rigid *poses = SN_NEW(sn_rigid, scene->motion.joint_count);
     if (!poses) return sn_fail_memory(error, "the bones' poses");
     sn_motion_poses(&scene->motion, time, poses);
