@@ -121,9 +121,9 @@ D = $(DESTDIR)$(PREFIX)
 COMPLETION_FOLDERS := bash-completion/completions zsh/site-functions fish/vendor_completions.d
 install: programs examples completions
 	install -d $D/bin $D/libexec/sinew $D/lib/pkgconfig $D/include/sinew $D/share/man/man1 $D/share/man/man7 $(COMPLETION_FOLDERS:%=$D/share/%)
-	install -d $D/share/sinew/schema $D/share/sinew/make $D/share/sinew/examples/arm $D/share/sinew/examples/assets
+	install -d $D/share/sinew/schema $D/share/sinew/make $D/share/sinew/examples/arm $D/share/sinew/examples/assets $D/share/sinew/examples/tip
 	install -m 755 $(BUILT_TOOLS) $D/bin
-	install -m 755 $(BUILT_LIBEXEC) $(B)/examples/arm/arm $D/libexec/sinew
+	install -m 755 $(BUILT_LIBEXEC) $(EXAMPLES) $D/libexec/sinew
 	install -m 644 $(B)/libsinew.a $D/lib
 	install -m 644 $(wildcard include/sinew/*.h) $D/include/sinew
 	install -m 644 $(wildcard share/man/*.1) $D/share/man/man1
@@ -132,6 +132,7 @@ install: programs examples completions
 	install -m 644 $(ASSETS) $D/share/sinew/make
 	cp share/examples/arm/* $D/share/sinew/examples/arm
 	cp share/examples/assets/* $D/share/sinew/examples/assets
+	cp share/examples/tip/* $D/share/sinew/examples/tip
 	install -m 644 $(B)/completions/bash/* $D/share/bash-completion/completions
 	for t in $(notdir $(BUILT_TOOLS)); do \
 	    install -m 644 $(B)/completions/zsh/$$t $D/share/zsh/site-functions/_$$t && \
