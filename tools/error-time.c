@@ -150,12 +150,12 @@ static sn_status describe_scene(job *j, sn_error *error) {
     if (status == SN_OK) status = sn_yardstick_create(model, &j->yardstick, error);
     sn_index count = status == SN_OK ? model->muscle_count : 0;
     r->muscle_names = SN_NEW(char *, count);
-    r->muscle_points = SN_NEW(sn_index, count);
-    if (status == SN_OK && (r->muscle_names == NULL || r->muscle_points == NULL)) status = sn_fail_memory(error, "the report");
+    r->muscle_vertices = SN_NEW(sn_index, count);
+    if (status == SN_OK && (r->muscle_names == NULL || r->muscle_vertices == NULL)) status = sn_fail_memory(error, "the report");
     for (sn_index i = 0; status == SN_OK && i < count; i++) {
         r->muscle_count = i + 1;
         r->muscle_names[i] = sn_strdup(model->muscles[i].source->name);
-        r->muscle_points[i] = model->muscles[i].point_count;
+        r->muscle_vertices[i] = model->muscles[i].vertex_count;
         if (r->muscle_names[i] == NULL) status = sn_fail_memory(error, "the report");
     }
     r->scene_name = sn_strdup(j->scene.name);

@@ -160,7 +160,7 @@ typedef struct sn_error_time {
     int threads;
     sn_index muscle_count;
     char **muscle_names;    /* (muscle_count) the enabled ones */
-    sn_index *muscle_points; /* (muscle_count) */
+    sn_index *muscle_vertices; /* (muscle_count) */
     sn_index moment_count;
     sn_index *moments;      /* (moment_count) as in sn_run_request */
     sn_reference reference; /* tracks are empty in one that was read */

@@ -116,7 +116,7 @@ static void write_scene_members(const sn_error_time *report, sn_json *json) {
     for (sn_index i = 0; i < report->muscle_count; i++) {
         sn_json_object(json, NULL);
         sn_json_text(json, "name", report->muscle_names[i]);
-        sn_json_integer(json, "points", report->muscle_points[i]);
+        sn_json_integer(json, "vertices", report->muscle_vertices[i]);
         sn_json_close(json);
     }
     sn_json_close(json);
@@ -248,16 +248,16 @@ static sn_status parse_muscles(const sn_json_value *muscles, sn_error_time *out,
     if (status == SN_OK) status = sn_json_expect_list(muscles, MOST_MUSCLES, &count, error);
     if (status != SN_OK) return status;
     out->muscle_names = SN_NEW(char *, count);
-    out->muscle_points = SN_NEW(sn_index, count);
-    if (out->muscle_names == NULL || out->muscle_points == NULL) return sn_fail_memory(error, "the report");
+    out->muscle_vertices = SN_NEW(sn_index, count);
+    if (out->muscle_names == NULL || out->muscle_vertices == NULL) return sn_fail_memory(error, "the report");
     out->muscle_count = count;
     for (sn_index i = 0; status == SN_OK && i < count; i++) {
         sn_json_value muscle = sn_json_element(muscles, i), name = sn_json_member(&muscle, "name"),
-                      points = sn_json_member(&muscle, "points");
+                      vertices = sn_json_member(&muscle, "vertices");
         status = sn_json_require(&name, "the name of a muscle", error);
         if (status == SN_OK) status = sn_json_get_text(&name, &out->muscle_names[i], error);
-        if (status == SN_OK) status = sn_json_require(&points, "its number of points", error);
-        if (status == SN_OK) status = sn_json_get_index(&points, 0, SN_INDEX_MAX, &out->muscle_points[i], error);
+        if (status == SN_OK) status = sn_json_require(&vertices, "its number of vertices", error);
+        if (status == SN_OK) status = sn_json_get_index(&vertices, 0, SN_INDEX_MAX, &out->muscle_vertices[i], error);
     }
     return status;
 }

@@ -63,7 +63,7 @@ void sn_error_time_free(sn_error_time *report) {
     for (sn_index i = 0; report->settings != NULL && i < report->setting_count; i++) free(report->settings[i].muscle_errors);
     free(report->scene_name);
     free(report->muscle_names);
-    free(report->muscle_points);
+    free(report->muscle_vertices);
     free(report->moments);
     free(report->settings);
     free(report->points);
