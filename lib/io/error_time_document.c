@@ -44,37 +44,59 @@ sn_status sn_error_time_write_table(const sn_error_time *report, sn_output *outp
 /* Which of a block's points there are. */
 typedef enum block { CLAIMED, TOTAL_FRONT, SOLVER_FRONT, DROPPED } block;
 
-/* Points of one family (NULL = all) that a block shows, sorted by time; each line: seconds, total error, solver error. */
-static sn_status write_block(const sn_error_time *report, const char *family, block what, const char *title, sn_output *output,
-                             sn_error *error) {
+/* Times and errors of all points; infinite where the block does not show one. */
+typedef struct shown {
+    double *seconds, *errors; /* (point_count) */
+    bool *wanted;             /* (point_count) */
+} shown;
+
+static void free_shown(shown *s) {
+    free(s->seconds);
+    free(s->errors);
+    free(s->wanted);
+}
+
+static bool in_block(const sn_error_time *report, const sn_error_point *p, const char *family, block what) {
+    char name[SN_SETTING_LENGTH];
+    sn_setting_family(&report->settings[p->setting].setting, name);
+    if (family != NULL && strcmp(name, family) != 0) return false;
+    return what == DROPPED ? !p->claimed : what == SOLVER_FRONT || p->claimed;
+}
+
+static sn_status choose_shown(const sn_error_time *report, const char *family, block what, shown *s, sn_error *error) {
     sn_index n = report->point_count;
-    double *seconds = SN_NEW(double, n), *errors = SN_NEW(double, n);
-    bool *front = SN_NEW(bool, n);
-    if (seconds == NULL || errors == NULL || front == NULL) {
-        free(seconds), free(errors), free(front);
-        return sn_fail_memory(error, "the chart");
-    }
+    *s = (shown){SN_NEW(double, n), SN_NEW(double, n), SN_NEW(bool, n)};
+    if (s->seconds == NULL || s->errors == NULL || s->wanted == NULL) return sn_fail_memory(error, "the chart");
     for (sn_index i = 0; i < n; i++) {
         const sn_error_point *p = &report->points[i];
-        char name[SN_SETTING_LENGTH];
-        sn_setting_family(&report->settings[p->setting].setting, name);
-        bool wanted = (family == NULL || strcmp(name, family) == 0) && (what == DROPPED ? !p->claimed : what == SOLVER_FRONT || p->claimed);
-        seconds[i] = p->cpu;
-        errors[i] = !wanted ? INFINITY : what == SOLVER_FRONT ? p->solver.worst : p->total.worst;
-        front[i] = isfinite(errors[i]);
+        s->seconds[i] = p->cpu;
+        s->errors[i] = !in_block(report, p, family, what) ? INFINITY : what == SOLVER_FRONT ? p->solver.worst : p->total.worst;
+        s->wanted[i] = isfinite(s->errors[i]);
     }
-    if (what == TOTAL_FRONT || what == SOLVER_FRONT) sn_pareto_front(n, seconds, errors, front);
-    sn_output_print(output, "\"%s\"\n", title);
-    for (sn_index next = 0; next != SN_NONE;) { /* in order of time */
-        next = SN_NONE;
-        for (sn_index i = 0; i < n; i++)
-            if (front[i] && (next == SN_NONE || seconds[i] < seconds[next])) next = i;
-        if (next == SN_NONE) break;
-        front[next] = false;
-        sn_output_print(output, "%.6g %.6g %.6g\n", seconds[next], report->points[next].total.worst, report->points[next].solver.worst);
-    }
-    free(seconds), free(errors), free(front);
-    return sn_output_print(output, "NaN NaN NaN\n\n\n"); /* gnuplot passes over blocks without data */
+    if (what == TOTAL_FRONT || what == SOLVER_FRONT) sn_pareto_front(n, s->seconds, s->errors, s->wanted);
+    return SN_OK;
+}
+
+/* The next wanted point in order of time, no longer wanted; SN_NONE = there is none. */
+static sn_index take_next(shown *s, sn_index count) {
+    sn_index next = SN_NONE;
+    for (sn_index i = 0; i < count; i++)
+        if (s->wanted[i] && (next == SN_NONE || s->seconds[i] < s->seconds[next])) next = i;
+    if (next != SN_NONE) s->wanted[next] = false;
+    return next;
+}
+
+/* The points of one family (NULL = all) that a block shows, sorted by time; each line: seconds, total error, solver error. */
+static sn_status write_block(const sn_error_time *report, const char *family, block what, const char *title, sn_output *output,
+                             sn_error *error) {
+    shown s;
+    sn_status status = choose_shown(report, family, what, &s, error);
+    if (status == SN_OK) sn_output_print(output, "\"%s\"\n", title);
+    for (sn_index i; status == SN_OK && (i = take_next(&s, report->point_count)) != SN_NONE;)
+        sn_output_print(output, "%.6g %.6g %.6g\n", s.seconds[i], report->points[i].total.worst, report->points[i].solver.worst);
+    free_shown(&s);
+    /* gnuplot passes over blocks without data */
+    return status == SN_OK ? sn_output_print(output, "NaN NaN NaN\n\n\n") : status;
 }
 
 /* Is setting i the first of its family? */

@@ -25,6 +25,8 @@ static const char *const usage =
     "      --stiffness K         relaxed and active stiffness, N/m (default 500)\n"
     "      --stiffness-active K  active stiffness, N/m (default: the relaxed one)\n"
     "      --volume-gain G       goal volume over rest volume at full activation (default 1)\n"
+    "      --least-area A        no triangle below this share of its rest area (default 0.5; 0: no such constraint, and under\n"
+    "                            qn no barrier: edges, angles and volume alone, the same energy for both solvers)\n"
     "  -h, --help                print this and exit\n"
     "      --version             print the version and exit\n";
 
@@ -35,6 +37,7 @@ typedef struct options {
     int64_t triangles;
     motion motion;
     double activation, stiffness, stiffness_active, volume_gain;
+    double least_area; /* negative: the scene's default */
 } options;
 
 static const double length = 0.2, radius = 0.03, pinned = 0.08; /* m, m, share of the length at each end */
@@ -201,6 +204,7 @@ static void write_muscle_members(sn_json *json, const options *o) {
     sn_json_number(json, "active", o->stiffness_active);
     sn_json_close(json);
     if (o->volume_gain != 1.0) sn_json_number(json, "volumeRatio", o->volume_gain);
+    if (o->least_area >= 0.0) sn_json_number(json, "leastArea", o->least_area);
     write_activation(json, o->activation);
     sn_json_close(json);
     sn_json_close(json);
@@ -322,6 +326,9 @@ static void parse_option(int c, options *o) {
     case 'g':
         o->volume_gain = parse_number("volume-gain", optarg, 0.01, 100.0);
         break;
+    case 'l':
+        o->least_area = parse_number("least-area", optarg, 0.0, 0.99);
+        break;
     case 'h':
         exit(fputs(usage, stdout) < 0 || fclose(stdout) != 0);
     case 'V':
@@ -339,10 +346,11 @@ static options parse(int argc, char **argv) {
                                           {"stiffness", required_argument, NULL, 'k'},
                                           {"stiffness-active", required_argument, NULL, 'K'},
                                           {"volume-gain", required_argument, NULL, 'g'},
+                                          {"least-area", required_argument, NULL, 'l'},
                                           {"help", no_argument, NULL, 'h'},
                                           {"version", no_argument, NULL, 'V'},
                                           {0}};
-    options o = {.triangles = 1000, .stiffness = 500.0, .stiffness_active = -1.0, .volume_gain = 1.0};
+    options o = {.triangles = 1000, .stiffness = 500.0, .stiffness_active = -1.0, .volume_gain = 1.0, .least_area = -1.0};
     sn_error error = {0};
     for (int c; (c = getopt_long(argc, argv, "t:h", known, NULL)) != -1;) parse_option(c, &o);
     if (o.stiffness_active < 0.0) o.stiffness_active = o.stiffness;
