@@ -2,6 +2,7 @@
 # Every chart of error against run time: the moving tip at 1k, 4k and 17k triangles, moving, fast and at rest, and the tibialis anterior.
 # Usage: charts.sh BIN TIP DATA OUT [CASE...]: the tools, the generator, the real anatomy ("" = leave it out), and a folder for the results;
 # without CASE all of them: tip-1000 tip-4000 tip-17000 static-1000 static-4000 static-17000 fast-1000 fast-4000 tibialis tibialis-static.
+# The bigger the muscle, the fewer settings, and the coarser the reference.
 # OUT/CASE gets what error-time writes, OUT/CASE.png the chart. A setting is measured RUNS (3) times. Run it on a machine that does
 # nothing else.
 set -eu
@@ -14,7 +15,6 @@ PATH=$bin:$PATH
 runs=${RUNS:-3}
 [ $# -gt 0 ] || set -- tip-1000 static-1000 fast-1000 tip-4000 static-4000 fast-4000 tip-17000 static-17000 tibialis tibialis-static
 
-# The surface at 4k and more: no xpbd setting that would take minutes; the reference as fine as the time allows.
 measure() { # NAME SCENE TITLE OPTION...
     name=$1 scene=$2 title=$3
     shift 3
@@ -40,28 +40,49 @@ tibialis() {
 END
 }
 
+# The moving tip of a case; edges, angles and volume alone, so that both solvers have the same energy.
+moving_tip() { # CASE OPTION...
+    folder=$out/$1.scene size=${1##*-}
+    shift
+    "$tip" --triangles "$size" "$@" "$folder"
+}
+
 for case in "$@"; do
-    size=${case##*-} how='--least-area 0' # the same energy for both solvers
+    scene=$out/$case.scene/tip.scene.json size=${case##*-}
     case $case in
-    static-*) how='--static --least-area 0' ;;
-    fast-*) how=--fast ;;
-    tibialis*) [ -n "$data" ] || continue ;;
-    esac
-    case $case in
-    tibialis*) tibialis ;;
-    # shellcheck disable=SC2086  # several words
-    *) "$tip" --triangles "$size" $how "$out/$case.scene" ;;
-    esac
-    case $case in
-    tip-1000) measure "$case" "$out/$case.scene/tip.scene.json" "moving tip, $size triangles" --sweep full --reference 256 ;;
-    fast-1000) measure "$case" "$out/$case.scene/tip.scene.json" "tip at 19° a frame, $size triangles" --sweep full --reference 256 ;;
-    tip-4000) measure "$case" "$out/$case.scene/tip.scene.json" "moving tip, $size triangles" --sweep full --reference 128 --most-seconds 30 ;;
-    fast-*) measure "$case" "$out/$case.scene/tip.scene.json" "tip at 19° a frame, $size triangles" --reference 64 --most-seconds 30 ;;
-    tip-*) measure "$case" "$out/$case.scene/tip.scene.json" "moving tip, $size triangles" --reference 32 --most-seconds 60 ;;
-    static-1000) measure "$case" "$out/$case.scene/tip.scene.json" "moving tip at rest, $size triangles" --static ;;
-    static-*) measure "$case" "$out/$case.scene/tip.scene.json" "moving tip at rest, $size triangles" --static --most-seconds 30 ;;
-    tibialis) measure "$case" "$out/rig/tibialis.scene.json" "tibialis anterior, 12,420 triangles" --reference 32 --most-seconds 60 ;;
-    tibialis-static) measure "$case" "$out/rig/tibialis.scene.json" "tibialis anterior at rest, 12,420 triangles" --static --most-seconds 60 ;;
-    *) echo "there is no case $case" >&2; exit 2 ;;
+    tip-1000)
+        moving_tip "$case" --least-area 0
+        measure "$case" "$scene" "moving tip, $size triangles" --sweep full --reference 256
+        ;;
+    tip-4000)
+        moving_tip "$case" --least-area 0
+        measure "$case" "$scene" "moving tip, $size triangles" --sweep full --reference 128 --most-seconds 30
+        ;;
+    tip-*)
+        moving_tip "$case" --least-area 0
+        measure "$case" "$scene" "moving tip, $size triangles" --reference 32
+        ;;
+    static-*)
+        moving_tip "$case" --static --least-area 0
+        measure "$case" "$scene" "moving tip at rest, $size triangles" --static --most-seconds 30
+        ;;
+    fast-*)
+        moving_tip "$case" --fast
+        measure "$case" "$scene" "tip at 19° a frame, $size triangles" --reference 64 --most-seconds 30
+        ;;
+    tibialis)
+        [ -n "$data" ] || continue
+        tibialis
+        measure "$case" "$out/rig/tibialis.scene.json" "tibialis anterior, 12,420 triangles" --reference 32
+        ;;
+    tibialis-static)
+        [ -n "$data" ] || continue
+        tibialis
+        measure "$case" "$out/rig/tibialis.scene.json" "tibialis anterior at rest, 12,420 triangles" --static --most-seconds 30
+        ;;
+    *)
+        echo "there is no case $case" >&2
+        exit 2
+        ;;
     esac
 done
