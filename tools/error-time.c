@@ -28,7 +28,13 @@ static const char *const FULL =
     "qn substeps=1 iterations=20\nqn substeps=2 iterations=3\nqn substeps=2 iterations=5\nqn substeps=2 iterations=10\n"
     "qn substeps=2 iterations=20\nqn substeps=4 iterations=3\nqn substeps=4 iterations=5\nqn substeps=4 iterations=10\n"
     "qn substeps=8 iterations=3\nqn substeps=8 iterations=5\nqn substeps=8 iterations=10\nqn substeps=16 iterations=3\n"
-    "qn substeps=16 iterations=5\nqn substeps=32 iterations=3\nqn substeps=32 iterations=5\n";
+    "qn substeps=16 iterations=5\nqn substeps=32 iterations=3\nqn substeps=32 iterations=5\n"
+    "qn substeps=1 iterations=3 preconditioner=scalar\nqn substeps=1 iterations=5 preconditioner=scalar\n"
+    "qn substeps=1 iterations=10 preconditioner=scalar\nqn substeps=2 iterations=5 preconditioner=scalar\n"
+    "qn substeps=4 iterations=5 preconditioner=scalar\n"
+    "qn substeps=1 iterations=3 preconditioner=corotated\nqn substeps=1 iterations=5 preconditioner=corotated\n"
+    "qn substeps=1 iterations=10 preconditioner=corotated\nqn substeps=2 iterations=5 preconditioner=corotated\n"
+    "qn substeps=4 iterations=5 preconditioner=corotated\n";
 
 enum { SWEEP_QUICK, SWEEP_FULL };
 static const char *const SWEEPS[] = {"quick", "full", NULL};
@@ -47,7 +53,7 @@ static const cli_option OPTIONS[] = {
     {0, NULL, NULL, CLI_HEADING, NULL, 0, 0, 0, NULL, "What is measured:"},
     {0, "settings", "FILE", CLI_TEXT, &given.settings, 0, 0, 0, NULL, "settings, one a line: \"qn substeps=2 iterations=5\""},
     {0, "sweep", "HOW", CLI_CHOICE, &given.sweep, 0, 0, 0, SWEEPS,
-     "the built-in settings instead: quick (default; 12 of them) or full (37)"},
+     "the built-in settings instead: quick (default; 12 of them) or full (47)"},
     {0, "static", NULL, CLI_FLAG, &given.equilibrium, 0, 0, 0, NULL,
      "hold the last frame until the muscles rest: distance to the equilibrium"},
     {0, "hold", "N", CLI_INTEGER, &given.hold, 0, 1, 1e6, NULL, "static: hold it so many frames at most (default 256)"},

@@ -57,13 +57,15 @@ repair-table: $(BUILT_TOOLS)
 clean-growth: $(BUILT_TOOLS) $(B)/examples/arm/arm
 	@BIN=$(B)/bin EXAMPLES=$(B)/examples tests/bench/clean-growth.sh
 
-.PHONY: bench golden stability off-equals-absent
+.PHONY: bench bench-body golden stability off-equals-absent
 bench: $(B)/tests/bench/sim_rows
+	$<
+bench-body: $(B)/tests/bench/sim_body
 	$<
 golden:
 	tests/golden
-stability: programs $(B)/tests/numerics/xpbd_extremes
-	tests/stability $(B)/bin $(B)/tests/numerics/xpbd_extremes $(DATA) $(B)/stability
+stability: programs $(B)/tests/numerics/sim_extremes
+	tests/stability $(B)/bin $(B)/tests/numerics/sim_extremes $(DATA) $(B)/stability
 # error against run time: the charts of share/doc, and what they are made of
 .PHONY: error-time-charts
 error-time-charts: programs examples

@@ -135,7 +135,7 @@ static inline void set_keys(sn_channel *channel, double time0, double value0, do
 }
 
 /* Bones "upper" (fixed) and "lower" (on hinge 0, about the x axis through the lower tip); one muscle. */
-static void make_scene(sn_scene *scene, const fusiform *f) {
+static inline void make_scene(sn_scene *scene, const fusiform *f) {
     sn_scene_defaults(scene);
     scene->name = sn_strdup("test");
     scene->bone_count = 2;
@@ -168,13 +168,13 @@ static inline void step_frames(simulation *s, sn_index frames, const sn_step_opt
     for (sn_index i = 0; i < frames; i++) assert_int_equal(sn_step(s->model, s->state, options, NULL), SN_OK);
 }
 
-static void finish(simulation *s) {
+static inline void finish(simulation *s) {
     sn_state_destroy(s->model, s->state);
     sn_model_destroy(s->model);
     sn_scene_free(s->scene);
 }
 
-static sn_vec3 position(const simulation *s, sn_index point) { return sn_point_position(&s->state->muscles[0].points[point]); }
+static inline sn_vec3 position(const simulation *s, sn_index point) { return sn_point_position(&s->state->muscles[0].points[point]); }
 
 /* Greatest distance of any point from its rest position. */
 static inline double greatest_move(const simulation *s) {

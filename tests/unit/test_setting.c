@@ -30,6 +30,7 @@ static void text_has_one_canonical_form(void **state) {
     check_canonical(" \tqn  iterations=5\tsubsteps=2\r", "qn substeps=2 iterations=5", "qn");
     check_canonical("qn tolerance=1e-3", "qn tolerance=0.001", "qn");
     check_canonical("xpbd scheme=kohout iterations=10", "xpbd iterations=10 scheme=kohout", "xpbd scheme=kohout");
+    check_canonical("qn preconditioner=scalar tolerance=0", "qn tolerance=0 preconditioner=scalar", "qn preconditioner=scalar");
     check_canonical("xpbd scheme=guarded", "xpbd scheme=guarded", "xpbd"); /* the default is no family of its own */
 }
 
@@ -110,6 +111,9 @@ static void a_setting_stands_for_itself(void **state) {
     assert_int_equal(scene.solver.threads, 3);
     assert_false(scene.solver.sleep);
     assert_int_equal(scene.muscles[0].iterations, 0);
+    assert_int_equal(sn_setting_parse("qn preconditioner=corotated", &setting, NULL), SN_OK);
+    sn_setting_apply(&setting, &scene);
+    assert_int_equal(scene.solver.preconditioner, SN_PRECONDITION_COROTATED);
     assert_int_equal(sn_setting_parse("xpbd scheme=romeo", &setting, NULL), SN_OK);
     sn_setting_apply(&setting, &scene);
     assert_int_equal(scene.solver.scheme, SN_SCHEME_ROMEO);
