@@ -118,7 +118,7 @@ assert report["errors"] == "equilibrium" and report["reference"]["floor"] < 1e-6
 xpbd, qn = (s["points"] for s in report["settings"])
 assert [p["held"] for p in xpbd] == [0, 1, 2, 4, 8, 16, 32, 64]
 assert [p["held"] for p in qn[:-1]] == [0, 1, 2, 4, 8, 16, 32, 64][:len(qn) - 1] and qn[-1]["held"] <= 64
-assert qn[-1]["error"] < 1e-6 < 1e-4 < xpbd[-1]["error"] < qn[0]["error"] * 2
+assert qn[-1]["error"] < 1e-5 < 1e-4 < xpbd[-1]["error"] < qn[0]["error"] * 2
 assert all(a["cpuSeconds"] < b["cpuSeconds"] for a, b in zip(qn, qn[1:]))
 END
 }
