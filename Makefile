@@ -41,7 +41,7 @@ LINK_cgal    := -lgmp -lmpfr -lstdc++
 LINK_png     := -lpng -lz
 LINK_assimp  := -lassimp
 
-TOOLS := mesh-clean root-select build-structure fiber-flow fiber-fill attach-detect simulate rig-view
+TOOLS := mesh-clean root-select build-structure fiber-flow fiber-fill attach-detect simulate error-time rig-view
 LIBS_mesh-clean      := cgal embree mesh json
 LIBS_root-select     := sparse mesh json
 LIBS_build-structure := embree mesh json
@@ -50,6 +50,7 @@ LIBS_fiber-fill      := gsl sparse embree mesh json
 LIBS_attach-detect   := embree mesh json
 LIBS_simulate        := gsl sparse mesh json
 LIBS_rig-view        := embree gsl sparse mesh json png
+LIBS_error-time      := gsl sparse mesh json
 
 # run by the tools, not by hand: installed in libexec/sinew
 LIBEXEC_TOOLS := mesh-import
@@ -60,7 +61,7 @@ LIB_SOURCES := $(sort $(wildcard lib/*/*.c))
 BRIDGE_SOURCES := $(sort $(wildcard lib/geom/cgal_*.cpp))
 LIB_OBJECTS := $(LIB_SOURCES:%.c=$(B)/%.o)
 BRIDGE_OBJECTS := $(BRIDGE_SOURCES:lib/geom/%.cpp=$(BRIDGE)/%.o)
-TOOL_SHARED := $(patsubst %.c,$(B)/%.o,$(wildcard tools/cli.c tools/chain.c tools/selector.c tools/bones.c))
+TOOL_SHARED := $(patsubst %.c,$(B)/%.o,$(wildcard tools/cli.c tools/chain.c tools/selector.c tools/bones.c tools/chart.c))
 BUILT_TOOLS := $(foreach t,$(TOOLS),$(if $(wildcard tools/$t.c),$(B)/bin/$t))
 BUILT_LIBEXEC := $(LIBEXEC_TOOLS:%=$(B)/libexec/sinew/%)
 EXAMPLES := $(patsubst share/examples/%.c,$(B)/examples/%,$(wildcard share/examples/*/*.c))

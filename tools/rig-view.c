@@ -39,7 +39,7 @@ static const cli_option options[] = {
     {0, "state", "FILE", CLI_LIST, &given.states, 0, 0, 0, NULL,
      "draw the scene at a state of simulate, coloured by constraint error; one tile each"},
     {0, "error", "LIST", CLI_TEXT, &given.error, 0, 0, 0, NULL,
-     "which error: mesh (default), internal, radial, dihedral, area or volume; several with commas, one tile each"},
+     "which error: mesh (default), internal, radial, dihedral, area, membrane or volume; several with commas, one tile each"},
     {0, "range", "NUMBER", CLI_NUMBER, &given.range, 0, 1e-300, 1e300, NULL,
      "end of the colours (default: a round number that few rows exceed, the same for all states)"},
     {0, "scheme", "SCHEME", CLI_CHOICE, &given.scheme, 0, 0, 0, SCHEMES, "as simulate was told: guarded, romeo or kohout"},
@@ -243,7 +243,7 @@ static kind_list parse_kinds(const cli *c) {
                (strlen(sn_row_kind_name((sn_row_kind)kind)) != length || strncmp(sn_row_kind_name((sn_row_kind)kind), text, length) != 0))
             kind++;
         if (kind == SN_ROW_KINDS || all.count == KINDS_MAX)
-            cli_usage_error(c, "--error: '%.*s' is none of mesh, internal, radial, dihedral, area, volume", (int)length, text);
+            cli_usage_error(c, "--error: '%.*s' is none of mesh, internal, radial, dihedral, area, membrane, volume", (int)length, text);
         all.items[all.count++] = (sn_row_kind)kind;
     }
     if (all.count == 0) cli_usage_error(c, "--error: an empty list");

@@ -2,7 +2,7 @@
  * simulate -- move the bones of a scene, contract its muscles, write the frames and what there is to know about them.
  */
 #include "cli.h"
-#include "sinew/sim.h"
+#include "sinew/error_time.h"
 
 #include <errno.h>
 #include <stdio.h>
@@ -22,8 +22,8 @@ static const char *const SCHEMES[] = {"guarded", "romeo", "kohout", NULL};
 static const char *const ANISOTROPIES[] = {"scheme", "none", "pbd", "xpbd", NULL};
 
 typedef struct choices {
-    const char *frames, *log, *fail_on, *state, *from;
-    double rate, preroll, tolerance;
+    const char *frames, *log, *fail_on, *state, *from, *choose;
+    double rate, preroll, tolerance, target_error;
     int64_t substeps, iterations, save_every;
     int format, law, solver, scheme, anisotropy, stretch, preconditioner;
     bool plan, no_sleep;
@@ -50,6 +50,10 @@ static const cli_option OPTIONS[] = {
     {0, "tolerance", "SHARE", CLI_NUMBER, &given.tolerance, 0, 0, 1, NULL,
      "qn: a substep ends when a whole step moves no point by more than this share of the diagonal"},
     {0, "preconditioner", "MATRIX", CLI_CHOICE, &given.preconditioner, 0, 0, 0, PRECONDITIONERS, "qn: scalar or corotated"},
+    {0, "target-error", "E", CLI_NUMBER, &given.target_error, 0, 1e-12, 10, NULL,
+     "with --choose: stay within this RMS distance to the true motion, as a share of the diagonal"},
+    {0, "choose", "REPORT", CLI_TEXT, &given.choose, 0, 0, 0, NULL,
+     "take the solver setting of error-time's report that reaches --target-error in the least time"},
     {0, NULL, NULL, CLI_HEADING, NULL, 0, 0, 0, NULL, "Output:"},
     {0, "format", "FORMAT", CLI_CHOICE, &given.format, 0, 0, 0, FORMATS, "frames in a folder: pc2 (default) or ply, one file per frame"},
     {0, "log", "FILE", CLI_TEXT, &given.log, 0, 0, 0, NULL, "write the log to FILE instead of standard output"},
@@ -219,11 +223,65 @@ static void check_stop(const job *j, sn_index first, bool whole) {
         cli_usage_error(&j->c, "--stop-after %s: a frame has %d substeps", j->c.stop_after, (int)j->scene.solver.substeps);
 }
 
+/* ---- --choose ------------------------------------------------------------------------------------------------------------- */
+
+static void check_choice(const job *j) {
+    static const char *const excluded[] = {"solver", "scheme", "substeps", "iterations", "tolerance"};
+    if (cli_given(&j->c, "choose") != cli_given(&j->c, "target-error"))
+        cli_usage_error(&j->c, "--choose REPORT and --target-error E go together");
+    for (size_t i = 0; given.choose != NULL && i < sizeof excluded / sizeof *excluded; i++)
+        if (cli_given(&j->c, excluded[i])) cli_usage_error(&j->c, "--choose and --%s exclude each other", excluded[i]);
+}
+
+/* Has the report the scene's enabled muscles, in their order? */
+static bool same_muscles(const sn_error_time *report, const sn_scene *scene) {
+    sn_index n = 0;
+    for (sn_index i = 0; i < scene->muscle_count; i++) {
+        const sn_scene_muscle *m = &scene->muscles[i];
+        if (!m->enabled) continue;
+        if (n == report->muscle_count || m->name == NULL || strcmp(m->name, report->muscle_names[n]) != 0) return false;
+        if (m->rig.mesh.vertex_count != report->muscle_vertices[n++]) return false;
+    }
+    return n == report->muscle_count;
+}
+
+static sn_status take_setting(job *j, const sn_error_time *report, const char *hash, sn_error *error) {
+    char words[SN_SETTING_LENGTH + 128];
+    if (!same_muscles(report, &j->scene))
+        return sn_fail(error, SN_ERROR_INPUT, "is the report of another scene: its muscles are not those of this one");
+    if (strcmp(report->scene_hash, hash) != 0) cli_warn(&j->c, "the scene has changed since %s was made", given.choose);
+    const sn_error_point *point = sn_error_time_cheapest(report, given.target_error, NULL);
+    if (point == NULL)
+        return sn_fail(error, SN_ERROR_INPUT,
+                       "no setting reaches an error of %g (with the floor of %.2g on top); measure more with error-time",
+                       given.target_error, report->reference.floor);
+    sn_error_time_words(report, point, sizeof words, words);
+    cli_say(&j->c, "chosen for an error of %g: %s", given.target_error, words);
+    sn_setting_apply(&report->settings[point->setting].setting, &j->scene);
+    return SN_OK;
+}
+
+static sn_status choose_setting(job *j, const sn_blob *scene, sn_error *error) {
+    sn_error_time report = {0};
+    sn_blob blob = {0};
+    char hash[SN_HASH_LENGTH];
+    if (given.choose == NULL) return SN_OK;
+    sn_hash(scene->data, scene->size, hash);
+    sn_status status = sn_blob_read(given.choose, &blob, error);
+    if (status == SN_OK) status = sn_error_time_parse(&blob, &report, error);
+    if (status == SN_OK) status = take_setting(j, &report, hash, error);
+    if (status != SN_OK) sn_error_set_file(error, given.choose);
+    sn_error_time_free(&report);
+    sn_blob_free(&blob);
+    return status;
+}
+
 static sn_status load_scene(job *j, sn_error *error) {
     sn_blob blob = {0};
     sn_status status = sn_blob_read(j->c.inputs.items[0], &blob, error);
     if (status != SN_OK) return status;
     status = sn_scene_parse(&blob, false, &j->scene, error);
+    if (status == SN_OK) status = choose_setting(j, &blob, error);
     if (status == SN_OK) {
         apply_options(j);
         if (given.from == NULL) check_stop(j, j->scene.first_frame, true);
@@ -684,6 +742,7 @@ int main(int argc, char **argv) {
     cli_start(&j.c, &TOOL, argc, argv);
     parse_limits(&j.c, given.fail_on, &j.limits);
     parse_stop(&j);
+    check_choice(&j);
     if (cli_given(&j.c, "save-every") && given.state == NULL) cli_usage_error(&j.c, "--save-every needs --state FILE");
     sn_status status = work(&j, &error);
     free_targets(&j);

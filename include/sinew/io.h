@@ -154,6 +154,20 @@ SN_MUST_CHECK sn_status sn_scene_parse(const sn_blob *blob, bool load_bones, sn_
 /* The scene with every default filled in, as JSON members of the open object of json. */
 void sn_scene_write(const sn_scene *scene, sn_json *json);
 
+/* ---- what error-time measured (lib/io/error_time_document.c) ----------------------------------------------------------------- */
+
+struct sn_error_time; /* sinew/error_time.h */
+/* A row per point, tabs between the columns, their names in the first line. */
+SN_MUST_CHECK sn_status sn_error_time_write_table(const struct sn_error_time *report, sn_output *output);
+/* The JSON report: share/schema/error-time.schema.json. */
+SN_MUST_CHECK sn_status sn_error_time_write(const struct sn_error_time *report, sn_output *output, sn_error *error);
+/* Blocks for share/plots/error-time.gp, each a quoted title and lines of seconds, total error, solver error: for each family all of its
+ * points, its front of total errors, its front of solver errors; then the front of all, and the points that are not claimed. */
+SN_MUST_CHECK sn_status sn_error_time_write_chart(const struct sn_error_time *report, sn_output *output, sn_index *family_count,
+                                                  sn_error *error);
+/* Settings, their points, the floor, and the names of what they were measured on; judged. Free with sn_error_time_free. */
+SN_MUST_CHECK sn_status sn_error_time_parse(const sn_blob *blob, struct sn_error_time *out, sn_error *error);
+
 /* ---- landmarks around attachment areas (lib/io/landmarks.c) ---------------------------------------------------------------- */
 
 typedef struct sn_landmarks {

@@ -297,6 +297,8 @@ typedef struct sn_step_options {
 
 /* The scene's pre-roll: whole substeps, rounded up, with the bones and activations of the first frame. */
 SN_MUST_CHECK sn_status sn_settle(const sn_model *model, sn_state *state, const sn_step_options *options, sn_error *error);
+/* The time of one frame passes with the bones and activations of the state's frame, whose number stays. */
+SN_MUST_CHECK sn_status sn_hold(const sn_model *model, sn_state *state, const sn_step_options *options, sn_error *error);
 /* From frame state->frame to the next; or, from a state that was stopped in the middle of its frame, to the end of that frame, with the
  * bits of a run that was not stopped. SN_STOPPED: stopped on the way, by the options or the trace. options NULL = none. */
 SN_MUST_CHECK sn_status sn_step(const sn_model *model, sn_state *state, const sn_step_options *options, sn_error *error);

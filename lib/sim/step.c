@@ -243,6 +243,16 @@ sn_status sn_settle(const sn_model *model, sn_state *state, const sn_step_option
     return status;
 }
 
+sn_status sn_hold(const sn_model *model, sn_state *state, const sn_step_options *options, sn_error *error) {
+    sn_index substeps = model->scene->solver.substeps;
+    if (state->substep != 0 || state->iteration != 0)
+        return sn_fail(error, SN_ERROR_USAGE, "cannot hold a state in the middle of its frame");
+    run r = {.model = model, .state = state, .begin = state->frame, .frozen = true};
+    sn_status status = do_run(&r, (moment){substeps, 0}, options, error);
+    if (status == SN_OK) state->substep = state->iteration = 0;
+    return status;
+}
+
 /* Where the options stop within a frame; the frame's end where they do not. */
 static moment stop_of(const sn_model *model, const sn_step_options *options) {
     sn_index substeps = model->scene->solver.substeps;

@@ -18,7 +18,7 @@ PROGRAM_STAMPS := $(patsubst tests/%.c,$(STAMPS)/program-%,$(sort $(wildcard tes
 SHORT_STAMPS := $(STAMPS)/layering $(UNIT_STAMPS) $(CLI_STAMPS)
 ALL_STAMPS := $(SHORT_STAMPS) $(PROGRAM_STAMPS) $(STAMPS)/examples $(STAMPS)/anatomy $(STAMPS)/install
 ASSETS := $(wildcard share/make/sinew.mk share/make/assets share/make/*.awk)
-EVERYTHING := $(ASSETS) $(wildcard share/examples/assets/* share/examples/papers/* share/completions/*) $(BUILT_TOOLS) $(BUILT_LIBEXEC) $(EXAMPLES) $(wildcard share/schema/*.json) tests/suite
+EVERYTHING := $(ASSETS) $(wildcard share/plots/* share/examples/assets/* share/examples/papers/* share/completions/*) $(BUILT_TOOLS) $(BUILT_LIBEXEC) $(EXAMPLES) $(wildcard share/schema/*.json) tests/suite
 
 # the first make may install the compiler's libraries: build in a second one
 check: deps
@@ -66,6 +66,10 @@ golden:
 	tests/golden
 stability: programs $(B)/tests/numerics/sim_extremes
 	tests/stability $(B)/bin $(B)/tests/numerics/sim_extremes $(DATA) $(B)/stability
+# error against run time: the charts of share/doc, and what they are made of
+.PHONY: error-time-charts
+error-time-charts: programs examples
+	share/examples/tip/charts.sh $(B)/bin $(B)/examples/tip/tip $(DATA) $(B)/charts
 off-equals-absent: programs examples
 	tests/off-equals-absent $(B)/bin $(B)/examples
 
@@ -120,21 +124,21 @@ endef
 export PKG_CONFIG
 
 D = $(DESTDIR)$(PREFIX)
+EXAMPLE_FOLDERS := arm assets papers tip
 COMPLETION_FOLDERS := bash-completion/completions zsh/site-functions fish/vendor_completions.d
 install: programs examples completions
 	install -d $D/bin $D/libexec/sinew $D/lib/pkgconfig $D/include/sinew $D/share/man/man1 $D/share/man/man7 $(COMPLETION_FOLDERS:%=$D/share/%)
-	install -d $D/share/sinew/schema $D/share/sinew/make $D/share/sinew/examples/arm $D/share/sinew/examples/assets $D/share/sinew/examples/papers
+	install -d $(addprefix $D/share/sinew/,schema make plots $(EXAMPLE_FOLDERS:%=examples/%))
 	install -m 755 $(BUILT_TOOLS) $D/bin
-	install -m 755 $(BUILT_LIBEXEC) $(B)/examples/arm/arm $(B)/examples/papers/lengths $D/libexec/sinew
+	install -m 755 $(BUILT_LIBEXEC) $(EXAMPLES) $D/libexec/sinew
 	install -m 644 $(B)/libsinew.a $D/lib
 	install -m 644 $(wildcard include/sinew/*.h) $D/include/sinew
 	install -m 644 $(wildcard share/man/*.1) $D/share/man/man1
 	install -m 644 $(wildcard share/man/*.7) $D/share/man/man7
 	install -m 644 $(wildcard share/schema/*.json) $D/share/sinew/schema
 	install -m 644 $(ASSETS) $D/share/sinew/make
-	cp share/examples/arm/* $D/share/sinew/examples/arm
-	cp share/examples/assets/* $D/share/sinew/examples/assets
-	cp share/examples/papers/* $D/share/sinew/examples/papers
+	install -m 644 $(wildcard share/plots/*.gp) $D/share/sinew/plots
+	for e in $(EXAMPLE_FOLDERS); do cp share/examples/$$e/* $D/share/sinew/examples/$$e || exit 1; done
 	install -m 644 $(B)/completions/bash/* $D/share/bash-completion/completions
 	for t in $(notdir $(BUILT_TOOLS)); do \
 	    install -m 644 $(B)/completions/zsh/$$t $D/share/zsh/site-functions/_$$t && \

@@ -7,6 +7,7 @@
  * Files that once found a fault (tests/data/broken) are read as well.
  * --seeds writes the good files to FOLDER, a folder for each format in it: where the programs of tests/fuzz/targets begin.
  */
+#include "sinew/error_time.h"
 #include "sinew/io.h"
 
 #include <dirent.h>
@@ -22,7 +23,7 @@
 
 enum { SECONDS_A_FILE = 2, SECONDS_UNTIL_HANGING = 30, SEED_LIMIT = 64, GROWTH = 4096 };
 
-typedef enum kind { MESH, MUSCLE, SCENE, CACHE } kind;
+typedef enum kind { MESH, MUSCLE, SCENE, CACHE, REPORT, SETTINGS } kind;
 
 typedef struct bytes {
     char *data;
@@ -82,6 +83,17 @@ static const char scene_json[] =
     "\"restActivation\":0.1,\n"
     "\"law\":\"paper\",\"stiffness\":{\"relaxed\":1e5,\"active\":1e7,\"internal\":1,\"dihedral\":1e-5,\"volume\":4000},\n"
     "\"volumeRatio\":[[0,1],[1,0.95]],\"density\":1060,\"damping\":5,\"iterations\":1,\"enabled\":true}]}\n";
+
+static const char report_json[] =
+    "{\"format\":\"sinew-error-time\",\"version\":1,\"errors\":\"equilibrium\",\"scene\":{\"hash\":\"sha256:00\",\"name\":null,\"muscles\":"
+    "[\n"
+    "{\"name\":\"m\",\"vertices\":4}]},\"reference\":{\"floor\":1e-6,\"order\":null},\"settings\":[\n"
+    "{\"setting\":\"xpbd substeps=4 "
+    "scheme=kohout\",\"points\":[{\"held\":0,\"error\":1e-2,\"cpuSeconds\":0.5},{\"held\":1,\"error\":null}]},\n"
+    "{\"setting\":\"qn "
+    "tolerance=1e-4\",\"points\":[{\"held\":0,\"error\":1e-3,\"solverError\":1e-4,\"cpuSeconds\":0.1,\"wallSeconds\":1}]}]}\n";
+static const char settings_text[] = "# all keys\nxpbd substeps=4 iterations=2 scheme=romeo\n\nqn substeps=1\titerations=5 tolerance=1e-6 "
+                                    "preconditioner=scalar # fast\r\nqn\n";
 
 static _Noreturn void give_up(const char *what) {
     fprintf(stderr, "mutate_readers: %s\n", what);
@@ -179,6 +191,8 @@ static void make_seeds(void) {
     add_text(MUSCLE, "rig.muscle.json", muscle_json);
     add_text(MUSCLE, "reference.muscle.json", reference_json);
     add_text(SCENE, "arm.scene.json", scene_json);
+    add_text(REPORT, "arm.report.json", report_json);
+    add_text(SETTINGS, "all.settings", settings_text);
     add_vtk_files();
     add_cache();
 }
@@ -458,6 +472,33 @@ static const char *try_cache(const sn_blob *blob, sn_status *status, sn_error *e
     return NULL;
 }
 
+static const char *try_report(const sn_blob *blob, sn_status *status, sn_error *error) {
+    sn_error_time read;
+    *status = sn_error_time_parse(blob, &read, error);
+    if (*status != SN_OK) return NULL;
+    const sn_error_point *point = sn_error_time_cheapest(&read, 1.0, NULL);
+    const char *fault = point != NULL && !(point->total.worst <= 1.0) ? "the cheapest point does not reach the error" : NULL;
+    sn_error_time_free(&read);
+    return fault;
+}
+
+/* What was read is written and read again as the same. */
+static const char *try_settings(const sn_blob *blob, sn_status *status, sn_error *error) {
+    sn_setting *list, again;
+    sn_index count;
+    char text[SN_SETTING_LENGTH];
+    const char *fault = NULL;
+    *status = sn_settings_parse(blob->data, blob->size, &list, &count, error);
+    if (*status != SN_OK) sn_error_set_file(error, blob->name);
+    for (sn_index i = 0; *status == SN_OK && fault == NULL && i < count; i++) {
+        sn_setting_format(&list[i], text);
+        bool same = sn_setting_parse(text, &again, error) == SN_OK && memcmp(&again, &list[i], sizeof again) == 0;
+        if (!same) fault = "the setting that comes back is another";
+    }
+    if (*status == SN_OK) free(list);
+    return fault;
+}
+
 static void report(const char *name, const char *fault, const sn_error *error) {
     failed++;
     printf("case %ld (%s): %s; '%s' %s:%lld\n", current_case, name, fault, error->text, error->file, (long long)error->line);
@@ -477,10 +518,12 @@ static void try_file(kind k, const char *name, const char *data, size_t size, bo
     limit_memory(size + 1);
     double start = seconds();
     sn_scene_detect(&blob);
-    const char *fault = k == MESH     ? try_mesh(&blob, nonfinite, &status, &error)
-                        : k == MUSCLE ? try_muscle(&blob, &status, &error)
-                        : k == SCENE  ? try_scene(&blob, &status, &error)
-                                      : try_cache(&blob, &status, &error);
+    const char *fault = k == MESH       ? try_mesh(&blob, nonfinite, &status, &error)
+                        : k == MUSCLE   ? try_muscle(&blob, &status, &error)
+                        : k == SCENE    ? try_scene(&blob, &status, &error)
+                        : k == REPORT   ? try_report(&blob, &status, &error)
+                        : k == SETTINGS ? try_settings(&blob, &status, &error)
+                                        : try_cache(&blob, &status, &error);
     double taken = seconds() - start;
     alarm(0);
     limit_memory(0);
@@ -619,7 +662,12 @@ static void try_kept_files(void) {
         sn_blob blob;
         snprintf(path, sizeof path, "tests/data/broken/%s", name);
         if (name[0] != '.' && sn_blob_read(path, &blob, &error) == SN_OK) {
-            kind k = strstr(name, ".muscle.") ? MUSCLE : strstr(name, ".scene.") ? SCENE : strstr(name, ".pc2") ? CACHE : MESH;
+            kind k = strstr(name, ".muscle.")    ? MUSCLE
+                     : strstr(name, ".scene.")   ? SCENE
+                     : strstr(name, ".pc2")      ? CACHE
+                     : strstr(name, ".report.")  ? REPORT
+                     : strstr(name, ".settings") ? SETTINGS
+                                                 : MESH;
             try_file(k, name, blob.data, blob.size, false);
             sn_blob_free(&blob);
         }
