@@ -98,11 +98,22 @@ static void apply_pair(const sn_embedding_row *first, const sn_embedding_row *se
     out[1] = total(&s[1]);
 }
 
+/* The same four partial sums, kept in registers. */
 static sn_vec3 apply_sparse(const sn_embedding_row *row, const sn_vec3 *positions) {
-    sums s = {0};
-    for (sn_index k = 0; k < row->count; k++)
-        s.lane[k % LANES] = sn_add_scaled(s.lane[k % LANES], positions[row->vertices[k]], row->weights[k]);
-    return total(&s);
+    const sn_index *v = row->vertices;
+    const double *w = row->weights;
+    sn_vec3 a = {0, 0, 0}, b = a, c = a, d = a;
+    sn_index k = 0;
+    for (; k + LANES <= row->count; k += LANES) {
+        a = sn_add_scaled(a, positions[v[k]], w[k]);
+        b = sn_add_scaled(b, positions[v[k + 1]], w[k + 1]);
+        c = sn_add_scaled(c, positions[v[k + 2]], w[k + 2]);
+        d = sn_add_scaled(d, positions[v[k + 3]], w[k + 3]);
+    }
+    if (k < row->count) a = sn_add_scaled(a, positions[v[k]], w[k]);
+    if (k + 1 < row->count) b = sn_add_scaled(b, positions[v[k + 1]], w[k + 1]);
+    if (k + 2 < row->count) c = sn_add_scaled(c, positions[v[k + 2]], w[k + 2]);
+    return sn_add(sn_add(a, b), sn_add(c, d));
 }
 
 typedef struct application {
