@@ -18,7 +18,7 @@ PROGRAM_STAMPS := $(patsubst tests/%.c,$(STAMPS)/program-%,$(sort $(wildcard tes
 SHORT_STAMPS := $(STAMPS)/layering $(UNIT_STAMPS) $(CLI_STAMPS)
 ALL_STAMPS := $(SHORT_STAMPS) $(PROGRAM_STAMPS) $(STAMPS)/examples $(STAMPS)/anatomy $(STAMPS)/install
 ASSETS := $(wildcard share/make/sinew.mk share/make/assets share/make/*.awk)
-EVERYTHING := $(ASSETS) $(wildcard share/examples/assets/* share/completions/*) $(BUILT_TOOLS) $(BUILT_LIBEXEC) $(EXAMPLES) $(wildcard share/schema/*.json) tests/suite
+EVERYTHING := $(ASSETS) $(wildcard share/examples/assets/* share/completions/* share/plots/*) $(BUILT_TOOLS) $(BUILT_LIBEXEC) $(EXAMPLES) $(wildcard share/schema/*.json) tests/suite
 
 # the first make may install the compiler's libraries: build in a second one
 check: deps
@@ -121,7 +121,7 @@ D = $(DESTDIR)$(PREFIX)
 COMPLETION_FOLDERS := bash-completion/completions zsh/site-functions fish/vendor_completions.d
 install: programs examples completions
 	install -d $D/bin $D/libexec/sinew $D/lib/pkgconfig $D/include/sinew $D/share/man/man1 $D/share/man/man7 $(COMPLETION_FOLDERS:%=$D/share/%)
-	install -d $D/share/sinew/schema $D/share/sinew/make $D/share/sinew/examples/arm $D/share/sinew/examples/assets
+	install -d $D/share/sinew/schema $D/share/sinew/make $D/share/sinew/plots $D/share/sinew/examples/arm $D/share/sinew/examples/assets
 	install -m 755 $(BUILT_TOOLS) $D/bin
 	install -m 755 $(BUILT_LIBEXEC) $(B)/examples/arm/arm $D/libexec/sinew
 	install -m 644 $(B)/libsinew.a $D/lib
@@ -130,6 +130,7 @@ install: programs examples completions
 	install -m 644 $(wildcard share/man/*.7) $D/share/man/man7
 	install -m 644 $(wildcard share/schema/*.json) $D/share/sinew/schema
 	install -m 644 $(ASSETS) $D/share/sinew/make
+	install -m 755 $(wildcard share/plots/*) $D/share/sinew/plots
 	cp share/examples/arm/* $D/share/sinew/examples/arm
 	cp share/examples/assets/* $D/share/sinew/examples/assets
 	install -m 644 $(B)/completions/bash/* $D/share/bash-completion/completions
