@@ -264,3 +264,59 @@ s = json.load(open("one.scene.json")); s["muscles"][0]["rig"] = "flat.muscle.jso
     [ "$(cat l.tsv)" = old ]
     [ "$(cat out-fibers.pvd)" = old ]
 }
+
+# ---- real muscles ------------------------------------------------------------------------------------------------------------
+
+# smooth LENGTHS CACHE: every fibre there, lengths of some sense, and no kink: the second difference of each smoothed curve is below 2e-4
+# of its length per squared frame
+smooth_curves() {
+    python3 - "$@" <<'END'
+import sys
+rows = [line.rstrip("\n").split("\t") for line in open(sys.argv[1])]
+names, rows = rows[0], [[float(x) for x in row] for row in rows[1:]]
+own = [i for i, n in enumerate(names) if n[-1].isdigit() and ".blend." not in n]
+assert len(own) == 100 and len(rows) >= 10
+for k in own:
+    for i in range(1, len(rows) - 1):
+        bend = abs(rows[i - 1][k] - 2 * rows[i][k] + rows[i + 1][k])
+        assert bend < 2e-4 * rows[0][k], (names[k], i, bend)
+    assert all(0.7 < row[k] / rows[0][k] < 1.3 for row in rows)
+# something has happened
+assert max(abs(rows[-1][k] / rows[0][k] - 1) for k in own) > 1e-3
+END
+}
+frames() { if [ "${CONFIG:-release}" = release ]; then echo 0:90; else echo 0:12; fi; } # the slow builds look at the beginning only
+scene() { # NAME UNIT BONES-JSON JOINT-JSON
+    printf '{"format":"sinew-scene","version":1,"metersPerUnit":%s,"rate":24,"frames":[0,90],"motion":{"joints":[%s]},"bones":[%s],
+"muscles":[{"name":"%s","rig":"%s.muscle.json","contraction":0.3,"activation":{"keys":[[0,0],[3.75,1]]}}]}' "$2" "$4" "$3" "$1" "$1" > "$1.scene.json"
+}
+
+@test "the tibialis anterior: smooth lengths, fewer vertices in bones than the blend's, a chart" {
+    leg=$DATA/leg-vhf/meshes/VHF_Left
+    [ -e "${leg}_Bone_Talus_smooth.ply" ] || skip "no real anatomy at $DATA"
+    mesh-clean --units mm "${leg}_Muscle_TibialisAnterior_smooth.ply" | root-select | build-structure | fiber-flow |
+        attach-detect --bone tibia="${leg}_Bone_Tibia_smooth.ply" --pin talus=half:0,0,221.415,0,0,-1 | fiber-fill -o tibialis.muscle.json
+    scene tibialis 0.001 "{\"name\":\"tibia\",\"mesh\":\"${leg}_Bone_Tibia_smooth.ply\"},{\"name\":\"talus\",\"mesh\":\"${leg}_Bone_Talus_smooth.ply\",\"joint\":\"ankle\"}" \
+        '{"name":"ankle","type":"hinge","axis":[1,0,0],"point":[510.8,425.2,143.2],"keys":[[0,0],[3.75,-30]]}'
+    simulate tibialis.scene.json --frames "$(frames)" --lengths l.tsv --smooth-lengths --blend 1 --penetration > log.jsonl
+    smooth_curves l.tsv
+    python3 -c 'import json
+f = [json.loads(line)["fibers"] for line in open("log.jsonl")]
+assert f[0]["inside_bones"] == f[0]["blend"]["inside_bones"] == 0
+assert f[-1]["inside_bones"] <= f[-1]["blend"]["inside_bones"]
+if len(f) > 90: assert f[-1]["blend"]["inside_bones"] > 0'
+    command -v gnuplot > /dev/null || skip "gnuplot is not here"
+    "$BATS_TEST_DIRNAME/../../share/plots/fiber-lengths" --over ankle l.tsv l.svg l.png
+}
+
+@test "the dog's left biceps brachii: smooth lengths" {
+    dog=$DATA/dog-dmcontrol/meshes
+    [ -e "$dog/BONEUlna_L.stl" ] || skip "no real anatomy at $DATA"
+    mesh-clean "$dog/MUSCm.biceps_brachii_L.stl" | root-select | build-structure | fiber-flow |
+        attach-detect --bone scapula="$dog/BONEScapula_L.stl" --bone humerus="$dog/BONEhumerus_L.stl" --bone radius="$dog/BONERadius_L.stl" \
+            --bone ulna="$dog/BONEUlna_L.stl" | fiber-fill -o biceps.muscle.json
+    scene biceps 1 '{"name":"scapula","mesh":"s.stl"},{"name":"humerus","mesh":"h.stl"},{"name":"radius","mesh":"r.stl","joint":"elbow"},{"name":"ulna","mesh":"u.stl","joint":"elbow"}' \
+        '{"name":"elbow","type":"hinge","axis":[0,1,0.2],"point":[0.1454,0.068,0.28022],"keys":[[0,0],[3.75,-30]]}'
+    simulate biceps.scene.json --frames "$(frames)" --lengths l.tsv --smooth-lengths > log.jsonl
+    smooth_curves l.tsv
+}
