@@ -58,8 +58,9 @@ clean-growth: $(BUILT_TOOLS) $(B)/examples/arm/arm
 	@BIN=$(B)/bin EXAMPLES=$(B)/examples tests/bench/clean-growth.sh
 
 .PHONY: bench golden stability off-equals-absent
-bench: $(B)/tests/bench/sim_rows
+bench: $(B)/tests/bench/sim_rows $(B)/tests/bench/embedding
 	$<
+	$(B)/tests/bench/embedding
 golden:
 	tests/golden
 stability: programs $(B)/tests/numerics/xpbd_extremes

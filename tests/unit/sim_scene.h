@@ -135,7 +135,7 @@ static inline void set_keys(sn_channel *channel, double time0, double value0, do
 }
 
 /* Bones "upper" (fixed) and "lower" (on hinge 0, about the x axis through the lower tip); one muscle. */
-static void make_scene(sn_scene *scene, const fusiform *f) {
+static inline void make_scene(sn_scene *scene, const fusiform *f) {
     sn_scene_defaults(scene);
     scene->name = sn_strdup("test");
     scene->bone_count = 2;
@@ -156,7 +156,7 @@ typedef struct simulation {
     sn_state *state;
 } simulation;
 
-static simulation start(sn_scene *scene) {
+static inline simulation start(sn_scene *scene) {
     simulation s = {.scene = scene};
     sn_error error = {0};
     if (sn_model_create(scene, &s.model, &error) != SN_OK) fail_msg("%s", error.text);
@@ -168,7 +168,7 @@ static inline void step_frames(simulation *s, sn_index frames, const sn_step_opt
     for (sn_index i = 0; i < frames; i++) assert_int_equal(sn_step(s->model, s->state, options, NULL), SN_OK);
 }
 
-static void finish(simulation *s) {
+static inline void finish(simulation *s) {
     sn_state_destroy(s->model, s->state);
     sn_model_destroy(s->model);
     sn_scene_free(s->scene);
