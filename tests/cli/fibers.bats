@@ -99,6 +99,21 @@ assert o.GetCellData().GetArray("length").GetValue(0) > 0 and abs(o.GetCellData(
 END
 }
 
+@test "rig-view draws the fibres of a frame, and none that nobody has moved" {
+    simulate one.scene.json --frames 0:20 -o out --log log.jsonl --fibers
+    simulate one.scene.json --frames 0:20 -o bare --log log.jsonl
+    for frame in 0 20; do rig-view one.scene.json --frames out --frame $frame --show fibers --size 160x120 --no-legend --background white -o f$frame.png; done
+    rig-view one.scene.json --frames bare --frame 20 --show fibers,surface --size 160x120 --no-legend -o none.png
+    rig-view one.scene.json --frames bare --frame 20 --show surface --size 160x120 --no-legend -o surface.png
+    cmp none.png surface.png
+    refute cmp -s f0.png f20.png
+    [ "$(wc -c < f0.png)" -gt 1000 ]
+    "$BIN/fiber-fill" -q -n 5 biceps.muscle.json -o filled.muscle.json
+    run -1 rig-view one.scene.json --frames out --frame 20 --show fibers -o no.png
+    [[ "$output" == *"biceps-fibers.pc2"*"320 points"* ]]
+    [ ! -e no.png ]
+}
+
 @test "the same bytes on 1 and 2 threads, with a cache of weights that is full, empty or damaged, stopped or not" {
     simulate one.scene.json --frames 0:3 --threads 1 -o a --log a.jsonl --fibers --lengths a.tsv --blend 1
     simulate one.scene.json --frames 0:3 --threads 2 -o b --log b.jsonl --fibers --lengths b.tsv --blend 1 --embedding-cache weights
