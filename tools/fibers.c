@@ -235,7 +235,7 @@ static char *beside(const char *path, const char *suffix) {
     char *text = sn_alloc(length + strlen(suffix) + 1, 1);
     if (text == NULL) return NULL;
     memcpy(text, path, length);
-    strcpy(text + length, suffix);
+    memcpy(text + length, suffix, strlen(suffix) + 1);
     return text;
 }
 
