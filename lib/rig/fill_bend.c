@@ -172,7 +172,24 @@ static void find_bends(const sn_fill_params *params, const fill_levels *l, fill_
     }
 }
 
+typedef struct finding {
+    const fill_levels *levels;
+    const sn_fill_params *params;
+    double least_size;
+    fill_bend *bend;
+} finding;
+
+static void find_range(void *user, sn_index begin, sn_index end, sn_index chunk) {
+    const finding *f = user;
+    (void)chunk;
+    for (sn_index i = begin; i < end; i++) {
+        follow_line(f->levels, f->params, &f->params->bend_lines[i], f->least_size, &f->bend->lines[i]);
+        find_bends(f->params, f->levels, &f->bend->lines[i]);
+    }
+}
+
 sn_status fill_bend_find(const fill_levels *l, const sn_fill_params *params, double diagonal, fill_bend *bend, sn_error *error) {
+    finding f = {l, params, LEAST_SIZE * diagonal, bend};
     for (sn_index i = 0; i < bend->count; i++) {
         fill_bend_line *line = &bend->lines[i];
         if (!find_span(l, &params->bend_lines[i], line))
@@ -182,9 +199,8 @@ sn_status fill_bend_find(const fill_levels *l, const sn_fill_params *params, dou
         line->path = SN_NEW(fill_uv, l->level_count);
         line->bend = SN_NEW(fill_uv, l->level_count);
         if (!line->path || !line->bend) return sn_fail_memory(error, "the superficial fibres");
-        follow_line(l, params, &params->bend_lines[i], LEAST_SIZE * diagonal, line);
-        find_bends(params, l, line);
     }
+    sn_parallel_for(params->pool, bend->count, 1, find_range, &f);
     return SN_OK;
 }
 
