@@ -25,7 +25,7 @@ static void add_rest(sums *s, const sn_embedding_row *row, const sn_vec3 *positi
         s->lane[k % LANES] = sn_add_scaled(s->lane[k % LANES], positions[k], row->weights[k]);
 }
 
-#ifndef SN_SCALAR
+#if !defined(SN_SCALAR) && !defined(__clang__) /* clang has no __builtin_shuffle */
 
 typedef double quad __attribute__((vector_size(32)));
 typedef int64_t quad_index __attribute__((vector_size(32)));
@@ -33,7 +33,7 @@ typedef struct quads {
     quad a, b, c;
 } quads;
 
-#if defined(__x86_64__) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__) && !defined(__clang__)
+#if defined(__x86_64__) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
 #define WIDE_KERNEL __attribute__((target_clones("avx2", "default")))
 #else
 #define WIDE_KERNEL
