@@ -38,8 +38,22 @@ static char *cache_path(const char *folder, const char *hash) {
     return path;
 }
 
+/* Do the weights put every fibre vertex where it is at rest? No one else's do, and none that were damaged. */
+static bool fits(const sn_embedding *embedding, const sn_mesh *mesh, const sn_fiber_bundle *bundle) {
+    if (embedding->point_count != bundle->point_count || embedding->vertex_count != mesh->vertex_count) return false;
+    sn_vec3 *points = SN_NEW(sn_vec3, bundle->point_count);
+    if (points == NULL) return false;
+    double tolerance = 1e-9 * sn_box_diagonal(sn_mesh_box(mesh));
+    bool good = true;
+    sn_embedding_apply(embedding, mesh->positions, NULL, points);
+    for (sn_index i = 0; i < bundle->point_count && good; i++) good = sn_distance(points[i], bundle->points[i]) <= tolerance;
+    free(points);
+    return good;
+}
+
 /* true where the weights came out of the file; a file that is damaged is made anew. */
-static bool load_weights(const cli *c, const char *path, const char *hash, sn_embedding *out) {
+static bool load_weights(const cli *c, const char *path, const char *hash, const sn_mesh *mesh, const sn_fiber_bundle *bundle,
+                         sn_embedding *out) {
     struct stat there;
     sn_blob blob = {0};
     sn_error error = {0};
@@ -47,6 +61,10 @@ static bool load_weights(const cli *c, const char *path, const char *hash, sn_em
     sn_status status = sn_blob_read(path, &blob, &error);
     if (status == SN_OK) status = sn_embedding_load(&blob, hash, out, &error);
     sn_blob_free(&blob);
+    if (status == SN_OK && !fits(out, mesh, bundle)) {
+        sn_embedding_free(out);
+        status = sn_fail(&error, SN_ERROR_INPUT, "these weights do not fit the fibres; they are made anew");
+    }
     if (status != SN_OK) cli_warn(c, "%s: %s", path, error.text);
     return status == SN_OK;
 }
@@ -83,7 +101,7 @@ static sn_status find_weights(const fiber_run *run, const cli *c, const sn_mesh 
     if (status != SN_OK) return status;
     char *path = cache_path(run->with.cache, hash);
     if (path == NULL) return sn_fail_memory(error, "a path");
-    f->cached = load_weights(c, path, hash, &f->embedding);
+    f->cached = load_weights(c, path, hash, mesh, &f->bundle, &f->embedding);
     if (!f->cached) {
         status = build_weights(run, mesh, f, error);
         if (status == SN_OK) status = save_weights(path, hash, &f->embedding, error);

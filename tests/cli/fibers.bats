@@ -126,6 +126,13 @@ END
     simulate one.scene.json --frames 0:3 -o d --log d.jsonl --fibers --lengths d.tsv --blend 1 --embedding-cache weights 2> err
     grep -q 'damaged' err
     cmp kept weights/*
+    # a weight, and the count of vertices, that somebody has changed
+    for at in 3000 92; do
+        { head -c $at kept; printf 'abc\001'; tail -c +$((at + 5)) kept; } > "weights/$(ls weights)"
+        simulate one.scene.json --frames 0:1 --lengths d2.tsv --embedding-cache weights --log d2.jsonl 2> err
+        [ "$(wc -l < err)" -eq 1 ]
+        cmp kept weights/*
+    done
     simulate one.scene.json --frames 0:9 --stop-after 3 -o e --log e.jsonl --fibers --lengths e.tsv --blend 1
     for other in b c d e; do
         cmp a.tsv $other.tsv
