@@ -326,15 +326,18 @@ static sn_status add_muscle(album *a, const sn_blob *blob, const char *path, sn_
 typedef struct caches {
     sn_index count;      /* muscles of the scene */
     sn_pc2_data *data;   /* (count) positions NULL = none */
+    sn_pc2_data *fibers; /* (count) of the fibres' vertices; positions NULL = none */
     sn_vec3 **positions; /* (count) of the frame shown, in metres; NULL = at rest */
 } caches;
 
 static void caches_free(caches *k) {
     for (sn_index i = 0; i < k->count; i++) {
         if (k->data) sn_pc2_free(&k->data[i]);
+        if (k->fibers) sn_pc2_free(&k->fibers[i]);
         if (k->positions) free(k->positions[i]);
     }
     free(k->data);
+    free(k->fibers);
     free(k->positions);
 }
 
@@ -369,19 +372,73 @@ static sn_status load_cache(const sn_scene_muscle *muscle, sn_pc2_data *data, sn
     return status;
 }
 
+/* "path-fibers.pc2" for "path.pc2"; NULL = out of memory. */
+static char *fiber_path(const char *path) {
+    size_t length = strlen(path), tail = strlen(".pc2");
+    if (length > tail && strcmp(path + length - tail, ".pc2") == 0) length -= tail;
+    char *text = sn_alloc(length + sizeof "-fibers.pc2", 1);
+    if (text) snprintf(text, length + sizeof "-fibers.pc2", "%.*s-fibers.pc2", (int)length, path);
+    return text;
+}
+
+static sn_index count_fiber_points(const sn_fibers *fibers) {
+    sn_index count = 0;
+    for (sn_index i = 0; i < fibers->polyline_count; i++) count += fibers->polylines[i].count;
+    return count;
+}
+
+/* The frames that simulate --fibers writes beside the muscle's. Fibres that have none are at rest, not where the muscle is: drop them. */
+static sn_status load_fiber_cache(sn_scene_muscle *muscle, sn_pc2_data *data, sn_error *error) {
+    char *frames = cache_path(given.frames, muscle->name), *path = frames ? fiber_path(frames) : NULL;
+    struct stat there;
+    sn_status status = path ? SN_OK : sn_fail_memory(error, "a path");
+    if (!status && stat(path, &there) == 0) {
+        status = sn_pc2_read(path, data, error);
+        sn_index points = count_fiber_points(&muscle->rig.fibers);
+        if (!status && (data->point_count != points || data->sample_count < 1))
+            status = sn_fail(error, SN_ERROR_INPUT, "the frames have %d points, but the fibres of muscle '%s' have %d", data->point_count,
+                             muscle->name, points);
+        if (status) sn_error_set_file(error, path);
+    } else if (!status) {
+        sn_fibers none = {.polylines = muscle->rig.fibers.polylines, .polyline_count = muscle->rig.fibers.polyline_count};
+        sn_fibers_free(&none);
+        muscle->rig.fibers.polylines = NULL;
+        muscle->rig.fibers.polyline_count = 0;
+    }
+    free(frames);
+    free(path);
+    return status;
+}
+
 static sn_status load_caches(const sn_scene *scene, caches *k, sn_error *error) {
     *k = (caches){.count = scene->muscle_count};
     k->data = SN_NEW(sn_pc2_data, k->count);
+    k->fibers = SN_NEW(sn_pc2_data, k->count);
     k->positions = SN_NEW(sn_vec3 *, k->count);
-    if (!k->data || !k->positions) return sn_fail_memory(error, "the frames");
+    if (!k->data || !k->fibers || !k->positions) return sn_fail_memory(error, "the frames");
     sn_index enabled = 0;
     for (sn_index i = 0; i < scene->muscle_count; i++) enabled += scene->muscles[i].enabled;
     if (given.frames && enabled > 1 && !is_folder(given.frames))
         return sn_fail(error, SN_ERROR_USAGE, "--frames: the scene has %d muscles; name the folder that holds their caches", enabled);
     sn_status status = SN_OK;
-    for (sn_index i = 0; i < k->count && given.frames && !status; i++)
-        if (scene->muscles[i].enabled) status = load_cache(&scene->muscles[i], &k->data[i], &k->positions[i], error);
+    for (sn_index i = 0; i < k->count && given.frames && !status; i++) {
+        if (!scene->muscles[i].enabled) continue;
+        status = load_cache(&scene->muscles[i], &k->data[i], &k->positions[i], error);
+        if (!status) status = load_fiber_cache(&scene->muscles[i], &k->fibers[i], error);
+    }
     return status;
+}
+
+/* Vertices of the fibres at a sample, in metres as the muscle's are. */
+static sn_status set_fibers(sn_scene_muscle *muscle, const sn_pc2_data *data, double sample, sn_error *error) {
+    if (!(sample < data->sample_count))
+        return sn_fail(error, SN_ERROR_INPUT, "the fibres of muscle '%s' have fewer frames than it has", muscle->name);
+    const float *x = data->positions + (size_t)sample * 3 * (size_t)data->point_count;
+    for (sn_index i = 0; i < muscle->rig.fibers.polyline_count; i++)
+        for (sn_index j = 0; j < muscle->rig.fibers.polylines[i].count; j++, x += 3)
+            muscle->rig.fibers.polylines[i].points[j] =
+                sn_scale(sn_v3((double)x[0], (double)x[1], (double)x[2]), muscle->rig.meters_per_unit);
+    return SN_OK;
 }
 
 /* Copy out the positions of a frame, in metres. */
@@ -402,6 +459,8 @@ static sn_status set_frame(const sn_scene *scene, caches *k, int64_t frame, sn_e
                 return sn_fail(error, SN_ERROR_INPUT, "muscle '%s' is not finite in frame %lld", scene->muscles[m].name, (long long)frame);
             k->positions[m][i] = p;
         }
+        sn_status status = k->fibers[m].positions ? set_fibers(&scene->muscles[m], &k->fibers[m], sample, error) : SN_OK;
+        if (status) return status;
     }
     return SN_OK;
 }

@@ -119,7 +119,8 @@ SN_MUST_CHECK sn_status sn_view_add_bone(sn_view *view, const char *name, const 
 
 /* A scene at a time in seconds: bones in their pose, muscles coloured by activation. positions (nullable; muscle_count; entries
  * nullable): the muscle's vertices at that time, in metres; without, the muscle is at rest. SN_SHOW_AUTO is surfaces and bones here;
- * structure and fibres show only at rest, which they belong to. */
+ * structure and fibre directions show only at rest, which they belong to; fibres through the volume show where they are: beside positions
+ * they must be that time's, in metres, or none. */
 SN_MUST_CHECK sn_status sn_view_add_scene(sn_view *view, const sn_scene *scene, double time, const sn_vec3 *const *positions, unsigned show,
                                           sn_error *error);
 

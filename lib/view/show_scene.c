@@ -21,13 +21,14 @@ sn_status show_bones(sn_view *view, const sn_scene *scene, double time, sn_error
     return status;
 }
 
-/* The rig with other vertices, in metres; it borrows all it keeps. Samples and directions belong to the rest shape: it has none. */
+/* The rig with other vertices, in metres; it borrows all it keeps. Samples and directions belong to the rest shape: it has none. Fibres
+ * through the volume are the frame's, in metres too. */
 static sn_muscle deformed_rig(const sn_muscle *rig, const sn_vec3 *positions) {
     sn_muscle deformed = *rig;
     deformed.mesh.positions = (sn_vec3 *)(uintptr_t)positions; /* only read */
     deformed.meters_per_unit = 1.0;
     deformed.structure = (sn_structure){0};
-    deformed.fibers = (sn_fibers){0};
+    deformed.fibers = (sn_fibers){.polylines = rig->fibers.polylines, .polyline_count = rig->fibers.polyline_count};
     return deformed;
 }
 

@@ -58,8 +58,9 @@ clean-growth: $(BUILT_TOOLS) $(B)/examples/arm/arm
 	@BIN=$(B)/bin EXAMPLES=$(B)/examples tests/bench/clean-growth.sh
 
 .PHONY: bench bench-body golden stability off-equals-absent
-bench: $(B)/tests/bench/sim_rows
+bench: $(B)/tests/bench/sim_rows $(B)/tests/bench/embedding
 	$<
+	$(B)/tests/bench/embedding
 bench-body: $(B)/tests/bench/sim_body
 	$<
 golden:
@@ -138,6 +139,7 @@ install: programs examples completions
 	install -m 644 $(wildcard share/schema/*.json) $D/share/sinew/schema
 	install -m 644 $(ASSETS) $D/share/sinew/make
 	install -m 644 $(wildcard share/plots/*.gp) $D/share/sinew/plots
+	install -m 755 $(filter-out %.gp,$(wildcard share/plots/*)) $D/share/sinew/plots
 	for e in $(EXAMPLE_FOLDERS); do cp share/examples/$$e/* $D/share/sinew/examples/$$e || exit 1; done
 	install -m 644 $(B)/completions/bash/* $D/share/bash-completion/completions
 	for t in $(notdir $(BUILT_TOOLS)); do \

@@ -31,7 +31,11 @@ static void errors_sum_up_to_the_statistics(void **state) {
         sn_index count;
         double *errors = errors_of(&s, (sn_row_kind)kind, &count), sum = 0.0, most = 0.0;
         assert_int_equal(count, s.model->plan.muscles[0].groups[kind].rows);
-        assert_true(count > 0);
+        assert_true((count > 0) == (kind != SN_ROWS_MEMBRANE)); /* springs run in its place */
+        if (count == 0) {
+            free(errors);
+            continue;
+        }
         for (sn_index i = 0; i < count; i++) {
             sum += errors[i] * errors[i];
             most = fmax(most, errors[i]);
@@ -70,7 +74,7 @@ static void a_vertex_out_of_place_shows_at_its_rows(void **state) {
                 assert_true(fabs(errors[i] - fabs(is - was) / m->mean_edge) < 1e-12);
             }
         }
-        assert_true(kind == SN_ROWS_INTERNAL ? touched == 0 : touched > 0);
+        assert_true((touched > 0) == (kind != SN_ROWS_INTERNAL && kind != SN_ROWS_MEMBRANE));
         free(errors);
     }
     finish(&s);

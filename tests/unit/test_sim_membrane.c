@@ -197,6 +197,23 @@ static void a_crushed_muscle_recovers(void **state) {
     finish(&s);
 }
 
+/* The error of each row is Green's strain |1/2 (FT F - I)|: of a sheet drawn out to (1 + e) along x, e + e^2/2 in every triangle. */
+static void errors_of_rows_are_strains(void **state) {
+    (void)state;
+    sn_scene scene;
+    make_sheet(&scene, SN_LAW_PROJECTED, 0.0);
+    simulation s = start(&scene);
+    const double e = 0.125;
+    double errors[32];
+    for (sn_index i = 0; i < 25; i++) s.state->muscles[0].points[i].x *= 1.0 + e;
+    assert_int_equal(sn_row_count(s.model, 0, SN_ROWS_MEMBRANE), 32);
+    assert_int_equal(sn_row_count(s.model, 0, SN_ROWS_MESH), 0);
+    sn_row_errors(s.model, s.state, 0, SN_ROWS_MEMBRANE, errors);
+    for (int i = 0; i < 32; i++) assert_true(fabs(errors[i] - (e + 0.5 * e * e)) < 1e-12);
+    assert_true(fabs(sn_membrane_residual(&s.model->muscles[0], &s.state->muscles[0]).rms - (e + 0.5 * e * e)) < 1e-12);
+    finish(&s);
+}
+
 static void impossible_settings_are_refused(void **state) {
     (void)state;
     sn_scene scene;
@@ -226,6 +243,7 @@ int main(void) {
         cmocka_unit_test(knowing_directions_saves_iterations),
         cmocka_unit_test(a_stop_changes_no_bit),
         cmocka_unit_test(a_crushed_muscle_recovers),
+        cmocka_unit_test(errors_of_rows_are_strains),
         cmocka_unit_test(impossible_settings_are_refused),
     };
     return cmocka_run_group_tests_name("membrane", tests, NULL, NULL);
