@@ -1,18 +1,24 @@
 /*
- * sim_golden.c -- one hash of a run's end, the same from 1, 2 and 4 threads, from a run that is watched and from one that stops anywhere
- * and goes on. Prints it with "hash"; tests/golden compares it between builds. Then "N passed, N failed".
+ * sim_golden.c -- one hash of a run's end under each back end, the same from 1, 2 and 4 threads, from a run that is watched and from one
+ * that stops anywhere, in the middle of a substep too, and goes on from bytes. Prints "hash SOLVER HASH"; tests/golden compares the hashes
+ * between builds. Then "N passed, N failed".
  */
 #include "../unit/sim_scene.h"
 
 #include <stdio.h>
 
 static int passed, failed;
+static sn_solver_method solver;
+
+static const char *solver_name(void) { return solver == SN_SOLVER_QN ? "qn" : "xpbd"; }
 
 /* Three muscles that use every kind of row, every law, and every factor on a row. */
 static void make_everything(sn_scene *scene) {
     fusiform small = FUSIFORM;
     small.rings = 13, small.sectors = 11, small.structure = false;
     make_scene(scene, &FUSIFORM);
+    scene->solver = sn_solver_defaults(solver);
+    if (solver == SN_SOLVER_QN) scene->solver.substeps = 2;
     add_muscle(scene, "isochoric", &small);
     add_muscle(scene, "paper", &FUSIFORM);
     scene->muscles[0].anisotropy = SN_ANISOTROPY_PBD;
@@ -40,6 +46,13 @@ static void pass_through_bytes(simulation *s) {
     free(bytes);
 }
 
+/* Where the first and the second piece of a frame end. */
+static void stop_at(sn_step_options *options, int piece, sn_index frame) {
+    bool qn = solver == SN_SOLVER_QN;
+    options->stop_substep = qn ? 1 + piece : 3 + 5 * piece + frame % 4;
+    options->stop_iteration = qn ? 1 + (3 * piece + frame) % 9 : 1 + (piece + frame) % 2;
+}
+
 /* 12 frames; with `stops`, each of them in pieces. The hash of positions and velocities of all points. */
 static void run(int threads, bool watched, bool stops, char hash[SN_HASH_LENGTH]) {
     sn_scene scene;
@@ -49,8 +62,7 @@ static void run(int threads, bool watched, bool stops, char hash[SN_HASH_LENGTH]
     sn_step_options options = {.pool = sn_pool_create(threads), .trace = watched ? &trace : NULL};
     for (sn_index frame = 0; frame < 12; frame++) {
         for (int piece = 0; stops && piece < 2; piece++) {
-            options.stop_substep = 3 + 5 * piece + frame % 4;
-            options.stop_iteration = 1 + (piece + frame) % 2;
+            stop_at(&options, piece, frame);
             assert_int_equal(sn_step(s.model, s.state, &options, NULL), SN_STOPPED);
             pass_through_bytes(&s);
         }
@@ -70,17 +82,17 @@ static void run(int threads, bool watched, bool stops, char hash[SN_HASH_LENGTH]
 
 static void compare(const char *name, const char *one, const char *other) {
     bool same = memcmp(one, other, SN_HASH_LENGTH) == 0;
-    printf("%-40s %s\n", name, same ? "the same" : "FAILED: not the same");
+    printf("%-5s %-40s %s\n", solver_name(), name, same ? "the same" : "FAILED: not the same");
     if (same)
         passed++;
     else
         failed++;
 }
 
-int main(void) {
+static void all_runs(void) {
     char hash[SN_HASH_LENGTH], other[SN_HASH_LENGTH];
     run(1, false, false, hash);
-    printf("hash %s\n", hash);
+    printf("hash %s %s\n", solver_name(), hash);
     for (int threads = 2; threads <= 4; threads += 2) {
         run(threads, false, false, other);
         compare(threads == 2 ? "2 threads" : "4 threads", hash, other);
@@ -89,6 +101,13 @@ int main(void) {
     compare("watched", hash, other);
     run(1, false, true, other);
     compare("stopped, packed and continued", hash, other);
+}
+
+int main(void) {
+    for (int i = 0; i < 2; i++) {
+        solver = i == 0 ? SN_SOLVER_XPBD : SN_SOLVER_QN;
+        all_runs();
+    }
     printf("%d passed, %d failed\n", passed, failed);
     return failed > 0;
 }
