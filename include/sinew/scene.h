@@ -61,6 +61,10 @@ typedef enum sn_solver_method { SN_SOLVER_XPBD, SN_SOLVER_QN } sn_solver_method;
 /* How `xpbd` goes about it: guarded is sinew's own; the others are the papers', to the letter ([R18] alg. 1, [K21] alg. 2). */
 typedef enum sn_scheme { SN_SCHEME_GUARDED, SN_SCHEME_ROMEO, SN_SCHEME_KOHOUT } sn_scheme;
 
+/* The matrix that `qn` goes by (numerics.md 2, 7): one number for x, y and z of two points; or the Hessian of the rest shape, turned with
+ * the muscle. AUTO: whichever measures best at the muscle's size (SN_COROTATED_MOST). */
+typedef enum sn_preconditioning { SN_PRECONDITION_AUTO, SN_PRECONDITION_SCALAR, SN_PRECONDITION_COROTATED } sn_preconditioning;
+
 typedef struct sn_solver_settings {
     sn_solver_method method;
     sn_scheme scheme;
@@ -68,8 +72,9 @@ typedef struct sn_solver_settings {
     sn_index iterations; /* per substep; xpbd: default 2, since a single one lets rows that disagree pump energy into the muscle; qn: at
                             most this many, default 10 */
     double tolerance;    /* qn: a substep ends when a whole step moves no point by more than this share of the diagonal; default 1e-5 */
-    int threads;         /* 0 = all */
-    bool sleep;          /* a muscle at rest whose inputs keep still is not stepped; default true; moves nothing by 1e-9 of its size */
+    sn_preconditioning preconditioner; /* qn; default AUTO */
+    int threads;                       /* 0 = all */
+    bool sleep; /* a muscle at rest whose inputs keep still is not stepped; default true; moves nothing by 1e-9 of its size */
 } sn_solver_settings;
 
 typedef struct sn_scene {

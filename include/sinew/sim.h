@@ -141,6 +141,7 @@ typedef struct sn_model_muscle {
     sn_index iterations;        /* per substep */
     bool contracts;             /* activation is felt: not under the scheme `kohout` */
     bool quasi_newton;          /* the back end is `qn` */
+    bool corotated;             /* qn: by the rest shape's Hessian, turned with the muscle, where the shape allows it */
     double tolerance;           /* qn: stop when a whole step moves no point by more than this share of the diagonal */
 } sn_model_muscle;
 
@@ -218,13 +219,15 @@ static inline sn_vec3 sn_point_position(const sn_point *p) { return sn_v3(p->x, 
     X(double, hinge_lambda, m->hinge_count, true)                                                                                          \
     X(sn_vec3, volume_gradient, m->keeps_volume ? m->vertex_count : 0, false)                                                              \
     X(sn_rigid, placed, m->site_count, true)                                                                                               \
-    /* back end `qn`: where inertia takes each point, how far the carried ones came, and the L-BFGS pairs */                               \
+    /* back end `qn`: where inertia takes each point, how far the carried ones came, the L-BFGS pairs, frames, dV/dx at the start */      \
     X(sn_vec3, target, m->quasi_newton ? m->point_count : 0, true)                                                                         \
     X(sn_vec3, last_jump, m->quasi_newton ? m->point_count : 0, true)                                                                      \
     X(sn_vec3, pair_steps, m->quasi_newton ? 8 * (size_t)m->point_count : 0, true)                                                         \
     X(sn_vec3, pair_changes, m->quasi_newton ? 8 * (size_t)m->point_count : 0, true)                                                       \
     X(double, pair_products, m->quasi_newton ? 8 : 0, true)                                                                                \
-    X(bool, guarded, m->quasi_newton ? m->area_count : 0, true)
+    X(bool, guarded, m->quasi_newton ? m->area_count : 0, true)                                                                            \
+    X(sn_quat, turns, m->corotated ? m->point_count : 0, true)                                                                             \
+    X(sn_vec3, start_gradient, m->quasi_newton && m->keeps_volume ? m->vertex_count : 0, true)
 
 struct sn_qn;
 typedef struct sn_qn sn_qn;
@@ -236,6 +239,7 @@ typedef struct sn_muscle_state {
     double volume_lambda;
     sn_index pair_count, pair_next; /* qn: pairs at hand, and the slot of the next */
     sn_stop_reason stopped;         /* qn: why the substep needs no further iteration; SN_STOP_ITERATIONS = it may */
+    bool turned;                    /* qn: the substep goes by the corotated matrix */
     double energy;                  /* qn: Phi at the points, J */
     double factor_stiffness;        /* qn: k that the matrix is factored for, N/m; NaN = none yet */
     struct sn_qn *qn;               /* qn: factor and scratch, remade from the model; NULL under xpbd */

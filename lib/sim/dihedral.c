@@ -250,18 +250,51 @@ void sn_hinge_sweep(const sn_model_muscle *m, sn_muscle_state *s, const sn_sweep
     s->statistics.clamped_hinges += done.clamped;
 }
 
-double sn_hinge_energy(const sn_model_muscle *m, const sn_muscle_state *s, double k, sn_vec3 *gradient) {
-    double energy = 0.0;
-    for (sn_index r = 0; r < m->hinge_count; r++) {
-        const sn_index *point = m->hinges[r].point;
-        double stiffness = m->hinge_softness != NULL ? k / m->hinge_softness[r] : k, c;
-        sn_vec3 p[4], g[4];
-        for (int i = 0; i < 4; i++) p[i] = sn_point_position(&s->points[point[i]]);
-        if (!sn_hinge_constraint(p, m->hinge_angles[r], &c, g)) continue;
-        energy += 0.5 * stiffness * c * c;
-        for (int i = 0; gradient != NULL && i < 4; i++) gradient[point[i]] = sn_add_scaled(gradient[point[i]], g[i], stiffness * c);
+/* ---- the energy ----------------------------------------------------------------------------------------------------------- */
+
+typedef struct hinges {
+    const sn_point *points;
+    const sn_index *index;  /* (4 x rows) */
+    const double *angles;   /* (rows) */
+    const double *softness; /* (rows) nullable */
+    double k;
+    sn_forces gradient;
+} hinges;
+
+/* Rows r .. r + lanes - 1. */
+SN_INLINE void energy_batch(const hinges *in, sn_index r, int lanes, wide_total *energy) {
+    const sn_index *index = in->index + 4 * (size_t)r;
+    wide_point p[4];
+    wide_vec3 g[4];
+    wide_records forces[4];
+    wide c, k = wide_splat(in->k);
+    SN_UNROLL
+    for (int i = 0; i < 4; i++) p[i] = wide_gather(in->points, index + i, 4, lanes);
+    wide_mask good = hinge(p, wide_load(in->angles + r, lanes), &c, g);
+    if (in->softness != NULL) k = k / wide_load(in->softness + r, lanes);
+    wide force = k * c;
+    wide_count_in(energy, r, wide_or_nothing(good, wide_splat(0.5) * force * c), lanes);
+    if (in->gradient.values == NULL) return;
+    SN_UNROLL
+    for (int i = 0; i < 4; i++) {
+        wide_vec3 f = wide_scale(g[i], force);
+        forces[i] = wide_records_of(wide_or_nothing(good, f.x), wide_or_nothing(good, f.y), wide_or_nothing(good, f.z));
     }
-    return energy;
+    wide_add_forces(in->gradient, index, 4, forces, lanes);
+}
+
+SN_WIDE_KERNEL static double energy_of_rows(const hinges *in, sn_index end) {
+    wide_total energy = {{0}};
+    sn_index r = 0;
+    for (; r + WIDE_LANES <= end; r += WIDE_LANES) energy_batch(in, r, WIDE_LANES, &energy);
+    for (; r < end; r++) energy_batch(in, r, 1, &energy);
+    return wide_sum(&energy);
+}
+
+double sn_hinge_energy(const sn_model_muscle *m, const sn_muscle_state *s, double k, sn_forces gradient) {
+    if (m->hinge_count == 0) return 0.0;
+    const hinges in = {s->points, m->hinges->point, m->hinge_angles, m->hinge_softness, k, gradient};
+    return energy_of_rows(&in, m->hinge_count);
 }
 
 static inline void load(const sn_muscle_state *s, const sn_hinge_row *row, sn_vec3 p[4]) {

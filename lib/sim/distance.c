@@ -220,6 +220,11 @@ sn_status sn_distance_build(const sn_build *build, sn_error *error) {
 /* A length that can be projected: long enough to have a direction, and neither NaN nor infinite. */
 static inline bool has_direction(double square) { return square >= SN_EDGE_GUARD && square <= DBL_MAX; }
 
+SN_INLINE wide_mask has_directions(wide square) {
+    return ~wide_less(square, wide_splat(SN_EDGE_GUARD)) & ~wide_less(wide_splat(DBL_MAX), square) &
+           wide_less(wide_splat(-1.0), square); /* and no NaN */
+}
+
 /* What the rows of one sweep share. */
 typedef struct rows {
     sn_point *points;
@@ -237,8 +242,7 @@ SN_INLINE int64_t project_batch(const rows *in, sn_index r, const sn_sweep *swee
     if (in->softness != NULL) compliance = compliance * wide_load(in->softness + r, lanes);
     wide_vec3 d = wide_between(p0, p1);
     wide square = wide_dot(d, d), length = wide_sqrt(square);
-    wide_mask good = ~wide_less(square, wide_splat(SN_EDGE_GUARD)) & ~wide_less(wide_splat(DBL_MAX), square) &
-                     wide_less(wide_splat(-1.0), square); /* and no NaN */
+    wide_mask good = has_directions(square);
     wide change = (wide_load(in->goals + r, lanes) - length - compliance * lambda) / (p0.w + p1.w + compliance);
     if (in->gain != NULL) change = change * wide_load(in->gain + r, lanes);
     change = change * wide_splat(sweep->gain);
@@ -262,20 +266,44 @@ void sn_distance_sweep(const sn_model_muscle *m, sn_muscle_state *s, sn_row_kind
     s->statistics.skipped_edges += project_rows(&in, begin, begin + m->distance_batched[kind], end, sweep);
 }
 
-double sn_distance_energy(const sn_model_muscle *m, const sn_muscle_state *s, sn_row_kind kind, double k, sn_vec3 *gradient) {
-    double energy = 0.0;
-    for (sn_index r = m->distance_start[kind]; r < m->distance_start[kind + 1]; r++) {
-        const sn_index *point = m->distances[r].point;
-        double stiffness = m->distance_softness != NULL ? k / m->distance_softness[r] : k, c;
-        sn_vec3 g[2];
-        bool pushes =
-            sn_distance_constraint(sn_point_position(&s->points[point[0]]), sn_point_position(&s->points[point[1]]), s->goals[r], &c, g);
-        if (!pushes) c = s->goals[r]; /* no length and no direction, but all of its energy */
-        energy += 0.5 * stiffness * c * c;
-        if (!pushes) continue;
-        for (int i = 0; gradient != NULL && i < 2; i++) gradient[point[i]] = sn_add_scaled(gradient[point[i]], g[i], stiffness * c);
-    }
-    return energy;
+/* ---- the energy ----------------------------------------------------------------------------------------------------------- */
+
+typedef struct springs {
+    const sn_point *points;
+    const sn_index *index;  /* (2 x rows) */
+    const double *goals;    /* (rows) */
+    const double *softness; /* (rows) nullable */
+    double k;
+    sn_forces gradient;
+} springs;
+
+/* Rows r .. r + lanes - 1. A row without direction has no gradient, but all of its energy. */
+SN_INLINE void energy_batch(const springs *in, sn_index r, sn_index number, int lanes, wide_total *energy) {
+    const sn_index *index = in->index + 2 * (size_t)r;
+    wide_vec3 d = wide_between(wide_gather(in->points, index, 2, lanes), wide_gather(in->points, index + 1, 2, lanes));
+    wide square = wide_dot(d, d), length = wide_sqrt(square), goal = wide_load(in->goals + r, lanes), k = wide_splat(in->k);
+    wide_mask good = has_directions(square);
+    if (in->softness != NULL) k = k / wide_load(in->softness + r, lanes);
+    wide c = wide_select(good, length - goal, goal), force = k * c;
+    wide_count_in(energy, number, wide_splat(0.5) * force * c, lanes);
+    if (in->gradient.values == NULL) return;
+    wide_vec3 pull = wide_scale(d, force / length);
+    wide_records first = wide_records_of(wide_or_nothing(good, pull.x), wide_or_nothing(good, pull.y), wide_or_nothing(good, pull.z));
+    const wide_records forces[2] = {first, wide_opposite(first)};
+    wide_add_forces(in->gradient, index, 2, forces, lanes);
+}
+
+SN_WIDE_KERNEL static double energy_of_rows(const springs *in, sn_index begin, sn_index end) {
+    wide_total energy = {{0}};
+    sn_index r = begin;
+    for (; r + WIDE_LANES <= end; r += WIDE_LANES) energy_batch(in, r, r - begin, WIDE_LANES, &energy);
+    for (; r < end; r++) energy_batch(in, r, r - begin, 1, &energy);
+    return wide_sum(&energy);
+}
+
+double sn_distance_energy(const sn_model_muscle *m, const sn_muscle_state *s, sn_row_kind kind, double k, sn_forces gradient) {
+    const springs in = {s->points, m->distances->point, s->goals, m->distance_softness, k, gradient};
+    return energy_of_rows(&in, m->distance_start[kind], m->distance_start[kind + 1]);
 }
 
 bool sn_distance_constraint(sn_vec3 p0, sn_vec3 p1, double goal, double *value, sn_vec3 gradients[2]) {

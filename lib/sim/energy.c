@@ -6,64 +6,125 @@
  *   area. Triangles that the substep found collapsed have no barrier: it would hold them on the wrong side of a fold.
  */
 #include "qn.h"
+#include "wide.h"
 
 /* Below this share of its rest area a triangle's barrier goes on as a straight line: finite, and continuous with its slope. */
 static const double BARRIER_LINEAR = 1e-3;
 
-static inline void add(sn_vec3 *sum, sn_vec3 a, double scale) { *sum = sn_add_scaled(*sum, a, scale); }
+/* ---- inertia -------------------------------------------------------------------------------------------------------------- */
 
-static double inertia(const sn_objective *o, const sn_point *points, sn_vec3 *gradient) {
-    double energy = 0.0, scale = 1.0 / (o->h * o->h);
-    for (sn_index i = 0; i < o->model->point_count; i++) {
-        gradient[i] = sn_v3(0, 0, 0);
-        if (points[i].w == 0.0) continue;
-        sn_vec3 away = sn_sub(sn_point_position(&points[i]), o->state->target[i]);
-        double mass = scale / points[i].w;
-        gradient[i] = sn_scale(away, mass);
-        energy += 0.5 * mass * sn_norm2(away);
-    }
-    return energy;
+typedef struct free_points {
+    const sn_point *points;
+    const sn_vec3 *target;
+    double scale;     /* 1 / h^2 */
+    sn_point *forces; /* made */
+} free_points;
+
+/* Points i .. i + lanes - 1: m |x - y|^2 / (2 h^2); a carried point has none. */
+SN_INLINE void inertia_batch(const free_points *in, sn_index i, int lanes, wide_total *energy) {
+    wide_point p = wide_load_points(in->points + i, lanes);
+    wide zero = wide_splat(0.0), mass = wide_splat(in->scale) / p.w;
+    wide_mask is_free = wide_less(zero, p.w);
+    wide_vec3 away = wide_between(p, wide_load_vectors(in->target + i, lanes)), force = wide_scale(away, mass);
+    wide_point out = {wide_select(is_free, force.x, zero), wide_select(is_free, force.y, zero), wide_select(is_free, force.z, zero), zero};
+    wide_count_in(energy, i, wide_select(is_free, wide_splat(0.5) * mass * wide_dot(away, away), zero), lanes);
+    wide_store_points(in->forces + i, out, lanes);
 }
 
-/* B(J) and dB/dJ over k A0. */
-static double barrier(double j, double *slope) {
-    double at = j > BARRIER_LINEAR ? j : BARRIER_LINEAR, gap = at - 1.0, logarithm = log(at);
-    *slope = -(2.0 * gap * logarithm + gap * gap / at);
-    return -gap * gap * logarithm + *slope * (j - at);
+SN_WIDE_KERNEL static double inertia(const free_points *in, sn_index count) {
+    wide_total energy = {{0}};
+    sn_index i = 0;
+    for (; i + WIDE_LANES <= count; i += WIDE_LANES) inertia_batch(in, i, WIDE_LANES, &energy);
+    for (; i < count; i++) inertia_batch(in, i, 1, &energy);
+    return wide_sum(&energy);
 }
 
-static double areas(const sn_objective *o, const sn_point *points, sn_vec3 *gradient) {
+/* ---- areas ---------------------------------------------------------------------------------------------------------------- */
+
+/* ln x for x in [1e-300, 1e300] to 4e-16 of its size; ours, as the arc tangent of the hinges is (dihedral.c). x = 2^k m with m in
+ * [1/sqrt 2, sqrt 2), ln m = 2 artanh s = 2 (s + s^3/3 + ... + s^21/21), s = (m - 1) / (m + 1), |s| < 0.172. */
+SN_INLINE wide logarithm(wide x) {
+    const uint64_t ROOT_HALF = 0x3fe6a09e667f3bcd, ONE = 0x3ff0000000000000, EXPONENT = 0xfff0000000000000, TWO_52 = 0x4330000000000000;
+    wide_bits power = (wide_bits_of(x) - wide_splat_bits(ROOT_HALF)) & wide_splat_bits(EXPONENT); /* k at its place */
+    wide k = wide_of_bits(((power + wide_splat_bits(ONE)) >> 52) | wide_splat_bits(TWO_52)) - wide_splat(0x1p52 + 1023.0);
+    wide m = wide_of_bits(wide_bits_of(x) - power), one = wide_splat(1.0);
+    wide s = (m - one) / (m + one), z = s * s, sum = wide_splat(1.0 / 21.0);
+    _Pragma("GCC unroll 10") for (int i = 19; i > 0; i -= 2) sum = sum * z + wide_splat(1.0 / i);
+    return k * wide_splat(0.69314718055994530942) + wide_splat(2.0) * s * sum;
+}
+
+/* B(J) and dB/dJ over k A0, for J < 1. */
+SN_INLINE wide barrier(wide j, wide *slope) {
+    wide least = wide_splat(BARRIER_LINEAR), at = wide_select(wide_less(least, j), j, least);
+    wide gap = at - wide_splat(1.0), ln = logarithm(at);
+    *slope = -(wide_splat(2.0) * gap * ln + gap * gap / at);
+    return *slope * (j - at) - gap * gap * ln;
+}
+
+typedef struct barriers {
+    const sn_point *points;
+    const sn_index *index; /* (3 x rows) */
+    const double *scales;  /* (rows) */
+    const bool *guarded;   /* (rows) */
+    double k;
+    sn_forces gradient;
+} barriers;
+
+/* Rows r .. r + lanes - 1, which may share points. */
+SN_INLINE void area_batch(const barriers *in, sn_index r, int lanes, wide_total *energy) {
+    const sn_index *index = in->index + 3 * (size_t)r;
+    wide_point p[3];
+    SN_UNROLL
+    for (int i = 0; i < 3; i++) p[i] = wide_gather(in->points, index + i, 3, lanes);
+    wide_vec3 d1 = wide_between(p[1], p[0]), d2 = wide_between(p[2], p[0]), n = wide_cross(d1, d2);
+    wide scale = wide_load(in->scales + r, lanes), size = wide_sqrt(wide_dot(n, n)), j = size * scale, slope;
+    wide_mask small = ~wide_less(wide_splat(1.0), j); /* or not a number */
+    if (!wide_any(small)) return;
+    small &= wide_flags(in->guarded + r, lanes);
+    wide half = wide_splat(0.5 * in->k), height = barrier(j, &slope);
+    wide_count_in(energy, r, wide_or_nothing(small, half / scale * height), lanes);
+    small &= wide_less(wide_splat(SN_AREA_GUARD), j * j);
+    wide push = half * slope / size; /* k A0 dB/dJ dJ/d|n| / |n| */
+    wide_vec3 g1 = wide_scale(wide_cross(d2, n), push), g2 = wide_scale(wide_cross(n, d1), push);
+    const wide_records forces[3] = {
+        wide_records_of(wide_or_nothing(small, -(g1.x + g2.x)), wide_or_nothing(small, -(g1.y + g2.y)),
+                        wide_or_nothing(small, -(g1.z + g2.z))),
+        wide_records_of(wide_or_nothing(small, g1.x), wide_or_nothing(small, g1.y), wide_or_nothing(small, g1.z)),
+        wide_records_of(wide_or_nothing(small, g2.x), wide_or_nothing(small, g2.y), wide_or_nothing(small, g2.z)),
+    };
+    wide_add_forces(in->gradient, index, 3, forces, lanes);
+}
+
+SN_WIDE_KERNEL static double energy_of_areas(const barriers *in, sn_index end) {
+    wide_total energy = {{0}};
+    sn_index r = 0;
+    for (; r + WIDE_LANES <= end; r += WIDE_LANES) area_batch(in, r, WIDE_LANES, &energy);
+    for (; r < end; r++) area_batch(in, r, 1, &energy);
+    return wide_sum(&energy);
+}
+
+static double areas(const sn_objective *o, const sn_point *points, sn_forces gradient) {
     const sn_model_muscle *m = o->model;
-    double k = sn_row_stiffness(m, o->state, SN_ROWS_AREA), energy = 0.0;
-    for (sn_index r = 0; k > 0.0 && r < m->area_count; r++) {
-        const sn_index *v = m->areas[r].point;
-        double scale = m->area_scales[r], slope;
-        sn_vec3 a = sn_point_position(&points[v[0]]);
-        sn_vec3 d1 = sn_sub(sn_point_position(&points[v[1]]), a), d2 = sn_sub(sn_point_position(&points[v[2]]), a), n = sn_cross(d1, d2);
-        double size = sn_norm(n), ratio = size * scale;
-        if (ratio >= 1.0 || !o->state->guarded[r]) continue;
-        energy += k * 0.5 / scale * barrier(ratio, &slope);
-        if (!(ratio * ratio > SN_AREA_GUARD)) continue; /* no plane to push in */
-        double push = 0.5 * k * slope / size;           /* k A0 dB/dJ dJ/d|n| / |n| */
-        sn_vec3 g1 = sn_cross(d2, n), g2 = sn_cross(n, d1);
-        add(&gradient[v[1]], g1, push);
-        add(&gradient[v[2]], g2, push);
-        add(&gradient[v[0]], sn_add(g1, g2), -push);
-    }
-    return energy;
+    double k = sn_row_stiffness(m, o->state, SN_ROWS_AREA);
+    if (!(k > 0.0) || m->area_count == 0) return 0.0;
+    const barriers in = {points, m->areas->point, m->area_scales, o->state->guarded, k, gradient};
+    return energy_of_areas(&in, m->area_count);
 }
+
+/* ---- all of it ------------------------------------------------------------------------------------------------------------ */
 
 double sn_objective_evaluate(const sn_objective *objective, sn_point *points, sn_vec3 *gradient) {
     const sn_model_muscle *m = objective->model;
     sn_muscle_state at = *objective->state; /* the same inputs at other points */
     at.points = points;
-    double energy = inertia(objective, points, gradient);
+    const sn_forces forces = {&at.qn->forces->x, 4};
+    const free_points free_ones = {points, at.target, 1.0 / (objective->h * objective->h), at.qn->forces};
+    double energy = inertia(&free_ones, m->point_count);
     for (int kind = 0; kind < SN_DISTANCE_KINDS; kind++)
-        energy += sn_distance_energy(m, &at, (sn_row_kind)kind, sn_row_stiffness(m, &at, (sn_row_kind)kind), gradient);
-    energy += sn_hinge_energy(m, &at, sn_row_stiffness(m, &at, SN_ROWS_DIHEDRAL), gradient);
-    energy += areas(objective, points, gradient);
-    if (m->keeps_volume) energy += sn_volume_energy(m, &at, sn_row_stiffness(m, &at, SN_ROWS_VOLUME), gradient);
-    for (sn_index i = 0; i < m->point_count; i++)
-        if (points[i].w == 0.0) gradient[i] = sn_v3(0, 0, 0);
+        energy += sn_distance_energy(m, &at, (sn_row_kind)kind, sn_row_stiffness(m, &at, (sn_row_kind)kind), forces);
+    energy += sn_hinge_energy(m, &at, sn_row_stiffness(m, &at, SN_ROWS_DIHEDRAL), forces);
+    energy += areas(objective, points, forces);
+    if (m->keeps_volume) energy += sn_volume_energy(m, &at, sn_row_stiffness(m, &at, SN_ROWS_VOLUME), forces);
+    for (sn_index i = 0; i < m->point_count; i++) gradient[i] = points[i].w == 0.0 ? sn_v3(0, 0, 0) : sn_point_position(&at.qn->forces[i]);
     return energy;
 }

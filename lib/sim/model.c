@@ -108,6 +108,15 @@ static sn_status make_stiffness_curve(const sn_build *build, sn_error *error) {
     return status;
 }
 
+/* Points above which the corotated matrix costs more than it saves. */
+enum { COROTATED_MOST = 4000 };
+
+static bool corotates(const sn_build *build) {
+    sn_preconditioning wanted = build->scene->solver.preconditioner;
+    if (wanted != SN_PRECONDITION_AUTO) return wanted == SN_PRECONDITION_COROTATED;
+    return build->source->rig.mesh.vertex_count <= COROTATED_MOST;
+}
+
 static sn_status build_muscle(const sn_build *build, sn_error *error) {
     sn_model_muscle *m = build->model;
     const sn_scheme_rules *rules = sn_scheme_rules_of(build->scene->solver.scheme);
@@ -116,6 +125,7 @@ static sn_status build_muscle(const sn_build *build, sn_error *error) {
     m->source = build->source;
     m->vertex_count = build->source->rig.mesh.vertex_count;
     m->quasi_newton = build->scene->solver.method == SN_SOLVER_QN;
+    m->corotated = m->quasi_newton && corotates(build);
     m->tolerance = build->scene->solver.tolerance;
     m->iterations = build->source->iterations > 0 ? build->source->iterations : build->scene->solver.iterations;
     measure_size(build);

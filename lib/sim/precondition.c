@@ -1,137 +1,142 @@
 /*
- * precondition.c -- the constant matrix of the quasi-Newton back end: mass and the rest shape's stiffness, factored once.   numerics.md 2
+ * precondition.c -- what the quasi-Newton back end knows of the stiffness: mass and the rest shape, factored once.   numerics.md 2, 7
  *
- * A spring between two points bounds its Hessian by k (e_i - e_j)(e_i - e_j)T on each axis; a hinge its by k_b K KT with the rest weights
- *   K_c = |e|/|n1|, K_d = |e|/|n2|, K_a = -(b-c).e/|n1| - (b-d).e/|n2|, K_b = (a-c).e/|n1| + (a-d).e/|n2|   (e a unit vector here)
+ *   scalar     A = M/h^2 + k sum scale K KT, one n x n matrix for x, y and z: blind to rotations, and safe at any shape
+ *   corotated  A = R (M/h^2 + k sum scale g gT) RT, 3n x 3n: the Hessian of the rest shape, turned with the muscle by the frames of its
+ *              sections. It knows directions, and is no good where triangles have collapsed or edges are far from their length
+ *
+ * Which of the two a substep goes by is decided at its start; a matrix that is never asked for is never made.
  */
+#include "blocks.h"
+#include "frames.h"
 #include "qn.h"
+#include "rest_rows.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-/* One entry of S or of M; row and column are free points of the matrix, or, in a coupling, a free and a carried point of the muscle. */
-typedef struct coupling {
-    sn_index free_point, carried_point;
-    double value; /* of S */
-} coupling;
+/* Sections of the frames: as many as it takes to follow a bend around the thickness of a muscle. */
+enum { SECTIONS = 24 };
+
+/* The matrix of one kind. A column of free_count + c couples a free point with the carried point c. */
+typedef struct rest_matrix {
+    sn_blocks blocks;
+    sn_sparse *factor; /* NULL = none yet */
+    double factor_h, factor_stiffness;
+} rest_matrix;
 
 struct sn_preconditioner {
+    const sn_model_muscle *model;
     sn_index point_count, vertex_count, free_count;
-    sn_index *free_of;  /* (point_count) index in the matrix, or SN_NONE */
-    sn_index *point_of; /* (free_count) */
-    double *mass;       /* (free_count) kg */
-    size_t entry_count, entry_capacity, coupling_count, coupling_capacity;
-    sn_entry *entries;   /* (entry_count) of S; the first free_count are the diagonal, where M/h^2 goes too */
-    sn_entry *values;    /* (entry_count) of A, made for the factor */
-    coupling *couplings; /* (coupling_count) */
-    sn_sparse *factor;   /* NULL = none yet */
-    double factor_h, factor_stiffness;
-    double *right, *solution; /* (3 free_count) one axis after the other */
+    sn_index *number_of; /* (point_count) free points from 0, then the carried ones */
+    sn_index *point_of;  /* (point_count) the reverse */
+    double *mass;        /* (free_count) kg / h^2 of the last factor */
+    rest_matrix scalar, corotated;
+    sn_frames frames;         /* none until they are asked for */
+    sn_quat *turns;           /* (point_count) frames of the points; NULL = this substep goes by the scalar matrix */
+    double *right, *solution; /* (6 free_count) of the volume row behind those of the caller */
     sn_vec3 *volume_gradient; /* (point_count) g on free points, zero elsewhere */
     sn_vec3 *volume_solved;   /* (point_count) A^-1 g */
+    double volume_stiffness;  /* k_V where A^-1 g is still to be found, by the next solve; 0 = nothing to find */
     double volume_scale;      /* k_V / (1 + k_V gT A^-1 g); 0 = no volume row */
 };
 
-/* ---- building S --------------------------------------------------------------------------------------------------------- */
+/* ---- the rest shape's matrices ------------------------------------------------------------------------------------------------ */
 
-static bool add_entry(sn_preconditioner *p, sn_index row, sn_index column, double value) {
-    if (!sn_grow((void **)&p->entries, &p->entry_capacity, p->entry_count + 1, sizeof *p->entries)) return false;
-    p->entries[p->entry_count++] = (sn_entry){row, column, value};
-    return true;
-}
+typedef struct builder {
+    const sn_preconditioner *p;
+    sn_blocks *blocks;
+} builder;
 
-static bool add_coupling(sn_preconditioner *p, sn_index free_point, sn_index carried_point, double value) {
-    if (!sn_grow((void **)&p->couplings, &p->coupling_capacity, p->coupling_count + 1, sizeof *p->couplings)) return false;
-    p->couplings[p->coupling_count++] = (coupling){free_point, carried_point, value};
-    return true;
-}
+/* What a hinge of the corotated matrix resists in all directions, as a share of what it resists along its gradient. A hinge away from its
+ * rest angle is stiff beside its gradient too (k_b C ddC), and a matrix softer than the energy makes steps that are rejected: without this
+ * share 3 iterations a frame tear a muscle of 4k triangles apart (strain 5), with 0.1 it comes to 7e-5 L, but not while it contracts; with
+ * 0.5 it does. */
+static const double HINGE_ALL_ROUND = 0.5;
 
-/* S += scale K KT for the row K of `count` weights at these points. */
-static bool add_row(sn_preconditioner *p, int count, const sn_index *point, const double *weight, double scale) {
-    bool added = true;
-    for (int i = 0; i < count; i++) {
-        sn_index row = p->free_of[point[i]];
-        if (row == SN_NONE) continue;
-        p->entries[row].value += scale * weight[i] * weight[i];
-        for (int j = 0; j < count && added; j++) {
-            sn_index column = p->free_of[point[j]];
-            double value = scale * weight[i] * weight[j];
-            if (column == SN_NONE)
-                added = add_coupling(p, point[i], point[j], value);
-            else if (j < i)
-                added = add_entry(p, row, column, value);
-        }
+static void add_product(double *block, int size, const sn_rest_row *row, int i, int j) {
+    const sn_vec3 a = row->gradient[i], b = row->gradient[j];
+    double all_round = row->scale * row->weight[i] * row->weight[j];
+    if (size == 1) {
+        *block += all_round;
+        return;
     }
-    return added;
+    const double left[3] = {row->scale * a.x, row->scale * a.y, row->scale * a.z}, right[3] = {b.x, b.y, b.z};
+    for (int r = 0; r < 3; r++)
+        for (int c = 0; c < 3; c++)
+            block[3 * r + c] += left[r] * right[c] + (r == c && row->count == 4 ? HINGE_ALL_ROUND * all_round : 0.0);
 }
 
-static bool add_distances(sn_preconditioner *p, const sn_model_muscle *m) {
-    static const double weight[2] = {1.0, -1.0};
-    for (int kind = 0; kind < SN_DISTANCE_KINDS; kind++) {
-        double scale = kind == SN_ROWS_MESH ? 1.0 : m->source->stiffness_internal;
-        for (sn_index r = m->distance_start[kind]; r < m->distance_start[kind + 1]; r++) {
-            double softness = m->distance_softness != NULL ? m->distance_softness[r] : 1.0;
-            if (!add_row(p, 2, m->distances[r].point, weight, scale / softness)) return false;
+static bool add_row(void *user, const sn_rest_row *row) {
+    const builder *to = user;
+    for (int i = 0; i < row->count; i++) {
+        sn_index at = to->p->number_of[row->point[i]];
+        if (at >= to->p->free_count) continue;
+        for (int j = 0; j < row->count; j++) {
+            sn_index column = to->p->number_of[row->point[j]];
+            if (column > at && column < to->p->free_count) continue; /* the upper triangle */
+            double *block = sn_blocks_at(to->blocks, at, column);
+            if (block == NULL) return false;
+            add_product(block, to->blocks->size, row, i, j);
         }
     }
     return true;
 }
 
-/* The weights of a hinge at rest; the rows were built from hinges that have them. */
-static void hinge_weights(const sn_model_muscle *m, const sn_hinge_row *row, double weight[4]) {
-    sn_vec3 a = m->rest[row->point[0]], b = m->rest[row->point[1]], c = m->rest[row->point[2]], d = m->rest[row->point[3]];
-    sn_vec3 e = sn_sub(b, a), ac = sn_sub(a, c), bc = sn_sub(b, c), ad = sn_sub(a, d), bd = sn_sub(b, d);
-    double length = sn_norm(e), n1 = sn_norm(sn_cross(ac, bc)), n2 = sn_norm(sn_cross(bd, ad));
-    sn_vec3 unit = sn_scale(e, 1.0 / length);
-    weight[0] = -sn_dot(bc, unit) / n1 - sn_dot(bd, unit) / n2;
-    weight[1] = sn_dot(ac, unit) / n1 + sn_dot(ad, unit) / n2;
-    weight[2] = length / n1;
-    weight[3] = length / n2;
+static bool build_matrix(sn_preconditioner *p, rest_matrix *matrix, int size) {
+    builder to = {p, &matrix->blocks};
+    if (matrix->blocks.last != NULL) return true;
+    bool made = sn_blocks_create(to.blocks, size, p->free_count) && sn_rest_rows(p->model, add_row, &to) && sn_blocks_close(to.blocks);
+    if (!made) sn_blocks_free(to.blocks);
+    return made;
 }
 
-static bool add_hinges(sn_preconditioner *p, const sn_model_muscle *m) {
-    for (sn_index r = 0; r < m->hinge_count; r++) {
-        double weight[4], softness = m->hinge_softness != NULL ? m->hinge_softness[r] : 1.0;
-        hinge_weights(m, &m->hinges[r], weight);
-        if (!add_row(p, 4, m->hinges[r].point, weight, m->source->stiffness_dihedral / softness)) return false;
-    }
-    return true;
+static bool factor(sn_preconditioner *p, rest_matrix *matrix, double h, double stiffness) {
+    if (matrix->factor != NULL && matrix->factor_h == h && matrix->factor_stiffness == stiffness) return true;
+    sn_blocks *blocks = &matrix->blocks;
+    for (sn_index i = 0; i < p->free_count; i++) p->mass[i] = 1.0 / (p->model->inverse_mass[p->point_of[i]] * h * h);
+    sn_blocks_entries(blocks, stiffness, p->mass);
+    sn_status status = matrix->factor == NULL
+                           ? sn_sparse_factor(blocks->size * p->free_count, blocks->entry_count, blocks->entries, &matrix->factor, NULL)
+                           : sn_sparse_refactor(matrix->factor, blocks->entries, NULL);
+    matrix->factor_h = status == SN_OK ? h : 0.0;
+    matrix->factor_stiffness = stiffness;
+    return status == SN_OK;
 }
+
+/* ---- made and unmade -------------------------------------------------------------------------------------------------------- */
 
 static bool number_points(sn_preconditioner *p, const sn_model_muscle *m) {
-    p->point_count = m->point_count;
-    p->vertex_count = m->vertex_count;
-    p->free_of = SN_NEW(sn_index, m->point_count);
+    p->number_of = SN_NEW(sn_index, m->point_count);
     p->point_of = SN_NEW(sn_index, m->point_count);
-    p->mass = SN_NEW(double, m->point_count);
-    if (p->free_of == NULL || p->point_of == NULL || p->mass == NULL) return false;
-    for (sn_index i = 0; i < m->point_count; i++) {
-        p->free_of[i] = SN_NONE;
-        if (m->inverse_mass[i] == 0.0) continue;
-        p->free_of[i] = p->free_count;
-        p->mass[p->free_count] = 1.0 / m->inverse_mass[i];
-        p->point_of[p->free_count++] = i;
+    if (p->number_of == NULL || p->point_of == NULL) return false;
+    sn_index next = 0;
+    for (int carried = 0; carried < 2; carried++) {
+        for (sn_index i = 0; i < m->point_count; i++) {
+            if ((m->inverse_mass[i] == 0.0) != (carried == 1)) continue;
+            p->number_of[i] = next;
+            p->point_of[next++] = i;
+        }
+        if (carried == 0) p->free_count = next;
     }
-    for (sn_index i = 0; i < p->free_count; i++)
-        if (!add_entry(p, i, i, 0.0)) return false;
     return true;
 }
 
 static bool make_scratch(sn_preconditioner *p) {
-    p->values = SN_NEW(sn_entry, p->entry_count);
-    p->right = SN_NEW(double, 3 * (size_t)p->free_count);
-    p->solution = SN_NEW(double, 3 * (size_t)p->free_count);
+    p->mass = SN_NEW(double, p->free_count);
+    p->right = SN_NEW(double, 6 * (size_t)p->free_count);
+    p->solution = SN_NEW(double, 6 * (size_t)p->free_count);
     p->volume_gradient = SN_NEW(sn_vec3, p->point_count);
     p->volume_solved = SN_NEW(sn_vec3, p->point_count);
-    return p->values != NULL && p->right != NULL && p->solution != NULL && p->volume_gradient != NULL && p->volume_solved != NULL;
+    return p->mass != NULL && p->right != NULL && p->solution != NULL && p->volume_gradient != NULL && p->volume_solved != NULL;
 }
 
 sn_status sn_preconditioner_create(const sn_model_muscle *m, sn_preconditioner **out, sn_error *error) {
     *out = NULL;
     sn_preconditioner *p = SN_NEW(sn_preconditioner, 1);
     if (p == NULL) return sn_fail_memory(error, "the preconditioner");
-    bool made = number_points(p, m) && add_distances(p, m) && add_hinges(p, m) && p->entry_count <= (size_t)SN_INDEX_MAX && make_scratch(p);
-    if (!made) {
+    *p = (sn_preconditioner){.model = m, .point_count = m->point_count, .vertex_count = m->vertex_count};
+    if (!number_points(p, m) || !make_scratch(p)) {
         sn_preconditioner_destroy(p);
         return sn_fail_memory(error, "the preconditioner");
     }
@@ -139,15 +144,19 @@ sn_status sn_preconditioner_create(const sn_model_muscle *m, sn_preconditioner *
     return SN_OK;
 }
 
+static void free_matrix(rest_matrix *matrix) {
+    sn_blocks_free(&matrix->blocks);
+    sn_sparse_destroy(matrix->factor);
+}
+
 void sn_preconditioner_destroy(sn_preconditioner *p) {
     if (p == NULL) return;
-    sn_sparse_destroy(p->factor);
-    free(p->free_of);
+    free_matrix(&p->scalar);
+    free_matrix(&p->corotated);
+    sn_frames_free(&p->frames);
+    free(p->number_of);
     free(p->point_of);
     free(p->mass);
-    free(p->entries);
-    free(p->values);
-    free(p->couplings);
     free(p->right);
     free(p->solution);
     free(p->volume_gradient);
@@ -155,82 +164,114 @@ void sn_preconditioner_destroy(sn_preconditioner *p) {
     free(p);
 }
 
-/* ---- factor --------------------------------------------------------------------------------------------------------------- */
+/* ---- the start of a substep ----------------------------------------------------------------------------------------------- */
 
 static const double REFACTOR_RATIO = 2.0;
 
 static bool within_ratio(double a, double b) { return fmax(a, b) <= REFACTOR_RATIO * fmin(a, b); }
 
-static bool factor(sn_preconditioner *p, double h, double stiffness) {
-    if (p->factor != NULL && p->factor_h == h && p->factor_stiffness == stiffness) return true;
-    for (size_t i = 0; i < p->entry_count; i++) {
-        p->values[i] = p->entries[i];
-        p->values[i].value *= stiffness;
-    }
-    for (sn_index i = 0; i < p->free_count; i++) p->values[i].value += p->mass[i] / (h * h);
-    sn_status status = p->factor == NULL ? sn_sparse_factor(p->free_count, (sn_index)p->entry_count, p->values, &p->factor, NULL)
-                                         : sn_sparse_refactor(p->factor, p->values, NULL);
-    p->factor_h = status == SN_OK ? h : 0.0;
-    p->factor_stiffness = stiffness;
-    return status == SN_OK;
+static bool make_frames(sn_preconditioner *p) { return p->frames.model != NULL || sn_frames_create(p->model, SECTIONS, &p->frames); }
+
+bool sn_preconditioner_update(sn_preconditioner *p, double h, double stiffness, sn_quat *turns, double *factored_for, bool *changed) {
+    rest_matrix *matrix = turns != NULL ? &p->corotated : &p->scalar;
+    *changed = false;
+    p->turns = turns;
+    if (p->free_count == 0) return true;
+    *changed = isnan(*factored_for) || !within_ratio(*factored_for, stiffness);
+    if (*changed) *factored_for = stiffness;
+    if (turns != NULL && !make_frames(p)) return false;
+    return build_matrix(p, matrix, turns != NULL ? 3 : 1) && factor(p, matrix, h, *factored_for);
 }
 
-bool sn_preconditioner_update(sn_preconditioner *p, double h, double stiffness, double *factored_for, bool *changed) {
-    *changed = false;
-    if (p->free_count == 0) return true;
-    bool kept = !isnan(*factored_for) && within_ratio(*factored_for, stiffness);
-    if (!kept) *factored_for = stiffness;
-    *changed = !kept;
-    return factor(p, h, *factored_for);
+void sn_preconditioner_turn(sn_preconditioner *p, const sn_point *points) {
+    if (p->turns != NULL && p->free_count > 0) sn_frames_turn(&p->frames, points, p->turns);
 }
 
 /* ---- apply ------------------------------------------------------------------------------------------------------------------ */
 
-/* out = A^-1 in on free points, zero elsewhere. */
-static bool solve(sn_preconditioner *p, const sn_vec3 *in, sn_vec3 *out) {
-    size_t n = (size_t)p->free_count;
-    double *x = p->right, *y = p->right + n, *z = p->right + 2 * n;
-    for (sn_index i = 0; i < p->free_count; i++) {
-        sn_vec3 value = in[p->point_of[i]];
-        x[i] = value.x, y[i] = value.y, z[i] = value.z;
-    }
-    if (p->factor == NULL || sn_sparse_solve(p->factor, 3, p->right, p->solution, NULL) != SN_OK) return false;
-    memset(out, 0, (size_t)p->point_count * sizeof *out);
-    for (sn_index i = 0; i < p->free_count; i++)
-        out[p->point_of[i]] = sn_v3(p->solution[i], p->solution[n + (size_t)i], p->solution[2 * n + (size_t)i]);
-    return true;
+static sn_vec3 turned_back(const sn_preconditioner *p, sn_index point, sn_vec3 v) {
+    return sn_quat_rotate(sn_quat_conjugate(p->turns[point]), v);
 }
 
-bool sn_preconditioner_set_volume(sn_preconditioner *p, const sn_vec3 *volume_gradient, double volume_stiffness) {
+/* Numbers of the free points as the matrix orders them: scalar one axis after the other, corotated point after point in their frames. */
+static void gather(const sn_preconditioner *p, const sn_vec3 *in, double *out) {
+    size_t n = (size_t)p->free_count, across = p->turns != NULL ? 1 : n, along = p->turns != NULL ? 3 : 1;
+    for (size_t i = 0; i < n; i++) {
+        sn_index point = p->point_of[i];
+        sn_vec3 value = p->turns != NULL ? turned_back(p, point, in[point]) : in[point];
+        double *to = out + along * i;
+        to[0] = value.x, to[across] = value.y, to[2 * across] = value.z;
+    }
+}
+
+/* And back; zero elsewhere. */
+static void scatter(const sn_preconditioner *p, const double *in, sn_vec3 *out) {
+    size_t n = (size_t)p->free_count, across = p->turns != NULL ? 1 : n, along = p->turns != NULL ? 3 : 1;
+    for (size_t i = 0; i < n; i++) {
+        const double *from = in + along * i;
+        sn_vec3 value = sn_v3(from[0], from[across], from[2 * across]);
+        out[p->point_of[i]] = p->turns != NULL ? sn_quat_rotate(p->turns[p->point_of[i]], value) : value;
+    }
+    for (sn_index i = p->free_count; i < p->point_count; i++) out[p->point_of[i]] = sn_v3(0, 0, 0);
+}
+
+void sn_preconditioner_set_volume(sn_preconditioner *p, const sn_vec3 *volume_gradient, double volume_stiffness) {
     p->volume_scale = 0.0;
-    if (!(volume_stiffness > 0.0) || p->free_count == 0) return true;
-    for (sn_index i = 0; i < p->vertex_count; i++) p->volume_gradient[i] = p->free_of[i] == SN_NONE ? sn_v3(0, 0, 0) : volume_gradient[i];
-    if (!solve(p, p->volume_gradient, p->volume_solved)) return false;
+    p->volume_stiffness = p->free_count > 0 ? volume_stiffness : 0.0;
+    if (!(p->volume_stiffness > 0.0)) return;
+    for (sn_index i = 0; i < p->vertex_count; i++)
+        p->volume_gradient[i] = p->number_of[i] >= p->free_count ? sn_v3(0, 0, 0) : volume_gradient[i];
+}
+
+/* A^-1 g has come: with it the row's scale. */
+static void take_volume(sn_preconditioner *p, const double *solution) {
     double product = 0.0;
+    scatter(p, solution, p->volume_solved);
     for (sn_index i = 0; i < p->vertex_count; i++) product += sn_dot(p->volume_gradient[i], p->volume_solved[i]);
-    p->volume_scale = volume_stiffness / (1.0 + volume_stiffness * product);
-    return isfinite(p->volume_scale);
+    p->volume_scale = p->volume_stiffness / (1.0 + p->volume_stiffness * product);
+    p->volume_stiffness = 0.0;
 }
 
 bool sn_preconditioner_apply(sn_preconditioner *p, const sn_vec3 *in, sn_vec3 *out) {
+    const rest_matrix *matrix = p->turns != NULL ? &p->corotated : &p->scalar;
+    sn_index columns = p->turns != NULL ? 1 : 3;
+    size_t numbers = 3 * (size_t)p->free_count;
+    bool both = p->volume_stiffness > 0.0; /* one pass over the factor for the two of them */
+    gather(p, in, p->right);
+    if (both) gather(p, p->volume_gradient, p->right + numbers);
+    if (matrix->factor == NULL || sn_sparse_solve(matrix->factor, both ? 2 * columns : columns, p->right, p->solution, NULL) != SN_OK)
+        return false;
+    if (both) take_volume(p, p->solution + numbers);
     double along = 0.0;
     for (sn_index i = 0; p->volume_scale > 0.0 && i < p->vertex_count; i++) along += sn_dot(p->volume_solved[i], in[i]);
-    if (!solve(p, in, out)) return false;
+    scatter(p, p->solution, out);
     double scale = -p->volume_scale * along;
     for (sn_index i = 0; p->volume_scale > 0.0 && i < p->point_count; i++) out[i] = sn_add_scaled(out[i], p->volume_solved[i], scale);
     return true;
 }
 
+/* The block times v, in the frames of its points. */
+static sn_vec3 block_times(const sn_preconditioner *p, const sn_block *block, sn_vec3 v) {
+    const double *b = block->value;
+    if (p->turns == NULL) return sn_scale(v, *b);
+    v = turned_back(p, p->point_of[block->column], v);
+    v = sn_v3(b[0] * v.x + b[1] * v.y + b[2] * v.z, b[3] * v.x + b[4] * v.y + b[5] * v.z, b[6] * v.x + b[7] * v.y + b[8] * v.z);
+    return sn_quat_rotate(p->turns[p->point_of[block->row]], v);
+}
+
 void sn_preconditioner_add_jump(const sn_preconditioner *p, const sn_vec3 *jump, const sn_vec3 *volume_gradient, double volume_stiffness,
                                 sn_vec3 *in) {
-    for (size_t i = 0; i < p->coupling_count; i++) {
-        const coupling *c = &p->couplings[i];
-        in[c->free_point] = sn_add_scaled(in[c->free_point], jump[c->carried_point], p->factor_stiffness * c->value);
+    const rest_matrix *matrix = p->turns != NULL ? &p->corotated : &p->scalar;
+    for (sn_index i = p->free_count; i < matrix->blocks.count; i++) {
+        const sn_block *block = &matrix->blocks.blocks[i];
+        if (block->column < p->free_count) continue;
+        sn_index to = p->point_of[block->row];
+        in[to] = sn_add_scaled(in[to], block_times(p, block, jump[p->point_of[block->column]]), matrix->factor_stiffness);
     }
     if (!(volume_stiffness > 0.0)) return;
     double along = 0.0;
-    for (sn_index i = 0; i < p->vertex_count; i++)
-        if (p->free_of[i] == SN_NONE) along += sn_dot(volume_gradient[i], jump[i]);
+    for (sn_index i = p->free_count; i < p->point_count; i++)
+        if (p->point_of[i] < p->vertex_count) along += sn_dot(volume_gradient[p->point_of[i]], jump[p->point_of[i]]);
     for (sn_index i = 0; i < p->free_count && p->point_of[i] < p->vertex_count; i++) {
         sn_index v = p->point_of[i];
         in[v] = sn_add_scaled(in[v], volume_gradient[v], volume_stiffness * along);

@@ -165,7 +165,6 @@ static void stop(sn_muscle_state *s, sn_stop_reason reason) { s->statistics.stop
 static void iterate(const sn_model_muscle *m, sn_muscle_state *s, double h, sn_index iteration) {
     double slope = 0.0;
     s->statistics.iterations++;
-    sn_preconditioner_set_volume(s->qn->preconditioner, s->volume_gradient, volume_stiffness(m, s));
     double most = make_direction(m, s, &slope);
     if (most < 0.0) {
         stop(s, SN_STOP_FAILED);
@@ -234,6 +233,7 @@ static bool predict(const sn_model_muscle *m, sn_muscle_state *s, double h) {
     double k_volume = volume_stiffness(m, s);
     choose_base(m, s);
     sn_objective_evaluate(&objective, qn->trial, qn->gradient);
+    sn_preconditioner_turn(qn->preconditioner, qn->trial);
     sn_preconditioner_add_jump(qn->preconditioner, qn->jump, s->volume_gradient, k_volume, qn->gradient);
     sn_preconditioner_set_volume(qn->preconditioner, s->volume_gradient, k_volume);
     if (!sn_preconditioner_apply(qn->preconditioner, qn->gradient, qn->direction)) return false;
@@ -291,38 +291,70 @@ static void restart(const sn_model_muscle *m, sn_muscle_state *s, const sn_subst
     }
 }
 
-/* Begin at the predictor or where inertia takes the points, whichever has the lower energy. */
-static void begin(const sn_model_muscle *m, sn_muscle_state *s, const sn_substep *substep) {
+/* Begin at the predictor (in trial) or where inertia takes the points, whichever has the lower energy: energy and gradients are those of
+ * the state's points then. */
+static void choose_start(const sn_model_muscle *m, sn_muscle_state *s, double h, bool predicted) {
     sn_qn *qn = s->qn;
-    sn_objective objective = objective_of(m, s, substep->h);
+    sn_objective objective = objective_of(m, s, h);
+    for (sn_index i = 0; i < m->point_count; i++)
+        if (s->points[i].w > 0.0) set_position(&s->points[i], s->target[i]);
+    s->energy = sn_objective_evaluate(&objective, s->points, qn->gradient);
+    if (!predicted) return;
+    double energy = sn_objective_evaluate(&objective, qn->trial, qn->trial_gradient);
+    if (energy <= s->energy) {
+        s->energy = energy;
+        memcpy(s->points, qn->trial, (size_t)m->point_count * sizeof *s->points);
+        memcpy(qn->gradient, qn->trial_gradient, (size_t)m->point_count * sizeof *qn->gradient);
+    } else {
+        sn_objective_evaluate(&objective, s->points, qn->gradient); /* for the gradient of the volume there */
+    }
+}
+
+/* The corotated matrix is of use near the rest shape only: no collapsed triangle, no edge that is half a mean edge off (numerics.md 7). */
+static bool may_turn(const sn_model_muscle *m, const sn_muscle_state *s, sn_index collapsed) {
+    return m->corotated && collapsed == 0 && sn_distance_residual(m, s, SN_ROWS_MESH).max <= 0.5;
+}
+
+/* The matrix that the substep goes by. */
+static bool go_by(sn_muscle_state *s, double h, bool *changed) {
+    return sn_preconditioner_update(s->qn->preconditioner, h, s->stiffness, s->turned ? s->turns : NULL, &s->factor_stiffness, changed);
+}
+
+static void begin(const sn_model_muscle *m, sn_muscle_state *s, const sn_substep *substep) {
     bool changed = false;
     stop(s, SN_STOP_ITERATIONS);
     if (is_wrecked(m, s, guard_triangles(m, s))) restart(m, s, substep);
-    guard_triangles(m, s);
+    s->turned = may_turn(m, s, guard_triangles(m, s));
     aim(m, s, substep->gravity, substep->h);
     double jump = place_carried(m, s, substep->poses);
-    if (!sn_preconditioner_update(qn->preconditioner, substep->h, s->stiffness, &s->factor_stiffness, &changed)) stop(s, SN_STOP_FAILED);
-    if (changed) forget_pairs(s);
+    if (!go_by(s, substep->h, &changed)) stop(s, SN_STOP_FAILED);
+    if (changed || s->turned) forget_pairs(s); /* pairs from other frames mislead the corotated matrix */
     s->statistics.refactorisations += changed;
     bool predicted = jump > 0.0 && s->stopped != SN_STOP_FAILED && predict(m, s, substep->h);
     if (jump == 0.0) memset(s->last_jump, 0, (size_t)m->point_count * sizeof *s->last_jump);
-    double predicted_energy = predicted ? sn_objective_evaluate(&objective, qn->trial, qn->gradient) : INFINITY;
-    for (sn_index i = 0; i < m->point_count; i++)
-        if (s->points[i].w > 0.0) set_position(&s->points[i], s->target[i]);
-    s->energy = sn_objective_evaluate(&objective, s->points, qn->trial_gradient);
-    if (predicted_energy <= s->energy) memcpy(s->points, qn->trial, (size_t)m->point_count * sizeof *s->points);
+    choose_start(m, s, substep->h, predicted);
+    sn_preconditioner_turn(s->qn->preconditioner, s->points);
+    if (m->keeps_volume) memcpy(s->start_gradient, s->volume_gradient, (size_t)m->vertex_count * sizeof *s->start_gradient);
+    sn_preconditioner_set_volume(s->qn->preconditioner, s->start_gradient, volume_stiffness(m, s));
+}
+
+/* In the middle of a substep: what `begin` has left, made again from the state. */
+static void resume(const sn_model_muscle *m, sn_muscle_state *s, double h) {
+    sn_objective objective = objective_of(m, s, h);
+    bool changed;
+    if (s->stopped != SN_STOP_ITERATIONS) return;
+    if (!go_by(s, h, &changed)) stop(s, SN_STOP_FAILED);
+    sn_preconditioner_set_volume(s->qn->preconditioner, s->start_gradient, volume_stiffness(m, s));
+    s->energy = sn_objective_evaluate(&objective, s->points, s->qn->gradient);
 }
 
 /* ---- the back end ------------------------------------------------------------------------------------------------------------- */
 
 static void qn_substep(const sn_model_muscle *m, sn_muscle_state *s, const sn_substep *substep) {
-    sn_objective objective = objective_of(m, s, substep->h);
-    bool changed = false;
     if (substep->begin == 0)
         begin(m, s, substep);
-    else if (!sn_preconditioner_update(s->qn->preconditioner, substep->h, s->stiffness, &s->factor_stiffness, &changed))
-        stop(s, SN_STOP_FAILED);
-    if (s->stopped == SN_STOP_ITERATIONS) s->energy = sn_objective_evaluate(&objective, s->points, s->qn->gradient);
+    else
+        resume(m, s, substep->h);
     for (sn_index i = substep->begin; i < substep->end && s->stopped == SN_STOP_ITERATIONS; i++) iterate(m, s, substep->h, i);
     double force = sqrt(dot(m->point_count, s->qn->gradient, s->qn->gradient));
     s->statistics.residual = s->stiffness > 0.0 ? force / (s->stiffness * m->diagonal) : NAN;
@@ -333,6 +365,7 @@ static void qn_destroy(sn_muscle_state *s) {
     if (s->qn == NULL) return;
     sn_preconditioner_destroy(s->qn->preconditioner);
     free(s->qn->trial);
+    free(s->qn->forces);
     free(s->qn->gradient);
     free(s->qn->trial_gradient);
     free(s->qn->direction);
@@ -345,11 +378,13 @@ static sn_status qn_create(const sn_model_muscle *m, sn_muscle_state *s, sn_erro
     sn_qn *qn = s->qn = SN_NEW(sn_qn, 1);
     if (qn == NULL) return sn_fail_memory(error, "the quasi-Newton solver");
     qn->trial = SN_NEW(sn_point, m->point_count);
+    qn->forces = SN_NEW(sn_point, m->point_count);
     qn->gradient = SN_NEW(sn_vec3, m->point_count);
     qn->trial_gradient = SN_NEW(sn_vec3, m->point_count);
     qn->direction = SN_NEW(sn_vec3, m->point_count);
     qn->jump = SN_NEW(sn_vec3, m->point_count);
     bool made = qn->trial != NULL && qn->gradient != NULL && qn->trial_gradient != NULL && qn->direction != NULL && qn->jump != NULL;
+    made = made && qn->forces != NULL;
     return made ? sn_preconditioner_create(m, &qn->preconditioner, error) : sn_fail_memory(error, "the quasi-Newton solver");
 }
 

@@ -15,7 +15,8 @@ enum { SN_QN_MEMORY = 8 };
 /* What Phi depends on besides the points: the state's inputs, its target y, its guarded triangles. */
 typedef struct sn_objective {
     const sn_model_muscle *model;
-    const sn_muscle_state *state; /* not its points; its volume_gradient (vertex_count) is left at dV/dx of the points evaluated */
+    const sn_muscle_state *state; /* not its points; its volume_gradient (vertex_count) is left at dV/dx of the points evaluated;
+                                     qn->forces is scratch */
     double h;
 } sn_objective;
 
@@ -24,16 +25,19 @@ double sn_objective_evaluate(const sn_objective *objective, sn_point *points, sn
 
 /* ---- precondition.c ---- */
 
-/* A = M/h^2 + k S over the free points, one scalar matrix for x, y and z: S = sum e eT of the distance rows + k_b/k sum K KT of the hinges,
- * K a hinge's row of rest weights (numerics.md 2). The volume row enters as k_V g gT (Sherman-Morrison). */
+/* An approximate Hessian of Phi without the volume row, scalar or corotated (precondition.c); the volume row enters as k_V g gT
+ * (Sherman-Morrison). */
 typedef struct sn_preconditioner sn_preconditioner;
 SN_MUST_CHECK sn_status sn_preconditioner_create(const sn_model_muscle *m, sn_preconditioner **out, sn_error *error);
 void sn_preconditioner_destroy(sn_preconditioner *p); /* NULL is fine */
-/* Factor for (h, k), unless *factored_for, the k of the factor that the run goes by (NaN = none), is within a factor of 2 of k: then for
+/* Go by the corotated matrix, its frames in turns (point_count; sn_preconditioner_turn writes them), or by the scalar one (turns NULL),
+ * factored for (h, k), unless *factored_for, the k of the factor that the run goes by (NaN = none), is within a factor of 2 of k: then for
  * that one, if it is not at hand (a run that goes on elsewhere). *changed: *factored_for is now k. false: no memory, no factor. */
-bool sn_preconditioner_update(sn_preconditioner *p, double h, double stiffness, double *factored_for, bool *changed);
-/* The volume row at volume_gradient g (vertex_count) with stiffness k_V; k_V = 0: without it. */
-bool sn_preconditioner_set_volume(sn_preconditioner *p, const sn_vec3 *volume_gradient, double volume_stiffness);
+bool sn_preconditioner_update(sn_preconditioner *p, double h, double stiffness, sn_quat *turns, double *factored_for, bool *changed);
+/* Turn the corotated matrix with the muscle at these points (point_count); nothing for the scalar one. */
+void sn_preconditioner_turn(sn_preconditioner *p, const sn_point *points);
+/* From the next solve on: the volume row at volume_gradient g (vertex_count; copied) with stiffness k_V; k_V = 0: without it. */
+void sn_preconditioner_set_volume(sn_preconditioner *p, const sn_vec3 *volume_gradient, double volume_stiffness);
 /* out = (A + k_V g gT)^-1 in, on free points; zero on carried ones. Both (point_count); out may be in. */
 bool sn_preconditioner_apply(sn_preconditioner *p, const sn_vec3 *in, sn_vec3 *out);
 /* in += A_fk jump + k_V g_f (g_k . jump): what a motion of the carried points adds to the gradient of the free ones. */
@@ -44,6 +48,7 @@ void sn_preconditioner_add_jump(const sn_preconditioner *p, const sn_vec3 *jump,
 struct sn_qn {
     sn_preconditioner *preconditioner;
     sn_point *trial;          /* (point_count) */
+    sn_point *forces;         /* (point_count) the gradient while it is summed, as records of four */
     sn_vec3 *gradient;        /* (point_count) at the current points */
     sn_vec3 *trial_gradient;  /* (point_count) */
     sn_vec3 *direction;       /* (point_count) */

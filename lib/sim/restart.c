@@ -13,7 +13,7 @@
 #include <string.h>
 
 static const char MAGIC[12] = "sinew state\n";
-enum { VERSION = 1, HEADER = sizeof MAGIC + sizeof(int32_t) + SN_HASH_LENGTH };
+enum { VERSION = 2, HEADER = sizeof MAGIC + sizeof(int32_t) + SN_HASH_LENGTH };
 
 /* ---- a cursor that counts, writes or reads ---------------------------------------------------------------------------------- */
 
@@ -45,6 +45,7 @@ static void pass_muscle(cursor *c, const sn_model_muscle *m, sn_muscle_state *s)
     pass(c, &s->pair_count, sizeof s->pair_count);
     pass(c, &s->pair_next, sizeof s->pair_next);
     pass(c, &s->stopped, sizeof s->stopped);
+    pass(c, &s->turned, sizeof s->turned);
 #define PASS(type, name, count, kept)                                                                                                      \
     if (kept) pass(c, s->name, (size_t)(count) * sizeof(type));
     SN_STATE_ARRAYS(PASS)

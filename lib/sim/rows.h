@@ -48,6 +48,13 @@ typedef struct sn_sweep {
     bool first;        /* lambda starts at 0 */
 } sn_sweep;
 
+/* Sums of forces on points: x, y, z of point i at values[stride i]. stride: 3 (sn_vec3) or 4 (whole records, whose fourth number is
+ * overwritten; faster). values NULL: the energy alone is wanted. */
+typedef struct sn_forces {
+    double *values;
+    int stride;
+} sn_forces;
+
 /* ---- the back ends: which of them steps is decided by sn_backend_of (step.c) and nowhere else ---- */
 
 /* One substep of one muscle, or a part of its iterations: those from `begin` to before `end`. The inputs are up to date. */
@@ -99,14 +106,14 @@ SN_MUST_CHECK sn_status sn_distance_build(const sn_build *build, sn_error *error
 void sn_distance_goals(const sn_model_muscle *m, sn_muscle_state *s);
 /* One Gauss-Seidel sweep. */
 void sn_distance_sweep(const sn_model_muscle *m, sn_muscle_state *s, sn_row_kind kind, const sn_sweep *sweep);
-/* Sum of k C^2 / 2, J; its gradient is added to gradient (point_count), N; nullable. */
-double sn_distance_energy(const sn_model_muscle *m, const sn_muscle_state *s, sn_row_kind kind, double k, sn_vec3 *gradient);
+/* Sum of k C^2 / 2, J; its gradient is added to gradient (point_count), N. */
+double sn_distance_energy(const sn_model_muscle *m, const sn_muscle_state *s, sn_row_kind kind, double k, sn_forces gradient);
 sn_residual sn_distance_residual(const sn_model_muscle *m, const sn_muscle_state *s, sn_row_kind kind);
 
 /* ---- dihedral.c ---- */
 SN_MUST_CHECK sn_status sn_hinge_build(const sn_build *build, sn_error *error);
 void sn_hinge_sweep(const sn_model_muscle *m, sn_muscle_state *s, const sn_sweep *sweep);
-double sn_hinge_energy(const sn_model_muscle *m, const sn_muscle_state *s, double k, sn_vec3 *gradient);
+double sn_hinge_energy(const sn_model_muscle *m, const sn_muscle_state *s, double k, sn_forces gradient);
 sn_residual sn_hinge_residual(const sn_model_muscle *m, const sn_muscle_state *s);
 
 /* ---- area.c ---- */
@@ -117,7 +124,8 @@ sn_residual sn_area_residual(const sn_model_muscle *m, const sn_muscle_state *s)
 /* ---- volume.c ---- */
 void sn_volume_build(const sn_build *build);
 void sn_volume_sweep(const sn_model_muscle *m, sn_muscle_state *s, const sn_sweep *sweep);
-double sn_volume_energy(const sn_model_muscle *m, sn_muscle_state *s, double k, sn_vec3 *gradient);
+/* With a gradient, volume_gradient in the state is left at dV/dx. */
+double sn_volume_energy(const sn_model_muscle *m, sn_muscle_state *s, double k, sn_forces gradient);
 
 /* ---- inputs.c ---- */
 /* Activation, contraction, stiffness, volume goal and goal lengths at `time`. */

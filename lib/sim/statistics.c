@@ -37,8 +37,8 @@ static void measure_points(const sn_model_muscle *m, const sn_muscle_state *s, s
     }
 }
 
-/* Every spring as if it could give way; rigid rows (the least area) hold no energy. gradient (point_count) is added to; nullable. */
-static double elastic_energy(const sn_model_muscle *m, sn_muscle_state *s, sn_vec3 *gradient) {
+/* Every spring as if it could give way; rigid rows (the least area) hold no energy. gradient (point_count) is added to. */
+static double elastic_energy(const sn_model_muscle *m, sn_muscle_state *s, sn_forces gradient) {
     double energy = 0.0;
     for (int kind = 0; kind < SN_DISTANCE_KINDS; kind++)
         energy += sn_distance_energy(m, s, (sn_row_kind)kind, sn_row_stiffness(m, s, (sn_row_kind)kind), gradient);
@@ -48,7 +48,7 @@ static double elastic_energy(const sn_model_muscle *m, sn_muscle_state *s, sn_ve
 
 double sn_residual_measure(const sn_model_muscle *m, sn_muscle_state *s, sn_vec3 *inertia) {
     double sum = 0.0;
-    s->statistics.elastic_energy = elastic_energy(m, s, inertia);
+    s->statistics.elastic_energy = elastic_energy(m, s, (sn_forces){&inertia->x, 3});
     for (sn_index i = 0; i < m->point_count; i++)
         if (m->inverse_mass[i] > 0.0) sum += sn_norm2(inertia[i]);
     return s->stiffness > 0.0 ? sqrt(sum) / (s->stiffness * m->diagonal) : NAN;
@@ -65,5 +65,5 @@ void sn_statistics_measure(const sn_model_muscle *m, sn_muscle_state *s) {
     for (int kind = 0; kind < SN_DISTANCE_KINDS; kind++) out->residuals[kind] = sn_distance_residual(m, s, (sn_row_kind)kind);
     out->residuals[SN_ROWS_DIHEDRAL] = sn_hinge_residual(m, s);
     out->residuals[SN_ROWS_AREA] = sn_area_residual(m, s);
-    out->elastic_energy = elastic_energy(m, s, NULL);
+    out->elastic_energy = elastic_energy(m, s, (sn_forces){NULL, 3});
 }

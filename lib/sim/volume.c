@@ -5,6 +5,7 @@
  * Positions are taken relative to their mean: far from the origin the sums cancel. On a closed surface V does not depend on that choice.
  */
 #include "rows.h"
+#include "wide.h"
 
 static sn_vec3 mean_point(sn_index count, const sn_point *points) {
     sn_vec3 sum = sn_v3(0, 0, 0);
@@ -69,11 +70,62 @@ void sn_volume_sweep(const sn_model_muscle *m, sn_muscle_state *s, const sn_swee
     for (int i = 0; i < sweep->projections && project(m, s, sweep); i++) continue;
 }
 
-double sn_volume_energy(const sn_model_muscle *m, sn_muscle_state *s, double k, sn_vec3 *gradient) {
+/* ---- the energy ----------------------------------------------------------------------------------------------------------- */
+
+/* As mean_point(), in four sums. */
+static sn_vec3 mean_of_four(sn_index count, const sn_point *points) {
+    sn_vec3 sum[SN_BATCH] = {{0}}, first = sn_point_position(&points[0]);
+    for (sn_index i = 0; i < count; i++) {
+        sn_vec3 *lane = &sum[i % SN_BATCH];
+        *lane = sn_add(*lane, sn_sub(sn_point_position(&points[i]), first));
+    }
+    return sn_add_scaled(first, sn_add(sn_add(sum[0], sum[1]), sn_add(sum[2], sum[3])), 1.0 / count);
+}
+
+typedef struct triangles {
+    const sn_point *points;
+    const sn_index *index; /* (3 x triangles) */
+    sn_vec3 centre;
+    sn_forces gradient; /* 6 dV/dx */
+} triangles;
+
+/* Triangles t .. t + lanes - 1, which may share points: six times their volume. */
+SN_INLINE void volume_batch(const triangles *in, sn_index t, int lanes, wide_total *volume) {
+    const sn_index *index = in->index + 3 * (size_t)t;
+    const wide_point centre = {wide_splat(in->centre.x), wide_splat(in->centre.y), wide_splat(in->centre.z), wide_splat(0.0)};
+    wide_vec3 p[3];
+    wide_records areas[3];
+    SN_UNROLL
+    for (int i = 0; i < 3; i++) p[i] = wide_between(wide_gather(in->points, index + i, 3, lanes), centre);
+    wide_vec3 bc = wide_cross(p[1], p[2]);
+    wide_count_in(volume, t, wide_dot(p[0], bc), lanes);
+    if (in->gradient.values == NULL) return;
+    wide_vec3 ca = wide_cross(p[2], p[0]), ab = wide_cross(p[0], p[1]);
+    areas[0] = wide_records_of(bc.x, bc.y, bc.z);
+    areas[1] = wide_records_of(ca.x, ca.y, ca.z);
+    areas[2] = wide_records_of(ab.x, ab.y, ab.z);
+    wide_add_forces(in->gradient, index, 3, areas, lanes);
+}
+
+SN_WIDE_KERNEL static double volume_of_triangles(const triangles *in, sn_index end) {
+    wide_total volume = {{0}};
+    sn_index t = 0;
+    for (; t + WIDE_LANES <= end; t += WIDE_LANES) volume_batch(in, t, WIDE_LANES, &volume);
+    for (; t < end; t++) volume_batch(in, t, 1, &volume);
+    return wide_sum(&volume) / 6.0;
+}
+
+double sn_volume_energy(const sn_model_muscle *m, sn_muscle_state *s, double k, sn_forces gradient) {
     if (!m->keeps_volume) return 0.0;
-    double volume = sn_volume_constraint(m->vertex_count, s->points, m->triangle_count, m->triangles, s->volume_gradient);
-    double c = volume - s->volume_goal * m->rest_volume;
-    for (sn_index i = 0; gradient != NULL && i < m->vertex_count; i++)
-        gradient[i] = sn_add_scaled(gradient[i], s->volume_gradient[i], k * c);
+    triangles in = {s->points, m->triangles->v, mean_of_four(m->vertex_count, s->points), {NULL, 3}};
+    if (gradient.values != NULL) in.gradient.values = &s->volume_gradient->x;
+    for (sn_index i = 0; gradient.values != NULL && i < m->vertex_count; i++) s->volume_gradient[i] = sn_v3(0, 0, 0);
+    double c = volume_of_triangles(&in, m->triangle_count) - s->volume_goal * m->rest_volume;
+    for (sn_index i = 0; gradient.values != NULL && i < m->vertex_count; i++) {
+        sn_vec3 *g = &s->volume_gradient[i];
+        double *sum = gradient.values + (size_t)i * (size_t)gradient.stride;
+        *g = sn_scale(*g, 1.0 / 6.0);
+        sum[0] += k * c * g->x, sum[1] += k * c * g->y, sum[2] += k * c * g->z;
+    }
     return 0.5 * k * c * c;
 }

@@ -9,13 +9,14 @@
 #ifndef SN_SIM_WIDE_H
 #define SN_SIM_WIDE_H
 
-#include "sinew/sim.h"
+#include "rows.h"
 
 #include <float.h>
 #include <string.h>
 
 #define SN_BATCH 4 /* rows of a batch, in every build: the order of the rows must not depend on it */
 
+#define SN_UNROLL _Pragma("GCC unroll 4") /* -O2 leaves short loops, and the arrays they walk, in memory */
 #define SN_INLINE static inline __attribute__((always_inline, unused))
 
 #ifndef SN_SCALAR
@@ -23,6 +24,8 @@
 enum { WIDE_LANES = SN_BATCH };
 typedef double wide __attribute__((vector_size(32)));
 typedef int64_t wide_mask __attribute__((vector_size(32)));
+typedef uint64_t wide_bits __attribute__((vector_size(32)));
+typedef double wide_half __attribute__((vector_size(16)));
 
 #if defined(__x86_64__) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__) && !defined(__clang__)
 #define SN_WIDE_KERNEL __attribute__((target_clones("avx2", "default")))
@@ -33,6 +36,10 @@ typedef int64_t wide_mask __attribute__((vector_size(32)));
 SN_INLINE wide wide_splat(double a) { return (wide){a, a, a, a}; }
 SN_INLINE wide wide_sqrt(wide a) { return (wide){sqrt(a[0]), sqrt(a[1]), sqrt(a[2]), sqrt(a[3])}; }
 SN_INLINE wide_mask wide_less(wide a, wide b) { return a < b; }
+SN_INLINE wide_bits wide_splat_bits(uint64_t a) { return (wide_bits){a, a, a, a}; }
+SN_INLINE wide_bits wide_bits_of(wide a) { return (wide_bits)a; }
+SN_INLINE wide wide_of_bits(wide_bits a) { return (wide)a; }
+SN_INLINE bool wide_any(wide_mask mask) { return (mask[0] | mask[1] | mask[2] | mask[3]) != 0; }
 SN_INLINE wide wide_select(wide_mask mask, wide a, wide b) { return (wide)(((wide_mask)a & mask) | ((wide_mask)b & ~mask)); }
 SN_INLINE wide wide_copysign(wide size, wide sign) {
     const wide_mask bit = (wide_mask){INT64_MIN, INT64_MIN, INT64_MIN, INT64_MIN};
@@ -90,16 +97,79 @@ SN_INLINE void wide_scatter(sn_point *points, const sn_index *index, int stride,
     memcpy(&points[index[3 * stride]], &record.w, sizeof record.w);
 }
 
+/* Consecutive points; with fewer lanes than four, the first. */
+SN_INLINE wide_point wide_load_points(const sn_point *p, int lanes) {
+    int s = lanes == WIDE_LANES ? 1 : 0;
+    return transpose(load_record(p), load_record(p + s), load_record(p + 2 * s), load_record(p + 3 * s));
+}
+SN_INLINE void wide_store_points(sn_point *to, wide_point p, int lanes) {
+    wide_point record = transpose(p.x, p.y, p.z, p.w);
+    memcpy(to, &record, (size_t)lanes * sizeof *to);
+}
+SN_INLINE wide_point wide_load_vectors(const sn_vec3 *v, int lanes) {
+    int s = lanes == WIDE_LANES ? 1 : 0;
+    return transpose((wide){v[0].x, v[0].y, v[0].z, 0.0}, (wide){v[s].x, v[s].y, v[s].z, 0.0},
+                     (wide){v[2 * s].x, v[2 * s].y, v[2 * s].z, 0.0}, (wide){v[3 * s].x, v[3 * s].y, v[3 * s].z, 0.0});
+}
+/* Lanes whose flag is set. */
+SN_INLINE wide_mask wide_flags(const bool *flag, int lanes) {
+    int s = lanes == WIDE_LANES ? 1 : 0;
+    return -(wide_mask){flag[0], flag[s], flag[2 * s], flag[3 * s]};
+}
+
+/* Vectors of rows side by side as one record per row. */
+typedef struct wide_records {
+    wide row[SN_BATCH];
+} wide_records;
+
+SN_INLINE wide_records wide_records_of(wide x, wide y, wide z) {
+    wide_point p = transpose(x, y, z, wide_splat(0.0));
+    return (wide_records){{p.x, p.y, p.z, p.w}};
+}
+SN_INLINE wide_records wide_opposite(wide_records records) {
+    for (int lane = 0; lane < SN_BATCH; lane++) records.row[lane] = -records.row[lane];
+    return records;
+}
+SN_INLINE void wide_add_record(sn_forces sum, sn_index point, const wide_records *records, int lane) {
+    double *to = sum.values + (size_t)point * (size_t)sum.stride;
+    wide record = records->row[lane];
+    if (sum.stride == 4) {
+        wide a;
+        memcpy(&a, to, sizeof a);
+        a += record;
+        memcpy(to, &a, sizeof a);
+    } else {
+        wide_half low;
+        memcpy(&low, to, sizeof low);
+        low += __builtin_shufflevector(record, record, 0, 1);
+        memcpy(to, &low, sizeof low);
+        to[2] += record[2];
+    }
+}
+
 #else /* the scalar twin */
 
 enum { WIDE_LANES = 1 };
 typedef double wide;
 typedef int64_t wide_mask; /* 0 or -1 */
+typedef uint64_t wide_bits;
 #define SN_WIDE_KERNEL
 
 SN_INLINE wide wide_splat(double a) { return a; }
 SN_INLINE wide wide_sqrt(wide a) { return sqrt(a); }
 SN_INLINE wide_mask wide_less(wide a, wide b) { return a < b ? -1 : 0; }
+SN_INLINE wide_bits wide_splat_bits(uint64_t a) { return a; }
+SN_INLINE wide_bits wide_bits_of(wide a) {
+    wide_bits bits;
+    memcpy(&bits, &a, sizeof bits);
+    return bits;
+}
+SN_INLINE wide wide_of_bits(wide_bits bits) {
+    wide a;
+    memcpy(&a, &bits, sizeof a);
+    return a;
+}
+SN_INLINE bool wide_any(wide_mask mask) { return mask != 0; }
 SN_INLINE wide wide_select(wide_mask mask, wide a, wide b) { return mask != 0 ? a : b; }
 SN_INLINE wide wide_copysign(wide size, wide sign) { return copysign(size, sign); }
 SN_INLINE int64_t wide_count(wide_mask mask, int lanes) { return -mask * lanes; }
@@ -113,6 +183,19 @@ SN_INLINE wide_point wide_gather(const sn_point *points, const sn_index *index, 
 }
 SN_INLINE void wide_scatter(sn_point *points, const sn_index *index, int stride, wide_point p, int lanes) {
     (void)stride, (void)lanes, points[*index] = p;
+}
+SN_INLINE wide_point wide_load_points(const sn_point *p, int lanes) { return (void)lanes, *p; }
+SN_INLINE void wide_store_points(sn_point *to, wide_point p, int lanes) { (void)lanes, *to = p; }
+SN_INLINE wide_point wide_load_vectors(const sn_vec3 *v, int lanes) { return (void)lanes, (wide_point){v->x, v->y, v->z, 0.0}; }
+SN_INLINE wide_mask wide_flags(const bool *flag, int lanes) { return (void)lanes, *flag ? -1 : 0; }
+
+typedef sn_vec3 wide_records;
+
+SN_INLINE wide_records wide_records_of(wide x, wide y, wide z) { return (wide_records){x, y, z}; }
+SN_INLINE wide_records wide_opposite(wide_records record) { return (wide_records){-record.x, -record.y, -record.z}; }
+SN_INLINE void wide_add_record(sn_forces sum, sn_index point, const wide_records *record, int lane) {
+    double *to = sum.values + (size_t)point * (size_t)sum.stride;
+    (void)lane, to[0] += record->x, to[1] += record->y, to[2] += record->z;
 }
 
 #endif
@@ -138,6 +221,26 @@ SN_INLINE wide_point wide_move(wide_point p, wide_vec3 gradient, wide step, wide
     p.y = wide_select(mask, p.y + gradient.y * step, p.y);
     p.z = wide_select(mask, p.z + gradient.z * step, p.z);
     return p;
+}
+/* a where the mask holds, elsewhere what can be added to anything without changing a bit of it. */
+SN_INLINE wide wide_or_nothing(wide_mask mask, wide a) { return wide_select(mask, a, wide_splat(-0.0)); }
+
+/* A sum over rows, by their number modulo four: the same order in both builds. */
+typedef struct wide_total {
+    double lane[SN_BATCH];
+} wide_total;
+
+SN_INLINE void wide_count_in(wide_total *total, sn_index row, wide value, int lanes) {
+    double *to = lanes == SN_BATCH ? total->lane : &total->lane[row % SN_BATCH];
+    wide_store(to, wide_load(to, lanes) + value, lanes);
+}
+SN_INLINE double wide_sum(const wide_total *total) { return (total->lane[0] + total->lane[1]) + (total->lane[2] + total->lane[3]); }
+
+/* Add the forces of consecutive rows, which may share points, to the `size` points of each: row after row. */
+SN_INLINE void wide_add_forces(sn_forces sum, const sn_index *index, int size, const wide_records *forces, int lanes) {
+    SN_UNROLL
+    for (int lane = 0; lane < lanes; lane++) SN_UNROLL
+    for (int i = 0; i < size; i++) wide_add_record(sum, index[lane * size + i], &forces[i], lane);
 }
 
 #endif

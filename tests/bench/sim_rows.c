@@ -1,8 +1,11 @@
 /*
  * sim_rows.c -- what a row costs: ns per row and kind, ms per iteration, at five sizes, on one core; beside a bare loop over the same rows
- * as the yardstick of the machine. Prints a table.
+ * as the yardstick of the machine. And what back end `qn` pays: ns per row of energy and gradient, and where an iteration goes. Prints
+ * two tables.
  */
 #include "../unit/sim_scene.h"
+
+#include "../../lib/sim/qn.h"
 
 #include <stdio.h>
 #include <time.h>
@@ -115,6 +118,81 @@ static void bench(sn_index rings, sn_index sectors) {
     finish(&s);
 }
 
+/* ---- back end qn ------------------------------------------------------------------------------------------------------------ */
+
+static sn_forces forces_of(const simulation *s) { return (sn_forces){&s->state->muscles[0].qn->forces->x, 4}; }
+
+static void energy_of_kind(const job *j) {
+    const sn_model_muscle *m = &j->s->model->muscles[0];
+    sn_muscle_state *s = &j->s->state->muscles[0];
+    double k = sn_row_stiffness(m, s, j->kind);
+    if (j->kind < SN_DISTANCE_KINDS) kept += sn_distance_energy(m, s, j->kind, k, forces_of(j->s));
+    if (j->kind == SN_ROWS_DIHEDRAL) kept += sn_hinge_energy(m, s, k, forces_of(j->s));
+    if (j->kind == SN_ROWS_VOLUME) kept += sn_volume_energy(m, s, k, forces_of(j->s));
+}
+
+/* All of them, inertia and areas too. */
+static void evaluate(const job *j) {
+    sn_muscle_state *s = &j->s->state->muscles[0];
+    const sn_objective objective = {&j->s->model->muscles[0], s, j->s->model->substep_duration};
+    kept += sn_objective_evaluate(&objective, s->points, s->qn->trial_gradient);
+}
+
+static void solve(const job *j) {
+    sn_qn *qn = j->s->state->muscles[0].qn;
+    sn_preconditioner_set_volume(qn->preconditioner, j->s->state->muscles[0].volume_gradient, 1.0);
+    assert_true(sn_preconditioner_apply(qn->preconditioner, qn->gradient, qn->direction));
+}
+
+/* The two loops of L-BFGS over all pairs, as they are plainest. */
+static void two_loops(const job *j) {
+    sn_muscle_state *s = &j->s->state->muscles[0];
+    size_t n = (size_t)j->s->model->muscles[0].point_count;
+    sn_vec3 *d = s->qn->direction;
+    for (int pass = 0; pass < 2; pass++) {
+        for (size_t pair = 0; pair < SN_QN_MEMORY; pair++) {
+            const sn_vec3 *a = (pass == 0 ? s->pair_steps : s->pair_changes) + pair * n;
+            const sn_vec3 *b = (pass == 0 ? s->pair_changes : s->pair_steps) + pair * n;
+            double sum = 0.0;
+            for (size_t i = 0; i < n; i++) sum += sn_dot(a[i], d[i]);
+            for (size_t i = 0; i < n; i++) d[i] = sn_add_scaled(d[i], b[i], 1e-9 * sum);
+        }
+    }
+}
+
+/* One muscle that contracts and bends, stopped where pairs and volume are at hand. */
+static void bench_qn(sn_index rings, sn_index sectors) {
+    fusiform f = FUSIFORM;
+    sn_scene scene;
+    f.rings = rings, f.sectors = sectors, f.structure = true;
+    make_scene(&scene, &f);
+    scene.solver = sn_solver_defaults(SN_SOLVER_QN);
+    scene.solver.sleep = false;
+    scene.solver.tolerance = 0.0;
+    set_keys(&scene.muscles[0].activation, 0.0, 0.0, 0.5, 1.0);
+    set_keys(&scene.motion.joints[0].angle, 0.0, 0.0, 0.5, -0.5);
+    simulation s = start(&scene);
+    step_frames(&s, 4, NULL);
+    const sn_plan_muscle *plan = &s.model->plan.muscles[0];
+    printf("%9d", (int)plan->triangles);
+    for (int kind = 0; kind < SN_ROW_KINDS; kind++) {
+        if (kind == SN_ROWS_AREA) continue;
+        double t = measure(&(job){&s, (sn_row_kind)kind, energy_of_kind});
+        printf(" %9.2f", 1e9 * t / (kind == SN_ROWS_VOLUME ? plan->triangles : plan->groups[kind].rows));
+    }
+    double evaluation = measure(&(job){&s, SN_ROWS_MESH, evaluate}), solution = measure(&(job){&s, SN_ROWS_MESH, solve});
+    double loops = measure(&(job){&s, SN_ROWS_MESH, two_loops}), begin = now();
+    int64_t iterations = 0, rejected = 0;
+    for (int i = 0; i < 4; i++) {
+        step_frames(&s, 1, NULL);
+        iterations += s.state->muscles[0].statistics.iterations, rejected += s.state->muscles[0].statistics.rejected_steps;
+    }
+    double iteration = (now() - begin) / (double)iterations;
+    printf(" %12.3f %9.3f %9.3f %12.3f %9.1f %9.2f\n", 1e3 * evaluation, 1e3 * solution, 1e3 * loops, 1e3 * iteration,
+           (double)iterations / 4.0, (double)rejected / (double)iterations);
+    finish(&s);
+}
+
 int main(void) {
     static const sn_index sizes[][2] = {{24, 21}, {48, 42}, {98, 87}, {146, 130}, {240, 208}};
     printf("ns per row (volume: per triangle), one core, double; iteration: mesh + dihedral + volume; frame: 16 substeps x 2 iterations\n"
@@ -122,5 +200,12 @@ int main(void) {
     printf("%9s %9s %9s %9s %9s %9s %9s %9s %9s %9s %12s %11s %12s\n", "triangles", "internal", "radial", "mesh", "dihedral", "area",
            "volume", "bare-mesh", "bare-dih", "bare-vol", "ms/iteration", "ms/frame", "bytes/vertex");
     for (int i = 0; i < 5; i++) bench(sizes[i][0], sizes[i][1]);
+    printf(
+        "\nqn: ns per row of energy and gradient (volume: per triangle); evaluation: all rows, areas and inertia, once; solve: one\n"
+        "application of the preconditioner; l-bfgs: the two loops over 8 pairs; iteration: those three and the rest, the start of a step\n"
+        "and the factorisation of its matrix too\n");
+    printf("%9s %9s %9s %9s %9s %9s %12s %9s %9s %12s %9s %9s\n", "triangles", "internal", "radial", "mesh", "dihedral", "volume",
+           "ms/evaluate", "ms/solve", "ms/l-bfgs", "ms/iteration", "it/frame", "rejected");
+    for (int i = 0; i < 5; i++) bench_qn(sizes[i][0], sizes[i][1]);
     return 0;
 }

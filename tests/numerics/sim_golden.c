@@ -8,17 +8,24 @@
 #include <stdio.h>
 
 static int passed, failed;
-static sn_solver_method solver;
 
-static const char *solver_name(void) { return solver == SN_SOLVER_QN ? "qn" : "xpbd"; }
+static const struct {
+    const char *name;
+    sn_solver_method method;
+    sn_preconditioning preconditioner;
+} SOLVERS[] = {{"xpbd", SN_SOLVER_XPBD, SN_PRECONDITION_AUTO},
+               {"qn-scalar", SN_SOLVER_QN, SN_PRECONDITION_SCALAR},
+               {"qn-corotated", SN_SOLVER_QN, SN_PRECONDITION_COROTATED}};
+static int solver; /* index of SOLVERS */
 
 /* Three muscles that use every kind of row, every law, and every factor on a row. */
 static void make_everything(sn_scene *scene) {
     fusiform small = FUSIFORM;
     small.rings = 13, small.sectors = 11, small.structure = false;
     make_scene(scene, &FUSIFORM);
-    scene->solver = sn_solver_defaults(solver);
-    if (solver == SN_SOLVER_QN) scene->solver.substeps = 2;
+    scene->solver = sn_solver_defaults(SOLVERS[solver].method);
+    scene->solver.preconditioner = SOLVERS[solver].preconditioner;
+    if (SOLVERS[solver].method == SN_SOLVER_QN) scene->solver.substeps = 2;
     add_muscle(scene, "isochoric", &small);
     add_muscle(scene, "paper", &FUSIFORM);
     scene->muscles[0].anisotropy = SN_ANISOTROPY_PBD;
@@ -48,7 +55,7 @@ static void pass_through_bytes(simulation *s) {
 
 /* Where the first and the second piece of a frame end. */
 static void stop_at(sn_step_options *options, int piece, sn_index frame) {
-    bool qn = solver == SN_SOLVER_QN;
+    bool qn = SOLVERS[solver].method == SN_SOLVER_QN;
     options->stop_substep = qn ? 1 + piece : 3 + 5 * piece + frame % 4;
     options->stop_iteration = qn ? 1 + (3 * piece + frame) % 9 : 1 + (piece + frame) % 2;
 }
@@ -82,7 +89,7 @@ static void run(int threads, bool watched, bool stops, char hash[SN_HASH_LENGTH]
 
 static void compare(const char *name, const char *one, const char *other) {
     bool same = memcmp(one, other, SN_HASH_LENGTH) == 0;
-    printf("%-5s %-40s %s\n", solver_name(), name, same ? "the same" : "FAILED: not the same");
+    printf("%-12s %-40s %s\n", SOLVERS[solver].name, name, same ? "the same" : "FAILED: not the same");
     if (same)
         passed++;
     else
@@ -92,7 +99,7 @@ static void compare(const char *name, const char *one, const char *other) {
 static void all_runs(void) {
     char hash[SN_HASH_LENGTH], other[SN_HASH_LENGTH];
     run(1, false, false, hash);
-    printf("hash %s %s\n", solver_name(), hash);
+    printf("hash %s %s\n", SOLVERS[solver].name, hash);
     for (int threads = 2; threads <= 4; threads += 2) {
         run(threads, false, false, other);
         compare(threads == 2 ? "2 threads" : "4 threads", hash, other);
@@ -104,10 +111,7 @@ static void all_runs(void) {
 }
 
 int main(void) {
-    for (int i = 0; i < 2; i++) {
-        solver = i == 0 ? SN_SOLVER_XPBD : SN_SOLVER_QN;
-        all_runs();
-    }
+    for (solver = 0; solver < (int)(sizeof SOLVERS / sizeof *SOLVERS); solver++) all_runs();
     printf("%d passed, %d failed\n", passed, failed);
     return failed > 0;
 }

@@ -63,6 +63,35 @@ static void several_columns_are_the_single_ones(void **state) {
     sn_sparse_destroy(f);
 }
 
+/* A grid fills its factor, so that neighbouring columns share their rows; three and six columns take another way than one does. */
+static void points_are_solved_as_single_columns_are(void **state) {
+    (void)state;
+    enum { SIDE = 23, SIZE = SIDE * SIDE };
+    sn_entry *entries = SN_NEW(sn_entry, 3 * SIZE);
+    double *b = SN_NEW(double, 6 * SIZE), *six = SN_NEW(double, 6 * SIZE), *three = SN_NEW(double, 6 * SIZE), one[SIZE];
+    sn_index count = 0;
+    uint64_t seed = 3;
+    for (sn_index i = 0; i < SIZE; i++) {
+        entries[count++] = (sn_entry){i, i, 4.1};
+        if (i % SIDE > 0) entries[count++] = (sn_entry){i, i - 1, -1.0};
+        if (i >= SIDE) entries[count++] = (sn_entry){i, i - SIDE, -1.0};
+    }
+    for (int i = 0; i < 6 * SIZE; i++) b[i] = sn_random(&seed) - 0.5;
+    sn_sparse *f = factor(SIZE, count, entries);
+    assert_int_equal(sn_sparse_solve(f, 6, b, six, NULL), SN_OK);
+    for (int half = 0; half < 2; half++) assert_int_equal(sn_sparse_solve(f, 3, b + 3 * half * SIZE, three + 3 * half * SIZE, NULL), SN_OK);
+    assert_memory_equal(three, six, 6 * SIZE * sizeof *six);
+    for (int c = 0; c < 6; c++) {
+        assert_int_equal(sn_sparse_solve(f, 1, b + c * SIZE, one, NULL), SN_OK);
+        for (int i = 0; i < SIZE; i++) assert_true(fabs(one[i] - six[c * SIZE + i]) < 1e-13);
+    }
+    free(entries);
+    free(b);
+    free(six);
+    free(three);
+    sn_sparse_destroy(f);
+}
+
 static void a_refactor_is_a_fresh_factor(void **state) {
     (void)state;
     sn_entry before[3 * N], after[3 * N];
@@ -121,9 +150,13 @@ static void bad_entries_are_rejected(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(constant_load_gives_the_parabola),  cmocka_unit_test(several_columns_are_the_single_ones),
-        cmocka_unit_test(a_refactor_is_a_fresh_factor),      cmocka_unit_test(an_indefinite_matrix_names_its_row),
-        cmocka_unit_test(a_refactor_may_fail_and_be_mended), cmocka_unit_test(bad_entries_are_rejected),
+        cmocka_unit_test(constant_load_gives_the_parabola),
+        cmocka_unit_test(several_columns_are_the_single_ones),
+        cmocka_unit_test(points_are_solved_as_single_columns_are),
+        cmocka_unit_test(a_refactor_is_a_fresh_factor),
+        cmocka_unit_test(an_indefinite_matrix_names_its_row),
+        cmocka_unit_test(a_refactor_may_fail_and_be_mended),
+        cmocka_unit_test(bad_entries_are_rejected),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
