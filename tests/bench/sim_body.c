@@ -41,6 +41,7 @@ static const setting SETTINGS[] = {
 
 static void use_setting(sn_scene *scene, const setting *at) {
     scene->solver = sn_solver_defaults(at->method);
+    scene->solver.preconditioner = at->preconditioner;
     if (at->substeps > 0) scene->solver.substeps = at->substeps;
     if (at->iterations > 0) scene->solver.iterations = at->iterations;
     scene->solver.preconditioner = at->preconditioner;
