@@ -17,13 +17,14 @@ static const char *const FORMATS[] = {"pc2", "ply", NULL};
 static const char *const SOLVERS[] = {"xpbd", "qn", NULL}; /* in the order of sn_solver_method */
 static const char *const LAWS[] = {"projected", "paper", "isochoric", NULL};
 static const char *const SCHEMES[] = {"guarded", "romeo", "kohout", NULL};
+static const char *const PRECISIONS[] = {"double", "single", NULL}; /* in the order of sn_precision */
 static const char *const ANISOTROPIES[] = {"scheme", "none", "pbd", "xpbd", NULL};
 
 typedef struct choices {
     const char *frames, *log, *fail_on, *state, *from;
     double rate, preroll, tolerance;
     int64_t substeps, iterations, save_every;
-    int format, law, solver, scheme, anisotropy;
+    int format, law, solver, scheme, anisotropy, precision;
     bool plan, no_sleep;
 } choices;
 
@@ -39,6 +40,7 @@ static const cli_option OPTIONS[] = {
     {0, NULL, NULL, CLI_HEADING, NULL, 0, 0, 0, NULL, "Solver:"},
     {0, "scheme", "SCHEME", CLI_CHOICE, &given.scheme, 0, 0, 0, SCHEMES, "guarded, or a paper to the letter: romeo, kohout"},
     {0, "solver", "METHOD", CLI_CHOICE, &given.solver, 0, 0, 0, SOLVERS, "xpbd or qn, with its own defaults, instead of the scene's"},
+    {0, "precision", "PRECISION", CLI_CHOICE, &given.precision, 0, 0, 0, PRECISIONS, "xpbd: project in double, or in single: faster"},
     {0, "substeps", "N", CLI_INTEGER, &given.substeps, 0, 1, 1e6, NULL, "substeps per frame instead of the scene's"},
     {0, "iterations", "N", CLI_INTEGER, &given.iterations, 0, 1, 1e6, NULL,
      "iterations per substep, where a muscle has no number of its own"},
@@ -189,6 +191,7 @@ static void apply_options(job *j) {
         scene->muscles[i].anisotropy = (sn_anisotropy)given.anisotropy;
     if (given.no_sleep) scene->solver.sleep = false;
     if (cli_given(&j->c, "scheme")) scene->solver.scheme = (sn_scheme)given.scheme;
+    if (cli_given(&j->c, "precision")) scene->solver.precision = (sn_precision)given.precision;
     if (j->c.threads > 0) scene->solver.threads = j->c.threads;
 }
 

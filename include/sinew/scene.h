@@ -61,9 +61,13 @@ typedef enum sn_solver_method { SN_SOLVER_XPBD, SN_SOLVER_QN } sn_solver_method;
 /* How `xpbd` goes about it: guarded is sinew's own; the others are the papers', to the letter ([R18] alg. 1, [K21] alg. 2). */
 typedef enum sn_scheme { SN_SCHEME_GUARDED, SN_SCHEME_ROMEO, SN_SCHEME_KOHOUT } sn_scheme;
 
+/* Of the projections under `xpbd`: single keeps points and inputs in double and projects in floats near the muscle's middle. */
+typedef enum sn_precision { SN_PRECISION_DOUBLE, SN_PRECISION_SINGLE } sn_precision;
+
 typedef struct sn_solver_settings {
     sn_solver_method method;
     sn_scheme scheme;
+    sn_precision precision;
     sn_index substeps;   /* per frame; default 16 under xpbd, 1 under qn */
     sn_index iterations; /* per substep; xpbd: default 2, since a single one lets rows that disagree pump energy into the muscle; qn: at
                             most this many, default 10 */

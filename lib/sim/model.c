@@ -116,6 +116,7 @@ static sn_status build_muscle(const sn_build *build, sn_error *error) {
     m->source = build->source;
     m->vertex_count = build->source->rig.mesh.vertex_count;
     m->quasi_newton = build->scene->solver.method == SN_SOLVER_QN;
+    m->single = build->scene->solver.method == SN_SOLVER_XPBD && build->scene->solver.precision == SN_PRECISION_SINGLE;
     m->tolerance = build->scene->solver.tolerance;
     m->iterations = build->source->iterations > 0 ? build->source->iterations : build->scene->solver.iterations;
     measure_size(build);
@@ -212,6 +213,9 @@ static void free_muscle(sn_model_muscle *m) {
     free(m->hinge_softness);
     free(m->areas);
     free(m->area_scales);
+    for (int kind = 0; kind < SN_DISTANCE_KINDS; kind++) free(m->distance_pairs[kind]);
+    free(m->hinge_pairs);
+    free(m->area_pairs);
     sn_curve_destroy(m->stiffness_curve);
     sn_curve_destroy(m->volume_ratio);
 }

@@ -90,13 +90,14 @@ static double measure(const job *j) {
     return times[0];
 }
 
-static void bench(sn_index rings, sn_index sectors) {
+static void bench(sn_index rings, sn_index sectors, sn_precision precision) {
     fusiform f = FUSIFORM;
     sn_scene scene;
     f.rings = rings, f.sectors = sectors, f.structure = true;
     make_scene(&scene, &f);
     scene.muscles[0].stiffness_relaxed = 500.0; /* nothing rests: each sweep moves every point */
     scene.solver.sleep = false;
+    scene.solver.precision = precision;
     simulation s = start(&scene);
     step_frames(&s, 1, NULL);
     const sn_plan_muscle *plan = &s.model->plan.muscles[0];
@@ -199,7 +200,8 @@ int main(void) {
            "bare: a plain loop over the same rows, without masses, compliance and guards\n");
     printf("%9s %9s %9s %9s %9s %9s %9s %9s %9s %9s %12s %11s %12s\n", "triangles", "internal", "radial", "mesh", "dihedral", "area",
            "volume", "bare-mesh", "bare-dih", "bare-vol", "ms/iteration", "ms/frame", "bytes/vertex");
-    for (int i = 0; i < 5; i++) bench(sizes[i][0], sizes[i][1]);
+    for (int i = 0; i < 5; i++)
+        for (int precision = 0; precision < 2; precision++) bench(sizes[i][0], sizes[i][1], (sn_precision)precision);
     printf(
         "\nqn: ns per row of energy and gradient (volume: per triangle); evaluation: all rows, areas and inertia, once; solve: one\n"
         "application of the preconditioner; l-bfgs: the two loops over 8 pairs; iteration: those three and the rest, the start of a step\n"
