@@ -1,7 +1,7 @@
 /*
- * sim_golden.c -- one hash of a run's end under each back end, the same from 1, 2 and 4 threads, from a run that is watched and from one
- * that stops anywhere and goes on. Prints them with "hash" and "hash-qn"; tests/golden compares them between builds. Then "N passed, N
- * failed".
+ * sim_golden.c -- one hash of a run's end under each back end and precision, the same from 1, 2 and 4 threads, from a run that is watched
+ * and from one that stops anywhere and goes on. Prints them with "hash", "hash-single" and "hash-qn"; tests/golden compares them between
+ * builds. Then "N passed, N failed".
  */
 #include "../unit/sim_scene.h"
 
@@ -41,18 +41,26 @@ static void pass_through_bytes(simulation *s) {
     free(bytes);
 }
 
+/* What is run: a back end, and xpbd in both precisions. */
+typedef struct way {
+    sn_solver_method solver;
+    sn_precision precision;
+    const char *name;
+} way;
+
 /* 12 frames; with `stops`, each of them in pieces. The hash of positions and velocities of all points. */
-static void run(sn_solver_method solver, int threads, bool watched, bool stops, char hash[SN_HASH_LENGTH]) {
+static void run(const way *w, int threads, bool watched, bool stops, char hash[SN_HASH_LENGTH]) {
     sn_scene scene;
     make_everything(&scene);
-    if (solver != SN_SOLVER_XPBD) scene.solver = sn_solver_defaults(solver);
+    if (w->solver != SN_SOLVER_XPBD) scene.solver = sn_solver_defaults(w->solver);
+    scene.solver.precision = w->precision;
     simulation s = start(&scene);
     sn_trace trace = {.receive = ignore, .stop_after = -1};
     sn_step_options options = {.pool = sn_pool_create(threads), .trace = watched ? &trace : NULL};
     for (sn_index frame = 0; frame < 12; frame++) {
         for (int piece = 0; stops && piece < 2; piece++) {
-            options.stop_substep = solver == SN_SOLVER_XPBD ? 3 + 5 * piece + frame % 4 : 1;
-            options.stop_iteration = solver == SN_SOLVER_XPBD ? 1 + (piece + frame) % 2 : 1 + piece;
+            options.stop_substep = w->solver == SN_SOLVER_XPBD ? 3 + 5 * piece + frame % 4 : 1;
+            options.stop_iteration = w->solver == SN_SOLVER_XPBD ? 1 + (piece + frame) % 2 : 1 + piece;
             assert_int_equal(sn_step(s.model, s.state, &options, NULL), SN_STOPPED);
             pass_through_bytes(&s);
         }
@@ -79,23 +87,24 @@ static void compare(const char *name, const char *one, const char *other) {
         failed++;
 }
 
-static void check(sn_solver_method solver, const char *name) {
+static void check(const way *w) {
     char hash[SN_HASH_LENGTH], other[SN_HASH_LENGTH];
-    run(solver, 1, false, false, hash);
-    printf("%s %s\n", name, hash);
+    run(w, 1, false, false, hash);
+    printf("%s %s\n", w->name, hash);
     for (int threads = 2; threads <= 4; threads += 2) {
-        run(solver, threads, false, false, other);
+        run(w, threads, false, false, other);
         compare(threads == 2 ? "2 threads" : "4 threads", hash, other);
     }
-    run(solver, 2, true, false, other);
+    run(w, 2, true, false, other);
     compare("watched", hash, other);
-    run(solver, 1, false, true, other);
+    run(w, 1, false, true, other);
     compare("stopped, packed and continued", hash, other);
 }
 
 int main(void) {
-    check(SN_SOLVER_XPBD, "hash");
-    check(SN_SOLVER_QN, "hash-qn");
+    check(&(way){SN_SOLVER_XPBD, SN_PRECISION_DOUBLE, "hash"});
+    check(&(way){SN_SOLVER_XPBD, SN_PRECISION_SINGLE, "hash-single"});
+    check(&(way){SN_SOLVER_QN, SN_PRECISION_DOUBLE, "hash-qn"});
     printf("%d passed, %d failed\n", passed, failed);
     return failed > 0;
 }
