@@ -12,22 +12,29 @@
 
 /* ---- to single and back ----------------------------------------------------------------------------------------------------- */
 
-/* In the middle of the points, as far as the nearest one is from it that is good enough. */
+/* The middle of the attached points, which are where their bones are whatever happens to the others; of all where none is attached. */
 static sn_vec3 middle(const sn_model_muscle *m, const sn_muscle_state *s) {
-    sn_vec3 low = sn_point_position(&s->points[0]), high = low;
-    for (sn_index i = 1; i < m->point_count; i++) {
-        const sn_point *p = &s->points[i];
-        low = sn_v3(p->x < low.x ? p->x : low.x, p->y < low.y ? p->y : low.y, p->z < low.z ? p->z : low.z);
-        high = sn_v3(p->x > high.x ? p->x : high.x, p->y > high.y ? p->y : high.y, p->z > high.z ? p->z : high.z);
+    sn_vec3 low = sn_v3(DBL_MAX, DBL_MAX, DBL_MAX), high = sn_neg(low);
+    sn_index count = m->kinematic_count > 0 ? m->kinematic_count : m->point_count;
+    for (sn_index i = 0; i < count; i++) {
+        sn_vec3 p = sn_point_position(&s->points[m->kinematic_count > 0 ? m->kinematic_points[i] : i]);
+        if (!sn_finite3(p)) continue;
+        low = sn_v3(fmin(low.x, p.x), fmin(low.y, p.y), fmin(low.z, p.z));
+        high = sn_v3(fmax(high.x, p.x), fmax(high.y, p.y), fmax(high.z, p.z));
     }
-    return sn_scale(sn_add(low, high), 0.5);
+    return sn_add_scaled(low, sn_sub(high, low), 0.5);
 }
+
+/* Inverse masses are in floats over that of a mean point, and compliances over it too: of whatever size the muscle is, its numbers are. */
+static double mean_mass(const sn_model_muscle *m) { return m->mass / m->point_count; }
 
 void sn_single_enter(const sn_model_muscle *m, sn_muscle_state *s) {
     sn_vec3 origin = *s->origin = middle(m, s);
+    double mass = mean_mass(m);
     for (sn_index i = 0; i < m->point_count; i++) {
         const sn_point *p = &s->points[i];
-        s->single_points[i] = (sn_single_point){(float)(p->x - origin.x), (float)(p->y - origin.y), (float)(p->z - origin.z), (float)p->w};
+        sn_vec3 at = sn_sub(sn_point_position(p), origin);
+        s->single_points[i] = (sn_single_point){(float)at.x, (float)at.y, (float)at.z, (float)(p->w * mass)};
     }
 }
 
@@ -163,7 +170,19 @@ static bool project_volume(const sn_model_muscle *m, sn_muscle_state *s, const s
     return residual * residual > VOLUME_TOLERANCE * m->rest_volume * m->rest_volume;
 }
 
+static void sweep_of_volume(const sn_model_muscle *m, sn_muscle_state *s, const sn_sweep *sweep) {
+    if (sweep->first) s->volume_lambda = 0.0;
+    for (int i = 0; m->keeps_volume && i < sweep->projections && project_volume(m, s, sweep); i++) continue;
+}
+
 /* ---- one sweep -------------------------------------------------------------------------------------------------------------- */
+
+static void sweep_of_distances(const sn_model_muscle *m, sn_muscle_state *s, sn_row_kind kind, const sn_sweep *sweep) {
+    const distance_rows in = {s->single_points,   m->distances->point,    s->goals, m->distance_softness, m->distance_gain,
+                              s->distance_lambda, m->distance_pairs[kind]};
+    sn_index begin = m->distance_start[kind], end = m->distance_start[kind + 1];
+    s->statistics.skipped_edges += sweep_distances(&in, begin, begin + m->distance_batched[kind], end, sweep);
+}
 
 static void sweep_of_hinges(const sn_model_muscle *m, sn_muscle_state *s, const sn_sweep *sweep) {
     if (m->hinge_count == 0) return;
@@ -181,18 +200,16 @@ static void sweep_of_areas(const sn_model_muscle *m, sn_muscle_state *s) {
     s->statistics.skipped_triangles += done.skipped;
 }
 
-void sn_single_sweep(const sn_model_muscle *m, sn_muscle_state *s, sn_row_kind kind, const sn_sweep *sweep) {
+void sn_single_sweep(const sn_model_muscle *m, sn_muscle_state *s, sn_row_kind kind, const sn_sweep *in_double) {
+    sn_sweep sweep = *in_double;
+    sweep.compliance *= mean_mass(m);
     if (kind == SN_ROWS_DIHEDRAL) {
-        sweep_of_hinges(m, s, sweep);
+        sweep_of_hinges(m, s, &sweep);
     } else if (kind == SN_ROWS_AREA) {
         sweep_of_areas(m, s);
     } else if (kind == SN_ROWS_VOLUME) {
-        if (sweep->first) s->volume_lambda = 0.0;
-        for (int i = 0; m->keeps_volume && i < sweep->projections && project_volume(m, s, sweep); i++) continue;
+        sweep_of_volume(m, s, &sweep);
     } else {
-        const distance_rows in = {s->single_points,   m->distances->point,    s->goals, m->distance_softness, m->distance_gain,
-                                  s->distance_lambda, m->distance_pairs[kind]};
-        sn_index begin = m->distance_start[kind], end = m->distance_start[kind + 1];
-        s->statistics.skipped_edges += sweep_distances(&in, begin, begin + m->distance_batched[kind], end, sweep);
+        sweep_of_distances(m, s, kind, &sweep);
     }
 }
