@@ -1,5 +1,6 @@
 /*
- * xpbd_extremes.c -- numerics.md 5, column `xpbd`, the cases without bones in the way. Usage: xpbd_extremes [MUSCLE-DOCUMENT ...]
+ * xpbd_extremes.c -- numerics.md 5, column `xpbd`, the cases without bones in the way. Usage: xpbd_extremes [--single] [MUSCLE-DOCUMENT
+ * ...]
  *
  * On the generated fusiform muscle, or on the documents: the last of their attachments moves, the others stay. A case passes when every
  * frame is finite, no point is ever farther than 2 L from where the muscle's bones have been, and, where the inputs go back to normal, the
@@ -13,6 +14,7 @@
 static int passed, failed;
 
 static const char *subject; /* path of a muscle document; NULL = the fusiform muscle */
+static sn_precision precision;
 
 static void add_bone(sn_scene *scene, const char *name, sn_index joint) {
     scene->bones[scene->bone_count++] =
@@ -54,6 +56,7 @@ static void make_subject(sn_scene *scene) {
         make_scene(scene, &FUSIFORM);
     else
         load_subject(scene);
+    scene->solver.precision = precision;
 }
 
 static void verdict(const char *name, bool good, double far, double error) {
@@ -303,8 +306,10 @@ static void all_cases(void) {
 }
 
 int main(int argc, char **argv) {
-    if (argc < 2) all_cases();
-    for (int i = 1; i < argc; i++) {
+    int first = argc > 1 && strcmp(argv[1], "--single") == 0 ? 2 : 1;
+    if (first == 2) precision = SN_PRECISION_SINGLE;
+    if (argc == first) all_cases();
+    for (int i = first; i < argc; i++) {
         subject = argv[i];
         printf("%s\n", subject);
         all_cases();
