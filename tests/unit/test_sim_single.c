@@ -27,8 +27,6 @@ static void rest_stays_at_rest(void **state) {
         scene.muscles[0].rest_activation = scene.muscles[0].activation.constant = 0.8;
         simulation s = start(&scene);
         step_frames(&s, 48, NULL);
-        print_message("law %d: moved %g diagonals, %g J\n", law, greatest_move(&s) / s.model->muscles[0].diagonal,
-                      s.state->muscles[0].statistics.kinetic_energy);
         assert_true(greatest_move(&s) < 1e-5 * s.model->muscles[0].diagonal);
         finish(&s);
     }
@@ -45,7 +43,6 @@ static void the_motion_is_that_of_double_precision(void **state) {
         step_frames(&s[k], 18, NULL);
     }
     double moved = greatest_move(&s[0]) / s[0].model->muscles[0].diagonal, apart = greatest_difference(&s[0], &s[1], sn_rigid_identity());
-    print_message("apart by %g diagonals, moved by %g\n", apart, moved);
     assert_true(moved > 0.04);
     assert_true(apart < 1e-5);
     assert_true(apart > 0.0); /* it is another precision */
@@ -97,7 +94,6 @@ static void a_kilometre_away_it_is_the_same(void **state) {
     step_frames(&a, 18, NULL);
     step_frames(&b, 18, NULL);
     double apart = greatest_difference(&a, &b, by);
-    print_message("apart by %g diagonals\n", apart);
     assert_true(apart < 1e-5);
     finish(&a);
     finish(&b);
@@ -121,7 +117,6 @@ static void size_does_not_matter(void **state) {
             step_frames(&s[k], 12, NULL);
         }
         double apart = greatest_difference(&s[0], &s[1], sn_rigid_identity());
-        print_message("scale %g: apart by %g diagonals\n", scales[i], apart);
         assert_true(apart < 1e-5);
         assert_int_equal(s[1].state->muscles[0].statistics.skipped_hinges, s[0].state->muscles[0].statistics.skipped_hinges);
         finish(&s[0]);
