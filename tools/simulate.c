@@ -20,13 +20,14 @@ static const char *const PRECONDITIONERS[] = {"scalar", "corotated", NULL};
 static const char *const STRETCHES[] = {"springs", "membrane", NULL};
 static const char *const LAWS[] = {"projected", "paper", "isochoric", NULL};
 static const char *const SCHEMES[] = {"guarded", "romeo", "kohout", NULL};
+static const char *const PRECISIONS[] = {"double", "single", NULL}; /* in the order of sn_precision */
 static const char *const ANISOTROPIES[] = {"scheme", "none", "pbd", "xpbd", NULL};
 
 typedef struct choices {
     const char *frames, *log, *fail_on, *state, *from, *choose;
     double rate, preroll, tolerance, target_error;
     int64_t substeps, iterations, save_every;
-    int format, law, solver, scheme, anisotropy, stretch, preconditioner;
+    int format, law, solver, scheme, anisotropy, stretch, preconditioner, precision;
     bool plan, no_sleep;
     fiber_choices fibers;
 } choices;
@@ -45,6 +46,7 @@ static const cli_option OPTIONS[] = {
     {0, NULL, NULL, CLI_HEADING, NULL, 0, 0, 0, NULL, "Solver:"},
     {0, "scheme", "SCHEME", CLI_CHOICE, &given.scheme, 0, 0, 0, SCHEMES, "guarded, or a paper to the letter: romeo, kohout"},
     {0, "solver", "METHOD", CLI_CHOICE, &given.solver, 0, 0, 0, SOLVERS, "xpbd or qn, with its own defaults, instead of the scene's"},
+    {0, "precision", "PRECISION", CLI_CHOICE, &given.precision, 0, 0, 0, PRECISIONS, "xpbd: project in double, or in single: faster"},
     {0, "substeps", "N", CLI_INTEGER, &given.substeps, 0, 1, 1e6, NULL, "substeps per frame instead of the scene's"},
     {0, "iterations", "N", CLI_INTEGER, &given.iterations, 0, 1, 1e6, NULL,
      "iterations per substep, where a muscle has no number of its own"},
@@ -215,6 +217,7 @@ static void apply_options(job *j) {
     if (cli_given(&j->c, "preconditioner")) scene->solver.preconditioner = (sn_preconditioning)given.preconditioner;
     if (given.no_sleep) scene->solver.sleep = false;
     if (cli_given(&j->c, "scheme")) scene->solver.scheme = (sn_scheme)given.scheme;
+    if (cli_given(&j->c, "precision")) scene->solver.precision = (sn_precision)given.precision;
     if (j->c.threads > 0) scene->solver.threads = j->c.threads;
 }
 

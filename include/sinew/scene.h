@@ -68,10 +68,13 @@ typedef enum sn_scheme { SN_SCHEME_GUARDED, SN_SCHEME_ROMEO, SN_SCHEME_KOHOUT } 
 /* The matrix that `qn` goes by (numerics.md 2, 7): one number for x, y and z of two points; or the Hessian of the rest shape, turned with
  * the muscle. */
 typedef enum sn_preconditioning { SN_PRECONDITION_SCALAR, SN_PRECONDITION_COROTATED } sn_preconditioning;
+/* Of the projections under `xpbd`: single keeps points and inputs in double and projects in floats near the muscle's middle. */
+typedef enum sn_precision { SN_PRECISION_DOUBLE, SN_PRECISION_SINGLE } sn_precision;
 
 typedef struct sn_solver_settings {
     sn_solver_method method;
     sn_scheme scheme;
+    sn_precision precision;
     sn_index substeps;   /* per frame; default 16 under xpbd, 1 under qn */
     sn_index iterations; /* per substep; xpbd: default 2, since a single one lets rows that disagree pump energy into the muscle; qn: at
                             most this many, default 10 */

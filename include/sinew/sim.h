@@ -138,24 +138,26 @@ typedef struct sn_model_muscle {
     sn_hinge_row *hinges;   /* (hinge_count) */
     double *hinge_angles;   /* (hinge_count) theta0, rad */
     double *hinge_softness; /* (hinge_count) 1 / factor on the stiffness; NULL = 1 for all */
-    sn_index area_count;
+    sn_index area_count, area_batched;
     sn_area_row *areas;  /* (area_count) */
     double *area_scales; /* (area_count) 1 / (2 A0), 1/m^2 */
     sn_index membrane_count;
-    sn_area_row *membrane_points; /* (membrane_count) */
-    sn_membrane_row *membranes;   /* (membrane_count) */
-    bool keeps_volume;            /* the volume row runs */
-    double rest_volume;           /* V0, m^3; NaN for an open or flat surface */
-    sn_curve *stiffness_curve;    /* ln k over activation; NULL = straight from relaxed to active */
-    sn_curve *volume_ratio;       /* g(activation); NULL = 1 */
-    double rest_ratio;            /* g(rest activation) */
-    double mass;                  /* kg, all points together */
-    double mean_edge, diagonal;   /* m */
-    sn_index iterations;          /* per substep */
-    bool contracts;               /* activation is felt: not under the scheme `kohout` */
-    bool quasi_newton;            /* the back end is `qn` */
-    bool corotated;               /* qn: by the rest shape's Hessian, turned with the muscle, where the shape allows it */
-    double tolerance;             /* qn: stop when a whole step moves no point by more than this share of the diagonal */
+    sn_area_row *membrane_points;                                       /* (membrane_count) */
+    sn_membrane_row *membranes;                                         /* (membrane_count) */
+    bool keeps_volume;                                                  /* the volume row runs */
+    double rest_volume;                                                 /* V0, m^3; NaN for an open or flat surface */
+    sn_curve *stiffness_curve;                                          /* ln k over activation; NULL = straight from relaxed to active */
+    sn_curve *volume_ratio;                                             /* g(activation); NULL = 1 */
+    double rest_ratio;                                                  /* g(rest activation) */
+    double mass;                                                        /* kg, all points together */
+    double mean_edge, diagonal;                                         /* m */
+    sn_index iterations;                                                /* per substep */
+    bool contracts;                                                     /* activation is felt: not under the scheme `kohout` */
+    bool single;                                                        /* projected in single precision: then, and only then: */
+    bool *distance_pairs[SN_DISTANCE_KINDS], *hinge_pairs, *area_pairs; /* (batched / 4) this four and the next share no point */
+    bool quasi_newton;                                                  /* the back end is `qn` */
+    bool corotated;   /* qn: by the rest shape's Hessian, turned with the muscle, where the shape allows it */
+    double tolerance; /* qn: stop when a whole step moves no point by more than this share of the diagonal */
 } sn_model_muscle;
 
 typedef struct sn_model {
@@ -220,6 +222,11 @@ typedef struct sn_point {
     double x, y, z, w;
 } sn_point;
 
+/* The same in single precision, relative to the muscle's origin. */
+typedef struct sn_single_point {
+    float x, y, z, w;
+} sn_single_point;
+
 static inline sn_vec3 sn_point_position(const sn_point *p) { return sn_v3(p->x, p->y, p->z); }
 
 /* Arrays of one muscle's state: type, name, count in terms of `m` (its model), kept when a run is saved and continued. */
@@ -241,7 +248,11 @@ static inline sn_vec3 sn_point_position(const sn_point *p) { return sn_v3(p->x, 
     X(double, pair_products, m->quasi_newton ? 8 : 0, true)                                                                                \
     X(bool, guarded, m->quasi_newton ? m->area_count : 0, true)                                                                            \
     X(sn_quat, turns, m->corotated ? m->point_count : 0, true)                                                                             \
-    X(sn_vec3, row_gradient, m->quasi_newton && m->keeps_volume ? m->vertex_count : 0, true)
+    X(sn_vec3, row_gradient, m->quasi_newton && m->keeps_volume ? m->vertex_count : 0, true)                                               \
+    /* single precision: the points during a substep, relative to an origin (one), and 6 dV/dx */                                          \
+    X(sn_single_point, single_points, m->single ? m->point_count : 0, true)                                                                \
+    X(sn_vec3, origin, m->single ? 1 : 0, true)                                                                                            \
+    X(sn_single_point, single_gradient, m->single && m->keeps_volume ? m->vertex_count : 0, false)
 
 struct sn_qn;
 typedef struct sn_qn sn_qn;

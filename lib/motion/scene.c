@@ -229,6 +229,8 @@ static sn_status check_clock(const sn_scene *scene, sn_error *error) {
         return sn_fail(error, SN_ERROR_INPUT, "solver.scheme is a scheme of xpbd; leave it out or choose the method xpbd");
     if (solver->method != SN_SOLVER_QN && solver->preconditioner != SN_PRECONDITION_SCALAR)
         return sn_fail(error, SN_ERROR_INPUT, "solver.preconditioner is for the method qn; leave it out or choose that method");
+    if (solver->method != SN_SOLVER_XPBD && solver->precision != SN_PRECISION_DOUBLE)
+        return sn_fail(error, SN_ERROR_INPUT, "solver.precision single is for xpbd; leave it out or choose the method xpbd");
     if (!within(solver->tolerance, 0.0, 1.0))
         return sn_fail(error, SN_ERROR_INPUT, "solver.tolerance is %g; it must be within [0,1]", solver->tolerance);
     if (solver->threads < 0) return sn_fail(error, SN_ERROR_INPUT, "solver.threads is %d; it must be at least 0", solver->threads);

@@ -117,6 +117,7 @@ static sn_status build_muscle(const sn_build *build, sn_error *error) {
     m->vertex_count = build->source->rig.mesh.vertex_count;
     m->quasi_newton = build->scene->solver.method == SN_SOLVER_QN;
     m->corotated = m->quasi_newton && build->scene->solver.preconditioner == SN_PRECONDITION_COROTATED;
+    m->single = build->scene->solver.method == SN_SOLVER_XPBD && build->scene->solver.precision == SN_PRECISION_SINGLE;
     m->tolerance = build->scene->solver.tolerance;
     m->iterations = build->source->iterations > 0 ? build->source->iterations : build->scene->solver.iterations;
     measure_size(build);
@@ -216,6 +217,9 @@ static void free_muscle(sn_model_muscle *m) {
     free(m->area_scales);
     free(m->membrane_points);
     free(m->membranes);
+    for (int kind = 0; kind < SN_DISTANCE_KINDS; kind++) free(m->distance_pairs[kind]);
+    free(m->hinge_pairs);
+    free(m->area_pairs);
     sn_curve_destroy(m->stiffness_curve);
     sn_curve_destroy(m->volume_ratio);
 }

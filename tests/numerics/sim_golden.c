@@ -14,10 +14,12 @@ static const struct {
     sn_solver_method method;
     sn_preconditioning preconditioner;
     sn_stretch stretch; /* of the muscles that can have it */
-} SOLVERS[] = {{"xpbd", SN_SOLVER_XPBD, SN_PRECONDITION_SCALAR, SN_STRETCH_SPRINGS},
-               {"qn-scalar", SN_SOLVER_QN, SN_PRECONDITION_SCALAR, SN_STRETCH_SPRINGS},
-               {"qn-corotated", SN_SOLVER_QN, SN_PRECONDITION_COROTATED, SN_STRETCH_SPRINGS},
-               {"qn-membrane", SN_SOLVER_QN, SN_PRECONDITION_SCALAR, SN_STRETCH_MEMBRANE}};
+    sn_precision precision;
+} SOLVERS[] = {{"xpbd", SN_SOLVER_XPBD, SN_PRECONDITION_SCALAR, SN_STRETCH_SPRINGS, SN_PRECISION_DOUBLE},
+               {"xpbd-single", SN_SOLVER_XPBD, SN_PRECONDITION_SCALAR, SN_STRETCH_SPRINGS, SN_PRECISION_SINGLE},
+               {"qn-scalar", SN_SOLVER_QN, SN_PRECONDITION_SCALAR, SN_STRETCH_SPRINGS, SN_PRECISION_DOUBLE},
+               {"qn-corotated", SN_SOLVER_QN, SN_PRECONDITION_COROTATED, SN_STRETCH_SPRINGS, SN_PRECISION_DOUBLE},
+               {"qn-membrane", SN_SOLVER_QN, SN_PRECONDITION_SCALAR, SN_STRETCH_MEMBRANE, SN_PRECISION_DOUBLE}};
 static int solver; /* index of SOLVERS */
 
 /* Three muscles that use every kind of row, every law, and every factor on a row. */
@@ -27,6 +29,7 @@ static void make_everything(sn_scene *scene) {
     make_scene(scene, &FUSIFORM);
     scene->solver = sn_solver_defaults(SOLVERS[solver].method);
     scene->solver.preconditioner = SOLVERS[solver].preconditioner;
+    scene->solver.precision = SOLVERS[solver].precision;
     if (SOLVERS[solver].method == SN_SOLVER_QN) scene->solver.substeps = 2;
     add_muscle(scene, "isochoric", &small);
     add_muscle(scene, "paper", &FUSIFORM);

@@ -14,7 +14,7 @@ typedef struct back_end {
     sn_preconditioning preconditioner;
     double error;
 } back_end;
-static const back_end BACK_ENDS[] = {{SN_SOLVER_XPBD, SN_PRECONDITION_AUTO, 1e-5},
+static const back_end BACK_ENDS[] = {{SN_SOLVER_XPBD, SN_PRECONDITION_SCALAR, 1e-5},
                                      {SN_SOLVER_QN, SN_PRECONDITION_SCALAR, 1e-5},
                                      {SN_SOLVER_QN, SN_PRECONDITION_COROTATED, 1e-5}};
 enum { BACK_END_COUNT = 3 };
