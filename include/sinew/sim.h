@@ -264,6 +264,7 @@ typedef struct sn_muscle_state {
     double volume_lambda;
     sn_index pair_count, pair_next; /* qn: pairs at hand, and the slot of the next */
     sn_stop_reason stopped;         /* qn: why the substep needs no further iteration; SN_STOP_ITERATIONS = it may */
+    bool torn;                      /* qn: the substep began far from any shape of rest: more effort */
     bool turned;                    /* qn: the substep goes by the corotated matrix */
     double energy;                  /* qn: Phi at the points, J */
     double factor_stiffness;        /* qn: k that the matrix is factored for, N/m; NaN = none yet */

@@ -95,3 +95,21 @@ void sn_kinematics_carry(const sn_model_muscle *m, sn_muscle_state *s, const sn_
     for (sn_index i = 0; i < m->point_count; i++) put(&s->points[i], blend(m, poses, m->rest[i]));
     sn_kinematics_place(m, s, poses);
 }
+
+/* Of the attached points, on average. */
+static sn_vec3 velocity_of_bones(const sn_model_muscle *m, const sn_muscle_state *s) {
+    sn_vec3 sum = sn_v3(0, 0, 0);
+    for (sn_index k = 0; k < m->kinematic_count; k++) sum = sn_add(sum, s->velocities[m->kinematic_points[k]]);
+    return m->kinematic_count > 0 ? sn_scale(sum, 1.0 / m->kinematic_count) : sum;
+}
+
+void sn_kinematics_limit_speed(const sn_model_muscle *m, sn_muscle_state *s, double most) {
+    sn_vec3 bones = velocity_of_bones(m, s);
+    if (!(most > 0.0) || m->kinematic_count == 0) return;
+    if (sn_norm(bones) > most) bones = sn_v3(0, 0, 0); /* that is a jump, not a motion */
+    for (sn_index i = 0; i < m->point_count; i++) {
+        sn_vec3 v = sn_sub(s->velocities[i], bones);
+        double square = sn_norm2(v);
+        if (square > most * most) s->velocities[i] = sn_add_scaled(bones, v, most / sqrt(square));
+    }
+}

@@ -116,7 +116,6 @@ static sn_status build_muscle(const sn_build *build, sn_error *error) {
     m->source = build->source;
     m->vertex_count = build->source->rig.mesh.vertex_count;
     m->quasi_newton = build->scene->solver.method == SN_SOLVER_QN;
-    m->corotated = m->quasi_newton && build->scene->solver.preconditioner == SN_PRECONDITION_COROTATED;
     m->single = build->scene->solver.method == SN_SOLVER_XPBD && build->scene->solver.precision == SN_PRECISION_SINGLE;
     m->tolerance = build->scene->solver.tolerance;
     m->iterations = build->source->iterations > 0 ? build->source->iterations : build->scene->solver.iterations;
@@ -133,6 +132,8 @@ static sn_status build_muscle(const sn_build *build, sn_error *error) {
     if ((status = make_volume_ratio(build, error)) != SN_OK) return status;
     if ((status = make_stiffness_curve(build, error)) != SN_OK) return status;
     if ((status = sn_kinematics_build(build, error)) != SN_OK) return status;
+    /* of a free muscle the rest shape's Hessian is singular to rounding: nothing but its mass holds it */
+    m->corotated = m->quasi_newton && m->kinematic_count > 0 && build->scene->solver.preconditioner == SN_PRECONDITION_COROTATED;
     if ((status = sn_distance_build(build, error)) != SN_OK) return status;
     if ((status = sn_hinge_build(build, error)) != SN_OK) return status;
     if ((status = sn_area_build(build, error)) != SN_OK) return status;

@@ -12,8 +12,18 @@
 
 static const double ARMIJO = 1e-4;
 static const int MOST_HALVINGS = 30;
-/* No point moves further than this share of the muscle's diagonal in one iteration. */
+/* What energies differ by for no other reason than rounding, as a share of them; there the slope decides (Hager and Zhang 2005). */
+static const double ENERGY_NOISE = 1e-13;
+/* A whole step that moves no point by more than this share of the diagonal is rounding. */
+static const double STEP_NOISE = 1e-14;
+/* No point moves further than this share of the muscle's size in one iteration: of its diagonal, or of how far its bones are apart. */
 static const double STEP_CAP = 0.1;
+/* An edge as far as this from its goal, in mean edges (or such a strain), or a bone that has jumped: the matrix of the rest shape says
+ * little then, and each iteration that the scene allows stands for several. */
+static const double FAR_STRETCHED = 3.0;
+enum { TORN_EFFORT = 10 };
+/* A bone that moves a point farther than this share of the diagonal in one substep has jumped. */
+static const double FAR = 0.2;
 /* No triangle shrinks below this share of its area in one step: hinges have no barrier against collapse. */
 static const double AREA_LIMIT = 0.3;
 /* A triangle that starts a substep below this share of its rest area goes through it without barrier and area limit (numerics.md 7). */
@@ -122,12 +132,15 @@ static void place_trial(const sn_model_muscle *m, sn_muscle_state *s, double len
 /* A length of the direction that lowers the energy enough; 0 = none. The trial and its gradient are there, s->energy is the new one. */
 static double search(const sn_model_muscle *m, sn_muscle_state *s, double h, double slope) {
     sn_objective objective = objective_of(m, s, h);
-    double length = 1.0;
+    double length = 1.0, noise = ENERGY_NOISE * fabs(s->energy);
     for (int i = 0; i < MOST_HALVINGS; i++, length *= 0.5) {
         place_trial(m, s, length);
         if (keeps_areas(m, s)) {
             double energy = sn_objective_evaluate(&objective, s->qn->trial, s->qn->trial_gradient);
-            if (energy <= s->energy + ARMIJO * length * slope) {
+            bool lower = energy <= s->energy + ARMIJO * length * slope;
+            bool flatter =
+                energy <= s->energy + noise && fabs(dot(m->point_count, s->qn->trial_gradient, s->qn->direction)) <= 0.9 * -slope;
+            if (lower || flatter) {
                 s->energy = energy;
                 return length;
             }
@@ -137,16 +150,31 @@ static double search(const sn_model_muscle *m, sn_muscle_state *s, double h, dou
     return 0.0;
 }
 
+/* Of the muscle now, as far as its bones say, m. */
+static double size_of(const sn_model_muscle *m, const sn_muscle_state *s) {
+    if (m->kinematic_count == 0) return m->diagonal;
+    sn_vec3 low = sn_point_position(&s->points[m->kinematic_points[0]]), high = low;
+    for (sn_index k = 1; k < m->kinematic_count; k++) {
+        sn_vec3 p = sn_point_position(&s->points[m->kinematic_points[k]]);
+        low = sn_min3(low, p), high = sn_max3(high, p);
+    }
+    return fmax(m->diagonal, sn_distance(low, high));
+}
+
 /* A descent direction, not too long; the uncapped length of its longest step; negative = there is none. */
 static double make_direction(const sn_model_muscle *m, sn_muscle_state *s, double *slope) {
     sn_vec3 *d = s->qn->direction;
-    for (int attempt = 0; attempt < 2; attempt++) {
+    bool with_volume = true;
+    for (int attempt = 0; attempt < 3; attempt++) {
         if (!find_direction(m, s)) return -1.0;
         *slope = dot(m->point_count, s->qn->gradient, d);
         if (*slope <= 0.0) break;
-        forget_pairs(s); /* pairs from elsewhere mislead */
+        forget_pairs(s); /* pairs from elsewhere mislead; and of a gradient that is all pressure the volume row leaves rounding */
+        if (attempt == 1) sn_preconditioner_set_volume(s->qn->preconditioner, NULL, 0.0);
+        with_volume = attempt == 0;
     }
-    double most = longest(m->point_count, d), cap = STEP_CAP * m->diagonal;
+    if (!with_volume) sn_preconditioner_set_volume(s->qn->preconditioner, s->row_gradient, volume_stiffness(m, s));
+    double most = longest(m->point_count, d), cap = STEP_CAP * size_of(m, s);
     if (!isfinite(most) || !(*slope <= 0.0)) return -1.0;
     if (most > cap) {
         for (sn_index i = 0; i < m->point_count; i++) d[i] = sn_scale(d[i], cap / most);
@@ -175,8 +203,8 @@ static void iterate(const sn_model_muscle *m, sn_muscle_state *s, double h, sn_i
     s->statistics.iterations++;
     if (iteration > 0 && iteration % VOLUME_REFRESH == 0) take_volume_gradient(m, s);
     double most = make_direction(m, s, &slope);
-    if (most < 0.0) {
-        stop(s, SN_STOP_FAILED);
+    if (most < STEP_NOISE * m->diagonal) {
+        stop(s, most < 0.0 ? SN_STOP_FAILED : SN_STOP_STALLED);
         return;
     }
     bool small = most <= m->tolerance * m->diagonal && iteration + 1 >= LEAST_ITERATIONS;
@@ -218,15 +246,16 @@ static double place_carried(const sn_model_muscle *m, sn_muscle_state *s, const 
 }
 
 /* Where the predictor starts: everything where it was; or, where the carried points go on as in the last substep (to within an edge), the
- * free points where inertia takes them. trial and jump are then base and what is left of the way. */
-static void choose_base(const sn_model_muscle *m, sn_muscle_state *s) {
+ * free points where their velocity takes them (without the weight, which the muscle bears already or will). trial and jump are then base
+ * and what is left of the way. */
+static void choose_base(const sn_model_muscle *m, sn_muscle_state *s, sn_vec3 weight) {
     double change = 0.0;
     for (sn_index i = 0; i < m->point_count; i++) change = fmax(change, sn_distance(s->qn->jump[i], s->last_jump[i]));
     bool smooth = change <= m->mean_edge;
     for (sn_index i = 0; i < m->point_count; i++) {
         sn_vec3 jump = s->qn->jump[i], before = s->last_jump[i];
         bool carried = s->points[i].w == 0.0;
-        sn_vec3 base = !smooth ? s->previous[i] : carried ? sn_add(s->previous[i], before) : s->target[i];
+        sn_vec3 base = !smooth ? s->previous[i] : carried ? sn_add(s->previous[i], before) : sn_sub(s->target[i], weight);
         s->qn->trial[i] = s->points[i];
         set_position(&s->qn->trial[i], base);
         s->last_jump[i] = jump;
@@ -236,11 +265,11 @@ static void choose_base(const sn_model_muscle *m, sn_muscle_state *s) {
 
 /* d = -(A_ff + k_V g_f g_fT)^-1 (grad_f Phi(base) + A_fk jump + k_V g_f (g_k . jump)) takes the place of a first iteration: without it
  * fast bones crush the first ring of triangles (numerics.md 7). Leaves the predicted points in trial; false: no direction. */
-static bool predict(const sn_model_muscle *m, sn_muscle_state *s, double h) {
+static bool predict(const sn_model_muscle *m, sn_muscle_state *s, double h, sn_vec3 weight) {
     sn_qn *qn = s->qn;
     sn_objective objective = objective_of(m, s, h);
     double k_volume = volume_stiffness(m, s);
-    choose_base(m, s);
+    choose_base(m, s, weight);
     sn_objective_evaluate(&objective, qn->trial, qn->gradient);
     sn_preconditioner_turn(qn->preconditioner, qn->trial);
     sn_preconditioner_add_jump(qn->preconditioner, qn->jump, s->volume_gradient, k_volume, qn->gradient);
@@ -324,6 +353,23 @@ static void choose_start(const sn_model_muscle *m, sn_muscle_state *s, double h,
     }
 }
 
+/* Bones that have gone far in one substep leave both starts torn: the rest pose carried along with them may be the better one. */
+static void try_carried(const sn_model_muscle *m, sn_muscle_state *s, const sn_substep *substep) {
+    sn_qn *qn = s->qn;
+    size_t bytes = (size_t)m->point_count * sizeof *s->points;
+    sn_objective objective = objective_of(m, s, substep->h);
+    memcpy(qn->trial, s->points, bytes);
+    sn_kinematics_carry(m, s, substep->poses);
+    double energy = sn_objective_evaluate(&objective, s->points, qn->trial_gradient);
+    if (energy < s->energy) {
+        s->energy = energy;
+        memcpy(qn->gradient, qn->trial_gradient, (size_t)m->point_count * sizeof *qn->gradient);
+        return;
+    }
+    memcpy(s->points, qn->trial, bytes);
+    sn_objective_evaluate(&objective, s->points, qn->gradient); /* for the gradient of the volume there */
+}
+
 /* The corotated matrix is of use near the rest shape only: no collapsed triangle, no edge that is half a mean edge off (numerics.md 7). */
 static bool may_turn(const sn_model_muscle *m, const sn_muscle_state *s, sn_index collapsed) {
     return m->corotated && collapsed == 0 && stretch(m, s).max <= 0.5;
@@ -341,12 +387,18 @@ static void begin(const sn_model_muscle *m, sn_muscle_state *s, const sn_substep
     s->turned = may_turn(m, s, guard_triangles(m, s));
     aim(m, s, substep->gravity, substep->h);
     double jump = place_carried(m, s, substep->poses);
-    if (!go_by(s, substep->h, &changed)) stop(s, SN_STOP_FAILED);
+    if (s->turned && !go_by(s, substep->h, &changed)) s->turned = false; /* free and stiff: to rounding it is singular */
+    if (!s->turned && !go_by(s, substep->h, &changed)) stop(s, SN_STOP_FAILED);
     if (changed || s->turned) forget_pairs(s); /* pairs from other frames mislead the corotated matrix */
     s->statistics.refactorisations += changed;
-    bool predicted = jump > 0.0 && s->stopped != SN_STOP_FAILED && predict(m, s, substep->h);
+    /* how far the weight alone moves a free point: h^2 g e^(-c h) */
+    sn_vec3 weight = sn_scale(substep->gravity, substep->h * substep->h * exp(-m->source->damping * substep->h));
+    bool pushed = jump > 0.0 || (m->kinematic_count > 0 && sn_norm2(weight) > 0.0);
+    bool predicted = pushed && s->stopped != SN_STOP_FAILED && predict(m, s, substep->h, weight);
     if (jump == 0.0) memset(s->last_jump, 0, (size_t)m->point_count * sizeof *s->last_jump);
     choose_start(m, s, substep->h, predicted);
+    if (jump > FAR * m->diagonal) try_carried(m, s, substep);
+    s->torn = jump > FAR * m->diagonal || stretch(m, s).max > FAR_STRETCHED;
     sn_preconditioner_turn(s->qn->preconditioner, s->points);
     take_volume_gradient(m, s);
 }
@@ -368,10 +420,12 @@ static void qn_substep(const sn_model_muscle *m, sn_muscle_state *s, const sn_su
         begin(m, s, substep);
     else
         resume(m, s, substep->h);
-    for (sn_index i = substep->begin; i < substep->end && s->stopped == SN_STOP_ITERATIONS; i++) iterate(m, s, substep->h, i);
+    sn_index each = s->torn ? TORN_EFFORT : 1;
+    for (sn_index i = each * substep->begin; i < each * substep->end && s->stopped == SN_STOP_ITERATIONS; i++) iterate(m, s, substep->h, i);
     double force = sqrt(dot(m->point_count, s->qn->gradient, s->qn->gradient));
     s->statistics.residual = s->stiffness > 0.0 ? force / (s->stiffness * m->diagonal) : NAN;
     set_velocities(m, s, 1.0 / substep->h);
+    if (substep->end == m->iterations) sn_kinematics_limit_speed(m, s, substep->rules->most_speed * m->diagonal);
 }
 
 static void qn_destroy(sn_muscle_state *s) {

@@ -46,6 +46,7 @@ static void pass_muscle(cursor *c, const sn_model_muscle *m, sn_muscle_state *s)
     pass(c, &s->pair_next, sizeof s->pair_next);
     pass(c, &s->stopped, sizeof s->stopped);
     pass(c, &s->turned, sizeof s->turned);
+    pass(c, &s->torn, sizeof s->torn);
 #define PASS(type, name, count, kept)                                                                                                      \
     if (kept) pass(c, s->name, (size_t)(count) * sizeof(type));
     SN_STATE_ARRAYS(PASS)

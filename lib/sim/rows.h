@@ -103,6 +103,10 @@ bool sn_kinematics_moved(const sn_model_muscle *m, const sn_muscle_state *s, con
 /* The whole muscle, carried along with its bones: where a run starts. */
 void sn_kinematics_carry(const sn_model_muscle *m, sn_muscle_state *s, const sn_rigid *poses);
 
+/* A bone that jumps throws the muscle after it: no tissue is faster, beside its bones, than some tens of its lengths a second. Bounds the
+ * velocities in the state by `most`, m/s; 0 = not at all. */
+void sn_kinematics_limit_speed(const sn_model_muscle *m, sn_muscle_state *s, double most);
+
 /* ---- distance.c ---- */
 SN_MUST_CHECK sn_status sn_distance_build(const sn_build *build, sn_error *error);
 /* Goal lengths for the contraction and volume goal in the state; nothing is done where those have not changed. */

@@ -63,7 +63,7 @@ static void reset_muscle(const sn_model_muscle *m, sn_muscle_state *s, const sn_
     s->pair_count = s->pair_next = 0;
     s->factor_stiffness = NAN;
     s->stopped = SN_STOP_ITERATIONS;
-    s->turned = false;
+    s->turned = s->torn = false;
     for (sn_index i = 0; i < m->point_count; i++) {
         s->points[i].w = m->inverse_mass[i];
         s->velocities[i] = sn_v3(0, 0, 0);

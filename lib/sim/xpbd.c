@@ -68,13 +68,6 @@ static sn_vec3 velocity(const sn_muscle_state *s, sn_index i, double h) {
     return sn_scale(sn_sub(sn_point_position(&s->points[i]), s->previous[i]), 1.0 / h);
 }
 
-/* Of the attached points, on average. */
-static sn_vec3 velocity_of_bones(const sn_model_muscle *m, const sn_muscle_state *s, double h) {
-    sn_vec3 sum = sn_v3(0, 0, 0);
-    for (sn_index k = 0; k < m->kinematic_count; k++) sum = sn_add(sum, velocity(s, m->kinematic_points[k], h));
-    return m->kinematic_count > 0 ? sn_scale(sum, 1.0 / m->kinematic_count) : sum;
-}
-
 /* The positions before the substep are needed no more: they make room for inertia's force, m (v - v predicted) / h. */
 static void measure_residual(const sn_model_muscle *m, sn_muscle_state *s, double h) {
     for (sn_index i = 0; i < m->point_count; i++) {
@@ -86,24 +79,12 @@ static void measure_residual(const sn_model_muscle *m, sn_muscle_state *s, doubl
     s->statistics.residual = sn_residual_measure(m, s, s->previous);
 }
 
-/* A bone that jumps throws the muscle after it: no tissue is faster, beside its bones, than some tens of its lengths a second. */
-static void limit_speed(const sn_model_muscle *m, sn_muscle_state *s, sn_vec3 bones, double most) {
-    if (!(most > 0.0) || m->kinematic_count == 0) return;
-    if (sn_norm(bones) > most) bones = sn_v3(0, 0, 0); /* that is a jump, not a motion */
-    for (sn_index i = 0; i < m->point_count; i++) {
-        sn_vec3 v = sn_sub(s->velocities[i], bones);
-        double square = sn_norm2(v);
-        if (square > most * most) s->velocities[i] = sn_add_scaled(bones, v, most / sqrt(square));
-    }
-}
-
 static void update_velocities(const sn_model_muscle *m, sn_muscle_state *s, const sn_substep *substep) {
-    sn_vec3 bones = velocity_of_bones(m, s, substep->h);
     if (substep->measure)
         measure_residual(m, s, substep->h);
     else
         for (sn_index i = 0; i < m->point_count; i++) s->velocities[i] = velocity(s, i, substep->h);
-    limit_speed(m, s, bones, substep->rules->most_speed * m->diagonal);
+    sn_kinematics_limit_speed(m, s, substep->rules->most_speed * m->diagonal);
 }
 
 static void xpbd_substep(const sn_model_muscle *m, sn_muscle_state *s, const sn_substep *substep) {

@@ -598,6 +598,7 @@ static void cyclic(sn_index frames) {
             channels[c]->values[i] = c == 0 ? -0.4 * phase : 0.8 * phase;
         }
     }
+    if (solver == SN_SOLVER_QN) converge(&scene); /* what is left of a step depends on the steps before it */
     simulation s = start(&scene);
     const sn_model_muscle *m = &s.model->muscles[0];
     sn_vec3 *early = SN_NEW(sn_vec3, m->point_count);

