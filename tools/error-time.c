@@ -212,8 +212,10 @@ static sn_status make_reference(job *j, sn_error *error) {
     j->params = sn_reference_defaults();
     j->params.floor = given.floor;
     j->params.most_substeps = (sn_index)given.reference;
-    /* a step solved to a tolerance t is off by about t itself (measured: 5e-8 L for 1e-7), so that a hundredth of the floor is enough */
-    if (!given.equilibrium) j->params.tolerance = fmax(j->params.tolerance, fmin(1e-2 * given.floor, 1e-5));
+    /* a step solved to a tolerance t is off by about t itself (measured: 5e-8 L for 1e-7), so that a hundredth of the floor is enough;
+     * an equilibrium is crept up to by many steps */
+    j->params.tolerance = fmax(j->params.tolerance, fmin((given.equilibrium ? 1e-3 : 1e-2) * given.floor, 1e-5));
+    j->params.rest = fmax(j->params.rest, 1e-2 * j->params.tolerance);
     sn_status status = given.equilibrium ? sn_reference_rest(&j->scene, &j->yardstick, &j->request, &j->params, r, error)
                                          : sn_reference_motion(&j->scene, &j->yardstick, &j->request, &j->params, r, error);
     if (status == SN_OK) say_reference(j);
