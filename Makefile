@@ -48,9 +48,9 @@ LIBS_build-structure := embree mesh json
 LIBS_fiber-flow      := sparse mesh json
 LIBS_fiber-fill      := gsl sparse embree mesh json
 LIBS_attach-detect   := embree mesh json
-LIBS_simulate        := gsl sparse mesh json
+LIBS_simulate        := gsl sparse embree mesh json
+LIBS_rig-view        := embree gsl sparse mesh json png
 LIBS_error-time      := gsl sparse mesh json
-LIBS_rig-view        := embree gsl mesh json png
 
 # run by the tools, not by hand: installed in libexec/sinew
 LIBEXEC_TOOLS := mesh-import
@@ -96,6 +96,9 @@ $(B)/bin/%: $(B)/tools/%.o $(TOOL_SHARED) $(B)/libsinew.a
 	@mkdir -p $(@D)
 	$(call link,$(LIBS_$*))
 
+# sources of one tool alone
+$(B)/bin/simulate: $(B)/tools/fibers.o
+
 $(B)/libexec/sinew/%: $(B)/tools/%.o $(TOOL_SHARED) $(B)/libsinew.a
 	@mkdir -p $(@D)
 	$(call link,$(LIBS_$*))
@@ -113,5 +116,5 @@ tests: $(UNIT_TESTS) $(EXTRA_TESTS)
 include share/make/project.mk
 include share/make/fuzz.mk
 
--include $(LIB_OBJECTS:.o=.d) $(BRIDGE_OBJECTS:.o=.d) $(BUILT_TOOLS:$(B)/bin/%=$(B)/tools/%.d) $(LIBEXEC_TOOLS:%=$(B)/tools/%.d) $(TOOL_SHARED:.o=.d)
+-include $(B)/tools/fibers.d $(LIB_OBJECTS:.o=.d) $(BRIDGE_OBJECTS:.o=.d) $(BUILT_TOOLS:$(B)/bin/%=$(B)/tools/%.d) $(LIBEXEC_TOOLS:%=$(B)/tools/%.d) $(TOOL_SHARED:.o=.d)
 -include $(UNIT_TESTS:=.d) $(EXTRA_TESTS:=.d) $(EXAMPLES:$(B)/examples/%=$(B)/share/examples/%.d)

@@ -11,7 +11,7 @@ static sn_fill_params params;
 static int64_t fibers = -1, segments = -1, smooth = -1;
 static int template, map;
 static double angle = -1.0, narrow = -1.0, bow = NAN, turn = 0.0, mvc_cut = 0.0;
-static const char *template_file, *ends_file, *embedding_file;
+static const char *template_file, *ends_file, *embedding_file, *bend_file;
 
 /* In the order of sn_fill_template and sn_fill_map. */
 static const char *const template_names[] = {"parallel", "pennate", "bipennate", "fan", "curved", NULL};
@@ -31,6 +31,8 @@ static const cli_option options[] = {
     {0, "bow", "B", CLI_NUMBER, &bow, CLI_RESULT, -1, 1, NULL, "curved: how far fibres bow aside, -1 to 1 (default 0.5)"},
     {0, "turn", "DEGREES", CLI_NUMBER, &turn, CLI_RESULT, -360, 360, NULL,
      "turn the template about the line of action; at 0 its x lies along the widest way of the section (default 0)"},
+    {0, "bend-to", "FILE", CLI_TEXT, &bend_file, CLI_RESULT | CLI_FILE, 0, 0, NULL,
+     "bend the template to superficial fibres: lines of an OBJ file, or a document's fibres"},
     {0, "map", "NAME", CLI_CHOICE, &map, CLI_RESULT, 0, 0, map_names,
      "from the template to a slice: harmonic (default), or mvc, planar mean value coordinates"},
     {0, "ends", "FILE", CLI_TEXT, &ends_file, CLI_RESULT | CLI_FILE, 0, 0, NULL, "vertices where fibres begin and end, as JSON"},
@@ -107,6 +109,12 @@ static void write_report(sn_json *json, const void *data) {
     sn_json_number(json, "greatestPennationDegrees", r->greatest_pennation * DEGREES);
     sn_json_number(json, "sectionArea", r->area);
     sn_json_number(json, "density", r->density);
+    if (params.bend_count > 0) {
+        sn_json_object(json, "bend");
+        sn_json_integer(json, "superficialFibers", params.bend_count);
+        sn_json_number(json, "farthest", r->bend_farthest);
+        sn_json_close(json);
+    }
     if (o->embedded) write_embedding(json, &o->embedding);
     write_each(json, o->fibers);
 }
@@ -154,6 +162,14 @@ static sn_status read_ends(const sn_muscle *muscle, sn_fiber_ends *ends, sn_erro
     return status;
 }
 
+static sn_status read_superficial(sn_fibers *lines, sn_error *error) {
+    if (bend_file == NULL) return SN_OK;
+    sn_status status = sn_polylines_read(bend_file, lines, error);
+    params.bend_count = lines->polyline_count;
+    params.bend_lines = lines->polylines;
+    return status;
+}
+
 static void take_options(const cli *c) {
     if (fibers > 0) params.fibers = (sn_index)fibers;
     if (segments > 0) params.segments = (sn_index)segments;
@@ -169,6 +185,8 @@ static void take_options(const cli *c) {
         cli_usage_error(c, "--angle is for --template pennate or bipennate");
     if (cli_given(c, "narrow") && template != SN_FILL_FAN) cli_usage_error(c, "--narrow is for --template fan");
     if (cli_given(c, "bow") && template != SN_FILL_CURVED) cli_usage_error(c, "--bow is for --template curved");
+    if (bend_file != NULL && (template_file != NULL || template == SN_FILL_PENNATE || template == SN_FILL_BIPENNATE))
+        cli_usage_error(c, "--bend-to is for --template parallel, fan or curved");
     if (cli_given(c, "mvc-cut") && embedding_file == NULL) cli_usage_error(c, "--mvc-cut is for --embedding FILE");
 }
 
@@ -241,12 +259,13 @@ static sn_status save(cli *c, cli_muscle *muscle, outcome *o, sn_error *error) {
 }
 
 static sn_status fill(cli *c, cli_muscle *muscle, sn_error *error) {
-    sn_fibers template_lines = {0}, lines = {0};
+    sn_fibers template_lines = {0}, superficial = {0}, lines = {0};
     sn_fill_curve *curves = NULL;
     sn_fiber_ends ends = {0};
     outcome o = {0};
     bool stopped = false;
     sn_status status = read_template(&template_lines, &curves, error);
+    if (status == SN_OK) status = read_superficial(&superficial, error);
     if (status == SN_OK) status = read_ends(&muscle->muscle, &ends, error);
     if (status == SN_OK) {
         status = sn_fill_fibers(&muscle->muscle, &params, &c->trace, &lines, &o.fill, error);
@@ -259,6 +278,7 @@ static sn_status fill(cli *c, cli_muscle *muscle, sn_error *error) {
         status = save(c, muscle, &o, error);
     }
     sn_fibers_free(&template_lines);
+    sn_fibers_free(&superficial);
     sn_fibers_free(&lines);
     sn_fiber_ends_free(&ends);
     free(curves);

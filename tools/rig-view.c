@@ -1,6 +1,7 @@
 /* rig-view -- draw a muscle document, a mesh, a scene or frames of a simulation as a PNG picture. */
 #include "bones.h"
 #include "cli.h"
+#include "sinew/sim.h"
 #include "sinew/view.h"
 
 #include <stdio.h>
@@ -10,12 +11,17 @@
 
 /* ---- options ---------------------------------------------------------------------------------------------------------------- */
 
+static const char *const SOLVERS[] = {"xpbd", "qn", NULL}; /* in the order of sn_solver_method, and so on */
+static const char *const LAWS[] = {"projected", "paper", "isochoric", NULL};
+static const char *const SCHEMES[] = {"guarded", "romeo", "kohout", NULL};
+
 static struct {
-    const char *size, *camera, *show, *views, *background, *title, *frames, *frame;
-    double zoom;
-    int64_t samples, columns;
+    const char *size, *camera, *show, *views, *background, *title, *frames, *frame, *error;
+    double zoom, range, rate;
+    int64_t samples, columns, substeps;
+    int law, scheme, solver;
     bool legend;
-    cli_list bones, bone_lists;
+    cli_list bones, bone_lists, states;
 } given = {.camera = "auto", .zoom = 1.0, .samples = 9, .legend = true};
 
 static const cli_option options[] = {
@@ -29,6 +35,18 @@ static const cli_option options[] = {
      "PC2 point cache of the scene's one muscle, or folder with MUSCLE.pc2 for each"},
     {0, "frame", "LIST", CLI_TEXT, &given.frame, 0, 0, 0, NULL,
      "frames of the scene to draw, one tile each: 0,12,24 or 0:90:15 (default: its first)"},
+    {.kind = CLI_HEADING, .help = "States of a scene:"},
+    {0, "state", "FILE", CLI_LIST, &given.states, 0, 0, 0, NULL,
+     "draw the scene at a state of simulate, coloured by constraint error; one tile each"},
+    {0, "error", "LIST", CLI_TEXT, &given.error, 0, 0, 0, NULL,
+     "which error: mesh (default), internal, radial, dihedral, area, membrane or volume; several with commas, one tile each"},
+    {0, "range", "NUMBER", CLI_NUMBER, &given.range, 0, 1e-300, 1e300, NULL,
+     "end of the colours (default: a round number that few rows exceed, the same for all states)"},
+    {0, "scheme", "SCHEME", CLI_CHOICE, &given.scheme, 0, 0, 0, SCHEMES, "as simulate was told: guarded, romeo or kohout"},
+    {0, "solver", "METHOD", CLI_CHOICE, &given.solver, 0, 0, 0, SOLVERS, "as simulate was told: xpbd or qn"},
+    {0, "law", "LAW", CLI_CHOICE, &given.law, 0, 0, 0, LAWS, "as simulate was told: projected, paper or isochoric"},
+    {0, "substeps", "N", CLI_INTEGER, &given.substeps, 0, 1, 1e6, NULL, "as simulate was told"},
+    {0, "rate", "N", CLI_NUMBER, &given.rate, 0, 1e-6, 1e6, NULL, "as simulate was told"},
     {.kind = CLI_HEADING, .help = "From where:"},
     {0, "camera", "VIEW", CLI_TEXT, &given.camera, 0, 0, 0, NULL,
      "auto (default: across the long axis), front, back, left, right, top, bottom, or AZIMUTH:ELEVATION in degrees"},
@@ -47,7 +65,7 @@ static const cli_option options[] = {
 
 static const cli_tool tool = {
     .name = "rig-view",
-    .summary = "Draw muscle documents, meshes, scenes and frames of a simulation as a PNG picture.",
+    .summary = "Draw muscle documents, meshes, scenes, frames and states of a simulation as a PNG picture.",
     .shared = CLI_TAKES_INPUTS | CLI_HAS_OUTPUT | CLI_HAS_UNITS | CLI_HAS_THREADS,
     .options = options,
     .option_count = sizeof options / sizeof *options,
@@ -208,6 +226,30 @@ static frame_list parse_frames(const cli *c) {
     return all;
 }
 
+enum { KINDS_MAX = 2 * SN_ROW_KINDS };
+typedef struct kind_list {
+    sn_index count;
+    sn_row_kind items[KINDS_MAX];
+} kind_list;
+
+/* The row kinds of --error. */
+static kind_list parse_kinds(const cli *c) {
+    kind_list all = {0, {SN_ROWS_MESH}};
+    const char *text = given.error ? given.error : "mesh";
+    for (size_t length; *text; text += length + (text[length] == ',')) {
+        length = strcspn(text, ",");
+        int kind = 0;
+        while (kind < SN_ROW_KINDS &&
+               (strlen(sn_row_kind_name((sn_row_kind)kind)) != length || strncmp(sn_row_kind_name((sn_row_kind)kind), text, length) != 0))
+            kind++;
+        if (kind == SN_ROW_KINDS || all.count == KINDS_MAX)
+            cli_usage_error(c, "--error: '%.*s' is none of mesh, internal, radial, dihedral, area, membrane, volume", (int)length, text);
+        all.items[all.count++] = (sn_row_kind)kind;
+    }
+    if (all.count == 0) cli_usage_error(c, "--error: an empty list");
+    return all;
+}
+
 /* ---- contents: what there is to look at -------------------------------------------------------------------------------------------- */
 
 typedef struct content {
@@ -244,6 +286,7 @@ static void album_free(album *a) {
     free(a->items);
     free(given.bones.items);
     free(given.bone_lists.items);
+    free(given.states.items);
 }
 
 /* File name without folder and extensions. */
@@ -283,15 +326,18 @@ static sn_status add_muscle(album *a, const sn_blob *blob, const char *path, sn_
 typedef struct caches {
     sn_index count;      /* muscles of the scene */
     sn_pc2_data *data;   /* (count) positions NULL = none */
+    sn_pc2_data *fibers; /* (count) of the fibres' vertices; positions NULL = none */
     sn_vec3 **positions; /* (count) of the frame shown, in metres; NULL = at rest */
 } caches;
 
 static void caches_free(caches *k) {
     for (sn_index i = 0; i < k->count; i++) {
         if (k->data) sn_pc2_free(&k->data[i]);
+        if (k->fibers) sn_pc2_free(&k->fibers[i]);
         if (k->positions) free(k->positions[i]);
     }
     free(k->data);
+    free(k->fibers);
     free(k->positions);
 }
 
@@ -326,19 +372,73 @@ static sn_status load_cache(const sn_scene_muscle *muscle, sn_pc2_data *data, sn
     return status;
 }
 
+/* "path-fibers.pc2" for "path.pc2"; NULL = out of memory. */
+static char *fiber_path(const char *path) {
+    size_t length = strlen(path), tail = strlen(".pc2");
+    if (length > tail && strcmp(path + length - tail, ".pc2") == 0) length -= tail;
+    char *text = sn_alloc(length + sizeof "-fibers.pc2", 1);
+    if (text) snprintf(text, length + sizeof "-fibers.pc2", "%.*s-fibers.pc2", (int)length, path);
+    return text;
+}
+
+static sn_index count_fiber_points(const sn_fibers *fibers) {
+    sn_index count = 0;
+    for (sn_index i = 0; i < fibers->polyline_count; i++) count += fibers->polylines[i].count;
+    return count;
+}
+
+/* The frames that simulate --fibers writes beside the muscle's. Fibres that have none are at rest, not where the muscle is: drop them. */
+static sn_status load_fiber_cache(sn_scene_muscle *muscle, sn_pc2_data *data, sn_error *error) {
+    char *frames = cache_path(given.frames, muscle->name), *path = frames ? fiber_path(frames) : NULL;
+    struct stat there;
+    sn_status status = path ? SN_OK : sn_fail_memory(error, "a path");
+    if (!status && stat(path, &there) == 0) {
+        status = sn_pc2_read(path, data, error);
+        sn_index points = count_fiber_points(&muscle->rig.fibers);
+        if (!status && (data->point_count != points || data->sample_count < 1))
+            status = sn_fail(error, SN_ERROR_INPUT, "the frames have %d points, but the fibres of muscle '%s' have %d", data->point_count,
+                             muscle->name, points);
+        if (status) sn_error_set_file(error, path);
+    } else if (!status) {
+        sn_fibers none = {.polylines = muscle->rig.fibers.polylines, .polyline_count = muscle->rig.fibers.polyline_count};
+        sn_fibers_free(&none);
+        muscle->rig.fibers.polylines = NULL;
+        muscle->rig.fibers.polyline_count = 0;
+    }
+    free(frames);
+    free(path);
+    return status;
+}
+
 static sn_status load_caches(const sn_scene *scene, caches *k, sn_error *error) {
     *k = (caches){.count = scene->muscle_count};
     k->data = SN_NEW(sn_pc2_data, k->count);
+    k->fibers = SN_NEW(sn_pc2_data, k->count);
     k->positions = SN_NEW(sn_vec3 *, k->count);
-    if (!k->data || !k->positions) return sn_fail_memory(error, "the frames");
+    if (!k->data || !k->fibers || !k->positions) return sn_fail_memory(error, "the frames");
     sn_index enabled = 0;
     for (sn_index i = 0; i < scene->muscle_count; i++) enabled += scene->muscles[i].enabled;
     if (given.frames && enabled > 1 && !is_folder(given.frames))
         return sn_fail(error, SN_ERROR_USAGE, "--frames: the scene has %d muscles; name the folder that holds their caches", enabled);
     sn_status status = SN_OK;
-    for (sn_index i = 0; i < k->count && given.frames && !status; i++)
-        if (scene->muscles[i].enabled) status = load_cache(&scene->muscles[i], &k->data[i], &k->positions[i], error);
+    for (sn_index i = 0; i < k->count && given.frames && !status; i++) {
+        if (!scene->muscles[i].enabled) continue;
+        status = load_cache(&scene->muscles[i], &k->data[i], &k->positions[i], error);
+        if (!status) status = load_fiber_cache(&scene->muscles[i], &k->fibers[i], error);
+    }
     return status;
+}
+
+/* Vertices of the fibres at a sample, in metres as the muscle's are. */
+static sn_status set_fibers(sn_scene_muscle *muscle, const sn_pc2_data *data, double sample, sn_error *error) {
+    if (!(sample < data->sample_count))
+        return sn_fail(error, SN_ERROR_INPUT, "the fibres of muscle '%s' have fewer frames than it has", muscle->name);
+    const float *x = data->positions + (size_t)sample * 3 * (size_t)data->point_count;
+    for (sn_index i = 0; i < muscle->rig.fibers.polyline_count; i++)
+        for (sn_index j = 0; j < muscle->rig.fibers.polylines[i].count; j++, x += 3)
+            muscle->rig.fibers.polylines[i].points[j] =
+                sn_scale(sn_v3((double)x[0], (double)x[1], (double)x[2]), muscle->rig.meters_per_unit);
+    return SN_OK;
 }
 
 /* Copy out the positions of a frame, in metres. */
@@ -359,6 +459,8 @@ static sn_status set_frame(const sn_scene *scene, caches *k, int64_t frame, sn_e
                 return sn_fail(error, SN_ERROR_INPUT, "muscle '%s' is not finite in frame %lld", scene->muscles[m].name, (long long)frame);
             k->positions[m][i] = p;
         }
+        sn_status status = k->fibers[m].positions ? set_fibers(&scene->muscles[m], &k->fibers[m], sample, error) : SN_OK;
+        if (status) return status;
     }
     return SN_OK;
 }
@@ -378,19 +480,130 @@ static sn_status add_frame(album *a, const sn_scene *scene, caches *k, int64_t f
     return status;
 }
 
-static sn_status add_scene(album *a, const sn_blob *blob, const char *path, sn_error *error) {
-    sn_scene scene = {0};
+/* ---- states of a scene -------------------------------------------------------------------------------------------------------------- */
+
+typedef struct stills {
+    sn_model *model;
+    kind_list kinds;
+    double ranges[KINDS_MAX];
+    sn_state **states; /* (given.states.count) */
+} stills;
+
+static void stills_free(stills *s) {
+    for (int i = 0; s->states && i < given.states.count; i++) sn_state_destroy(s->model, s->states[i]);
+    free(s->states);
+    sn_model_destroy(s->model);
+}
+
+/* What changes the rows or the time, as simulate has it. */
+static void apply_settings(const cli *c, sn_scene *scene) {
+    if (cli_given(c, "solver") && scene->solver.method != (sn_solver_method)given.solver)
+        scene->solver = sn_solver_defaults((sn_solver_method)given.solver);
+    if (cli_given(c, "scheme")) scene->solver.scheme = (sn_scheme)given.scheme;
+    if (cli_given(c, "substeps")) scene->solver.substeps = (sn_index)given.substeps;
+    if (cli_given(c, "rate")) scene->rate = given.rate;
+    for (sn_index i = 0; cli_given(c, "law") && i < scene->muscle_count; i++) scene->muscles[i].law = (sn_fiber_law)given.law;
+}
+
+static sn_status check_finite(const stills *s, const sn_state *state, sn_error *error) {
+    for (sn_index i = 0; i < s->model->muscle_count; i++) {
+        const sn_statistics *st = &state->muscles[i].statistics;
+        if (st->nan_points > 0)
+            return sn_fail(error, SN_ERROR_INPUT, "point %d of muscle '%s' is not finite", (int)st->first_nan,
+                           s->model->muscles[i].source->name);
+    }
+    return SN_OK;
+}
+
+static sn_status load_state(stills *s, int number, sn_error *error) {
+    const char *path = given.states.items[number];
+    sn_blob blob = {0};
+    sn_status status = sn_state_create(s->model, &s->states[number], error);
+    if (!status) status = sn_blob_read(path, &blob, error);
+    if (!status) status = sn_state_unpack(s->model, blob.data, blob.size, s->states[number], error);
+    if (!status) status = check_finite(s, s->states[number], error);
+    if (status) sn_error_set_file(error, path);
+    sn_blob_free(&blob);
+    return status;
+}
+
+/* One scale for all states, so that they can be compared. */
+static sn_status set_ranges(const cli *c, stills *s, sn_error *error) {
+    sn_status status = SN_OK;
+    for (sn_index k = 0; k < s->kinds.count; k++) {
+        s->ranges[k] = cli_given(c, "range") ? given.range : 0.0;
+        for (int i = 0; i < given.states.count && !cli_given(c, "range") && !status; i++) {
+            double range = 0.0;
+            status = sn_view_state_range(s->model, s->states[i], s->kinds.items[k], &range, error);
+            s->ranges[k] = fmax(s->ranges[k], range);
+        }
+    }
+    return status;
+}
+
+/* "frame 12", "frame 12:3" or "frame 12:3:2": as --stop-after of simulate has it. */
+static char *state_caption(const sn_state *state) {
+    char text[96];
+    int length = snprintf(text, sizeof text, "frame %d", (int)state->frame);
+    int substep = (int)state->substep + (state->iteration > 0 ? 1 : 0); /* the one that iterations are done of, else the last done */
+    if (substep > 0) length += snprintf(text + length, sizeof text - (size_t)length, ":%d", substep);
+    if (state->iteration > 0) snprintf(text + length, sizeof text - (size_t)length, ":%d", (int)state->iteration);
+    return sn_strdup(text);
+}
+
+/* A tile: its caption tells the moment, and the worst row where there are several tiles. */
+static sn_status add_state(album *a, const stills *s, const sn_state *state, sn_index kind, sn_error *error) {
+    content item = {.group = a->group_count, .caption = state_caption(state)};
+    sn_status status = item.caption ? SN_OK : sn_fail_memory(error, "a caption");
+    if (!status) status = sn_view_add_state(&item.view, s->model, state, s->kinds.items[kind], s->ranges[kind], a->show, error);
+    if (!status) {
+        char text[512];
+        bool alone = given.states.count == 1 && s->kinds.count == 1;
+        snprintf(text, sizeof text, "%s; %s", item.caption, item.view.subtitle);
+        char **place = alone ? &item.view.subtitle : &item.caption;
+        free(*place);
+        if (!(*place = sn_strdup(text))) status = sn_fail_memory(error, "a caption");
+    }
+    if (!status) return album_add(a, &item, error);
+    sn_view_free(&item.view);
+    free(item.caption);
+    return status;
+}
+
+static sn_status add_states(album *a, sn_scene *scene, sn_error *error) {
+    stills s = {.kinds = parse_kinds(a->c)};
+    apply_settings(a->c, scene);
+    sn_status status = sn_model_create(scene, &s.model, error);
+    if (!status && !(s.states = SN_NEW(sn_state *, given.states.count))) status = sn_fail_memory(error, "the states");
+    for (int i = 0; i < given.states.count && !status; i++) status = load_state(&s, i, error);
+    if (!status) status = set_ranges(a->c, &s, error);
+    for (int i = 0; i < given.states.count && !status; i++)
+        for (sn_index k = 0; k < s.kinds.count && !status; k++) status = add_state(a, &s, s.states[i], k, error);
+    stills_free(&s);
+    return status;
+}
+
+/* ---- scenes ----------------------------------------------------------------------------------------------------------------------------
+ */
+
+static sn_status add_frames(album *a, const sn_scene *scene, const char *path, sn_error *error) {
     caches k = {0};
     frame_list frames = parse_frames(a->c);
+    if (frames.count == 0) frames = (frame_list){1, {scene->first_frame}};
+    sn_status status = load_caches(scene, &k, error);
+    for (sn_index i = 0; i < frames.count && !status; i++)
+        status = add_frame(a, scene, &k, frames.items[i], frames.count == 1, path, error);
+    caches_free(&k);
+    return status;
+}
+
+static sn_status add_scene(album *a, const sn_blob *blob, const char *path, sn_error *error) {
+    sn_scene scene = {0};
     sn_status status = sn_scene_parse(blob, true, &scene, error);
     if (status) return status;
     if (a->bones.count > 0) cli_warn(a->c, "--bone is for muscle documents; %s brings its own bones", path);
-    if (frames.count == 0) frames = (frame_list){1, {scene.first_frame}};
-    status = load_caches(&scene, &k, error);
-    for (sn_index i = 0; i < frames.count && !status; i++)
-        status = add_frame(a, &scene, &k, frames.items[i], frames.count == 1, path, error);
+    status = given.states.count > 0 ? add_states(a, &scene, error) : add_frames(a, &scene, path, error);
     a->group_count++;
-    caches_free(&k);
     sn_scene_free(&scene);
     return status;
 }
@@ -399,7 +612,11 @@ static sn_status add_input(album *a, const char *path, sn_error *error) {
     sn_blob blob = {0};
     sn_status status = sn_blob_read(path, &blob, error);
     if (status) return status;
-    status = sn_scene_detect(&blob) ? add_scene(a, &blob, path, error) : add_muscle(a, &blob, path, error);
+    bool scene = sn_scene_detect(&blob);
+    if (!scene && given.states.count > 0)
+        status = sn_fail(error, SN_ERROR_INPUT, "--state needs the scene that was simulated, and this is none");
+    else
+        status = scene ? add_scene(a, &blob, path, error) : add_muscle(a, &blob, path, error);
     if (status) sn_error_set_file(error, blob.name);
     sn_blob_free(&blob);
     return status;
@@ -514,6 +731,15 @@ static sn_view_options picture_options(const cli *c, bool sheet) {
     return o;
 }
 
+/* Options that mean nothing together. */
+static void check_state_options(const cli *c) {
+    static const char *const names[] = {"error", "range", "scheme", "solver", "law", "substeps", "rate"};
+    if (given.states.count > 0 && (given.frames || given.frame))
+        cli_usage_error(c, "--state shows its own frame: leave out --frames and --frame");
+    for (size_t i = 0; i < sizeof names / sizeof *names && given.states.count == 0; i++)
+        if (cli_given(c, names[i])) cli_usage_error(c, "--%s needs --state FILE", names[i]);
+}
+
 static sn_status view_rigs(const cli *c, sn_error *error) {
     static const char *const standard_input[] = {"-"};
     cli_list inputs = c->inputs.count ? c->inputs : (cli_list){1, (const char **)(uintptr_t)standard_input};
@@ -523,6 +749,8 @@ static sn_status view_rigs(const cli *c, sn_error *error) {
     sn_image image = {0};
     picture_options(c, false); /* wrong words are told before any work */
     parse_frames(c);
+    parse_kinds(c);
+    check_state_options(c);
     sn_status status = sn_output_open(c->output, false, &output, error);
     if (!status && sn_output_is_terminal(output))
         cli_usage_error(c, "a picture is not for a terminal; give -o FILE.png or redirect the output");

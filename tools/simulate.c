@@ -2,6 +2,7 @@
  * simulate -- move the bones of a scene, contract its muscles, write the frames and what there is to know about them.
  */
 #include "cli.h"
+#include "fibers.h"
 #include "sinew/error_time.h"
 
 #include <errno.h>
@@ -15,19 +16,23 @@
 enum { FORMAT_PC2, FORMAT_PLY };
 static const char *const FORMATS[] = {"pc2", "ply", NULL};
 static const char *const SOLVERS[] = {"xpbd", "qn", NULL}; /* in the order of sn_solver_method */
+static const char *const PRECONDITIONERS[] = {"scalar", "corotated", NULL};
+static const char *const STRETCHES[] = {"springs", "membrane", NULL};
 static const char *const LAWS[] = {"projected", "paper", "isochoric", NULL};
 static const char *const SCHEMES[] = {"guarded", "romeo", "kohout", NULL};
+static const char *const PRECISIONS[] = {"double", "single", NULL}; /* in the order of sn_precision */
 static const char *const ANISOTROPIES[] = {"scheme", "none", "pbd", "xpbd", NULL};
 
 typedef struct choices {
     const char *frames, *log, *fail_on, *state, *from, *choose;
     double rate, preroll, tolerance, target_error;
     int64_t substeps, iterations, save_every;
-    int format, law, solver, scheme, anisotropy;
+    int format, law, solver, scheme, anisotropy, stretch, preconditioner, precision;
     bool plan, no_sleep;
+    fiber_choices fibers;
 } choices;
 
-static choices given;
+static choices given = {.fibers = {.cut = FIBERS_CUT}};
 
 static const cli_option OPTIONS[] = {
     {0, "frames", "A:B", CLI_TEXT, &given.frames, 0, 0, 0, NULL, "simulate frames A to B instead of the scene's"},
@@ -36,15 +41,19 @@ static const cli_option OPTIONS[] = {
     {0, "law", "LAW", CLI_CHOICE, &given.law, 0, 0, 0, LAWS, "fibre law of all muscles: projected, paper or isochoric"},
     {0, "anisotropy", "FORM", CLI_CHOICE, &given.anisotropy, 0, 0, 0, ANISOTROPIES,
      "surface edges along the fibres yield: scheme, none, pbd or xpbd"},
+    {0, "stretch", "MODEL", CLI_CHOICE, &given.stretch, 0, 0, 0, STRETCHES,
+     "what resists the stretching of all surfaces: springs, or (qn) a membrane"},
     {0, NULL, NULL, CLI_HEADING, NULL, 0, 0, 0, NULL, "Solver:"},
     {0, "scheme", "SCHEME", CLI_CHOICE, &given.scheme, 0, 0, 0, SCHEMES, "guarded, or a paper to the letter: romeo, kohout"},
     {0, "solver", "METHOD", CLI_CHOICE, &given.solver, 0, 0, 0, SOLVERS, "xpbd or qn, with its own defaults, instead of the scene's"},
+    {0, "precision", "PRECISION", CLI_CHOICE, &given.precision, 0, 0, 0, PRECISIONS, "xpbd: project in double, or in single: faster"},
     {0, "substeps", "N", CLI_INTEGER, &given.substeps, 0, 1, 1e6, NULL, "substeps per frame instead of the scene's"},
     {0, "iterations", "N", CLI_INTEGER, &given.iterations, 0, 1, 1e6, NULL,
      "iterations per substep, where a muscle has no number of its own"},
     {0, "no-sleep", NULL, CLI_FLAG, &given.no_sleep, 0, 0, 0, NULL, "step muscles at rest too"},
     {0, "tolerance", "SHARE", CLI_NUMBER, &given.tolerance, 0, 0, 1, NULL,
      "qn: a substep ends when a whole step moves no point by more than this share of the diagonal"},
+    {0, "preconditioner", "MATRIX", CLI_CHOICE, &given.preconditioner, 0, 0, 0, PRECONDITIONERS, "qn: scalar or corotated"},
     {0, "target-error", "E", CLI_NUMBER, &given.target_error, 0, 1e-12, 10, NULL,
      "with --choose: stay within this RMS distance to the true motion, as a share of the diagonal"},
     {0, "choose", "REPORT", CLI_TEXT, &given.choose, 0, 0, 0, NULL,
@@ -58,6 +67,17 @@ static const cli_option OPTIONS[] = {
     {0, "plan", NULL, CLI_FLAG, &given.plan, 0, 0, 0, NULL, "print the scene with every default, and what would run; run nothing"},
     {0, "fail-on", "LIST", CLI_TEXT, &given.fail_on, 0, 0, 0, NULL,
      "exit with 3 where a frame breaks one of these: 'volume>0.01,triangle<0.1'"},
+    {0, NULL, NULL, CLI_HEADING, NULL, 0, 0, 0, NULL, "Fibres through the volume, absent unless asked for:"},
+    {0, "fibers", NULL, CLI_FLAG, &given.fibers.frames, 0, 0, 0, NULL, "with -o: their frames too, as VTP, PVD and PC2"},
+    {0, "lengths", "FILE", CLI_TEXT, &given.fibers.lengths, 0, 0, 0, NULL,
+     "the length of every fibre over time, m: FILE.sto for OpenSim, else tab-separated"},
+    {0, "smooth-lengths", NULL, CLI_FLAG, &given.fibers.smooth, 0, 0, 0, NULL, "smooth them: five times (l-1 + 4 l + l+1) / 6"},
+    {0, "blend", "EXPONENT", CLI_NUMBER, &given.fibers.blend, 0, 1e-3, 1e3, NULL,
+     "compare with fibres that are blended between the bones at their ends"},
+    {0, "penetration", NULL, CLI_FLAG, &given.fibers.penetration, 0, 0, 0, NULL, "log the fibre vertices inside bones, and the deepest"},
+    {0, "mvc-cut", "W", CLI_NUMBER, &given.fibers.cut, 0, 0, 0.09, NULL,
+     "drop weights that bind them below W and correct the rest (default 3e-4); 0 keeps all"},
+    {0, "embedding-cache", "FOLDER", CLI_TEXT, &given.fibers.cache, 0, 0, 0, NULL, "keep these weights in FOLDER for the next run"},
 };
 
 static const cli_tool TOOL = {
@@ -66,10 +86,10 @@ static const cli_tool TOOL = {
     .shared = CLI_TAKES_INPUT | CLI_HAS_OUTPUT | CLI_HAS_TRACE | CLI_HAS_REPORT | CLI_HAS_THREADS,
     .options = OPTIONS,
     .option_count = sizeof OPTIONS / sizeof *OPTIONS,
-    .notes =
-        "-o is NAME.pc2 for one muscle, or a folder with one cache per muscle. --stop-after takes FRAME[:SUBSTEP[:ITERATION]].\n"
-        "--fail-on knows volume, nan, triangle, internal, radial, mesh, dihedral, area, energy, elastic, residual, skipped and clamped;\n"
-        "'<' and '>' compare.",
+    .notes = "-o is NAME.pc2 for one muscle, or a folder with one cache per muscle. --stop-after takes FRAME[:SUBSTEP[:ITERATION]].\n"
+             "--fail-on knows volume, nan, triangle, internal, radial, mesh, dihedral, area, membrane, energy, elastic, residual, skipped "
+             "and clamped;\n"
+             "'<' and '>' compare.",
 };
 
 /* "A:B" or "A" into whole numbers; unset parts keep their value. Returns how many there were; 0 = not of this form. */
@@ -100,6 +120,7 @@ static double read_radial(const sn_statistics *s) { return s->residuals[SN_ROWS_
 static double read_mesh(const sn_statistics *s) { return s->residuals[SN_ROWS_MESH].max; }
 static double read_dihedral(const sn_statistics *s) { return s->residuals[SN_ROWS_DIHEDRAL].max; }
 static double read_area(const sn_statistics *s) { return s->residuals[SN_ROWS_AREA].max; }
+static double read_membrane(const sn_statistics *s) { return s->residuals[SN_ROWS_MEMBRANE].max; }
 static double read_energy(const sn_statistics *s) { return s->kinetic_energy; }
 static double read_elastic(const sn_statistics *s) { return s->elastic_energy; }
 static double read_residual(const sn_statistics *s) { return s->residual; }
@@ -107,10 +128,10 @@ static double read_skipped(const sn_statistics *s) { return (double)(s->skipped_
 static double read_clamped(const sn_statistics *s) { return (double)s->clamped_hinges; }
 
 static const measure MEASURES[] = {
-    {"volume", read_volume},   {"nan", read_nan},         {"triangle", read_triangle}, {"internal", read_internal},
-    {"radial", read_radial},   {"mesh", read_mesh},       {"dihedral", read_dihedral}, {"energy", read_energy},
-    {"area", read_area},       {"elastic", read_elastic}, {"residual", read_residual}, {"skipped", read_skipped},
-    {"clamped", read_clamped},
+    {"volume", read_volume},   {"nan", read_nan},           {"triangle", read_triangle}, {"internal", read_internal},
+    {"radial", read_radial},   {"mesh", read_mesh},         {"dihedral", read_dihedral}, {"energy", read_energy},
+    {"area", read_area},       {"elastic", read_elastic},   {"residual", read_residual}, {"skipped", read_skipped},
+    {"clamped", read_clamped}, {"membrane", read_membrane},
 };
 enum { MEASURE_COUNT = sizeof MEASURES / sizeof *MEASURES, MAX_LIMITS = 32 };
 
@@ -164,6 +185,7 @@ typedef struct job {
     sn_pool *pool;
     sn_output *log;
     target *targets; /* (muscle_count); NULL = no frames */
+    fiber_run fibers;
     limits limits;
     sn_index stop[3]; /* frame, substep, iteration */
     int stop_parts;   /* how many of them were given */
@@ -191,8 +213,11 @@ static void apply_options(job *j) {
     for (sn_index i = 0; cli_given(&j->c, "law") && i < scene->muscle_count; i++) scene->muscles[i].law = (sn_fiber_law)given.law;
     for (sn_index i = 0; cli_given(&j->c, "anisotropy") && i < scene->muscle_count; i++)
         scene->muscles[i].anisotropy = (sn_anisotropy)given.anisotropy;
+    for (sn_index i = 0; cli_given(&j->c, "stretch") && i < scene->muscle_count; i++) scene->muscles[i].stretch = (sn_stretch)given.stretch;
+    if (cli_given(&j->c, "preconditioner")) scene->solver.preconditioner = (sn_preconditioning)given.preconditioner;
     if (given.no_sleep) scene->solver.sleep = false;
     if (cli_given(&j->c, "scheme")) scene->solver.scheme = (sn_scheme)given.scheme;
+    if (cli_given(&j->c, "precision")) scene->solver.precision = (sn_precision)given.precision;
     if (j->c.threads > 0) scene->solver.threads = j->c.threads;
 }
 
@@ -218,7 +243,7 @@ static void check_stop(const job *j, sn_index first, bool whole) {
 /* ---- --choose ------------------------------------------------------------------------------------------------------------- */
 
 static void check_choice(const job *j) {
-    static const char *const excluded[] = {"solver", "scheme", "substeps", "iterations", "tolerance"};
+    static const char *const excluded[] = {"solver", "scheme", "precision", "preconditioner", "substeps", "iterations", "tolerance"};
     if (cli_given(&j->c, "choose") != cli_given(&j->c, "target-error"))
         cli_usage_error(&j->c, "--choose REPORT and --target-error E go together");
     for (size_t i = 0; given.choose != NULL && i < sizeof excluded / sizeof *excluded; i++)
@@ -272,7 +297,7 @@ static sn_status load_scene(job *j, sn_error *error) {
     sn_blob blob = {0};
     sn_status status = sn_blob_read(j->c.inputs.items[0], &blob, error);
     if (status != SN_OK) return status;
-    status = sn_scene_parse(&blob, false, &j->scene, error);
+    status = sn_scene_parse(&blob, given.fibers.penetration, &j->scene, error);
     if (status == SN_OK) status = choose_setting(j, &blob, error);
     if (status == SN_OK) {
         apply_options(j);
@@ -375,6 +400,8 @@ static sn_status open_target(job *j, sn_index muscle, bool file, sn_error *error
     t->path = file ? sn_strdup(j->c.output) : path_in_folder(j->c.output, m->source->name, suffix);
     t->positions = SN_NEW(sn_vec3, m->vertex_count);
     if (t->path == NULL || t->positions == NULL) return sn_fail_memory(error, "the frames");
+    sn_status status = fibers_open_frames(&j->fibers, muscle, t->path, error);
+    if (status != SN_OK) return status;
     if (given.format == FORMAT_PC2) return sn_pc2_create(t->path, m->vertex_count, j->scene.first_frame, 1.0, &t->cache, error);
     return sn_mesh_copy(&m->source->rig.mesh, &t->mesh, error);
 }
@@ -421,7 +448,7 @@ static sn_status commit_targets(job *j, sn_error *error) {
         j->targets[i].cache = NULL;
         if (cache != NULL) status = sn_pc2_commit(cache, error);
     }
-    return status;
+    return status == SN_OK ? fibers_commit(&j->fibers, error) : status;
 }
 
 static void free_targets(job *j) {
@@ -456,7 +483,8 @@ static void write_quasi_newton(sn_json *json, const sn_statistics *s) {
     sn_json_text(json, "stopped_by", sn_stop_reason_name(s->stop_reason));
 }
 
-static void write_statistics(const job *j, sn_json *json, const sn_statistics *s, const sn_plan_muscle *plan, bool stopped) {
+static void write_statistics(const job *j, sn_json *json, sn_index muscle, const sn_plan_muscle *plan, bool stopped) {
+    const sn_statistics *s = &j->state->muscles[muscle].statistics;
     sn_json_object(json, NULL);
     sn_json_integer(json, "frame", j->state->frame);
     if (stopped) sn_json_integer(json, "substep", j->stop[1]);
@@ -480,6 +508,7 @@ static void write_statistics(const job *j, sn_json *json, const sn_statistics *s
     sn_json_integer(json, "held_triangles", s->held_triangles);
     sn_json_integer(json, "skipped_triangles", s->skipped_triangles);
     if (j->scene.solver.method == SN_SOLVER_QN) write_quasi_newton(json, s);
+    fibers_log(&j->fibers, muscle, json);
     sn_json_close(json);
 }
 
@@ -492,7 +521,7 @@ static sn_status write_log(job *j, bool stopped, sn_error *error) {
     for (sn_index i = 0; status == SN_OK && i < j->model->muscle_count; i++) {
         sn_json *json = sn_json_begin(j->log, false);
         if (json == NULL) return sn_fail_memory(error, "the log");
-        write_statistics(j, json, &j->state->muscles[i].statistics, plan_of(j, i), stopped);
+        write_statistics(j, json, i, plan_of(j, i), stopped);
         status = sn_json_end(json, error);
     }
     return status;
@@ -529,9 +558,11 @@ static void check_limits(job *j) {
 /* ---- frame after frame ------------------------------------------------------------------------------------------------------ */
 
 static sn_status finish_frame(job *j, bool stopped, sn_error *error) {
+    fibers_move(&j->fibers, j->state);
     sn_status status = write_log(j, stopped, error);
     if (status == SN_OK) status = check_nan(j, error);
     if (status == SN_OK) status = write_frames(j, error);
+    if (status == SN_OK) status = fibers_write(&j->fibers, j->state->frame, error);
     if (status == SN_OK && !stopped) status = save_now_and_then(j, error);
     check_limits(j);
     cli_progress(&j->c, j->state->frame - j->scene.first_frame, j->scene.last_frame - j->scene.first_frame, "frame");
@@ -562,6 +593,12 @@ static sn_status run_frames(job *j, sn_error *error) {
     return status;
 }
 
+/* Frames of the run, as far as --stop-after lets it go. */
+static int64_t rows_to_write(const job *j) {
+    sn_index last = j->stop_parts > 0 && j->stop[0] < j->scene.last_frame ? j->stop[0] : j->scene.last_frame;
+    return (int64_t)last - j->scene.first_frame + 1;
+}
+
 static sn_status prepare(job *j, sn_error *error) {
     size_t frames = (size_t)((int64_t)j->scene.last_frame - j->scene.first_frame) + 1;
     j->pool = sn_pool_create(j->scene.solver.threads);
@@ -569,6 +606,8 @@ static sn_status prepare(job *j, sn_error *error) {
     if (j->pool == NULL || j->frame_seconds == NULL) return sn_fail_memory(error, "the run");
     sn_status status = sn_state_create(j->model, &j->state, error);
     if (status == SN_OK && given.from != NULL) status = read_state(j, error);
+    if (status == SN_OK) status = fibers_bind(&j->fibers, &j->c, &given.fibers, &j->scene, j->model, j->pool, error);
+    if (status == SN_OK) status = fibers_open_lengths(&j->fibers, rows_to_write(j), error);
     if (status == SN_OK) status = open_targets(j, error);
     if (status == SN_OK) status = sn_output_open(given.log, true, &j->log, error);
     j->setup_seconds = cli_seconds() - j->c.started;
@@ -632,7 +671,7 @@ static void write_groups(const job *j, sn_json *json, const sn_plan_muscle *plan
     sn_json_close(json);
 }
 
-static void write_muscle_plan(const job *j, sn_json *json, const sn_plan_muscle *plan, sn_index muscle) {
+static void write_muscle_plan(const job *j, sn_json *json, const sn_plan_muscle *plan, sn_index muscle, bool costs) {
     sn_json_object(json, NULL);
     sn_json_text(json, "name", plan->name);
     if (!plan->enabled) {
@@ -649,7 +688,8 @@ static void write_muscle_plan(const job *j, sn_json *json, const sn_plan_muscle 
         sn_json_text(json, "contraction", "surface edges keep their length: the document has no fibre directions (fiber-flow makes them)");
     sn_json_integer(json, "modelBytes", (int64_t)plan->model_bytes);
     sn_json_integer(json, "stateBytes", (int64_t)plan->state_bytes);
-    write_groups(j, json, plan, muscle);
+    write_groups(j, json, plan, costs ? muscle : SN_NONE);
+    fibers_plan(&j->fibers, costs ? j->state : NULL, muscle, json);
     sn_json_close(json);
 }
 
@@ -662,7 +702,7 @@ static void write_plan_members(const job *j, sn_json *json, bool costs) {
     sn_json_array(json, "muscles");
     for (sn_index i = 0; i < plan->muscle_count; i++) {
         sn_index muscle = plan->muscles[i].enabled ? running++ : SN_NONE; /* in the model */
-        write_muscle_plan(j, json, &plan->muscles[i], costs ? muscle : SN_NONE);
+        write_muscle_plan(j, json, &plan->muscles[i], muscle, costs);
     }
     sn_json_close(json);
 }
@@ -670,6 +710,8 @@ static void write_plan_members(const job *j, sn_json *json, bool costs) {
 static sn_status print_plan(job *j, sn_error *error) {
     sn_output *output = NULL;
     sn_status status = sn_state_create(j->model, &j->state, error);
+    if (status == SN_OK && (j->pool = sn_pool_create(j->scene.solver.threads)) == NULL) status = sn_fail_memory(error, "threads");
+    if (status == SN_OK) status = fibers_bind(&j->fibers, &j->c, &given.fibers, &j->scene, j->model, j->pool, error);
     if (status == SN_OK) status = sn_output_open("-", false, &output, error);
     if (status != SN_OK) return status;
     sn_json *json = sn_json_begin(output, true);
@@ -707,6 +749,7 @@ static void write_report(sn_json *json, const void *data) {
         sn_json_number(json, "medianFrameSeconds", j->frame_seconds[n / 2]);
         sn_json_number(json, "longestFrameSeconds", j->frame_seconds[n - 1]);
     }
+    fibers_report(&j->fibers, json);
     write_plan_members(j, json, false);
 }
 
@@ -736,8 +779,10 @@ int main(int argc, char **argv) {
     parse_stop(&j);
     check_choice(&j);
     if (cli_given(&j.c, "save-every") && given.state == NULL) cli_usage_error(&j.c, "--save-every needs --state FILE");
+    (void)fibers_wanted(&j.c, &given.fibers);
     sn_status status = work(&j, &error);
     free_targets(&j);
+    fibers_free(&j.fibers);
     free(j.frame_seconds);
     sn_pool_destroy(j.pool);
     sn_state_destroy(j.model, j.state);

@@ -212,6 +212,34 @@ typedef enum sn_lines_format { SN_LINES_UNKNOWN, SN_LINES_VTP, SN_LINES_OBJ } sn
 sn_lines_format sn_lines_format_from_name(const char *path); /* .vtp, .obj */
 SN_MUST_CHECK sn_status sn_lines_write(const sn_fibers *fibers, sn_lines_format format, sn_output *output, sn_error *error);
 
+/* Lines that move (lib/io/frames_vtp.c): PREFIX.0000.vtp, numbered by frame, with `length` and `stretch` (over the rest length) of each
+ * line; and PREFIX.pvd, a collection with the time of each. A frame's file appears whole with its append, the collection with commit.
+ * start (line_count + 1): line i has the points start[i] .. start[i + 1] - 1; it and rest_lengths (line_count) are copied. */
+typedef struct sn_line_frames sn_line_frames;
+SN_MUST_CHECK sn_status sn_line_frames_create(const char *prefix, sn_index line_count, const sn_index *start, const double *rest_lengths,
+                                              sn_line_frames **out, sn_error *error);
+SN_MUST_CHECK sn_status sn_line_frames_append(sn_line_frames *frames, sn_index frame, double time, const sn_vec3 *points,
+                                              const double *lengths, sn_error *error);
+SN_MUST_CHECK sn_status sn_line_frames_commit(sn_line_frames *frames, sn_error *error); /* frees frames */
+void sn_line_frames_abort(sn_line_frames *frames);                                      /* frees frames; NULL is fine */
+
+/* Numbers over time (lib/io/table.c): a row of names, then rows of numbers, with tabs between them; a path that ends in .sto or .mot gets
+ * OpenSim's storage header before them. Smoothing is [K21] 4.4's: `rounds` times x'_i = (x_{i-1} + 4 x_i + x_{i+1}) / 6 over the rows;
+ * the first and the last row keep their values. Nothing is seen at path before commit. */
+typedef struct sn_table_params {
+    const char *title;        /* first line of a storage file */
+    int64_t rows;             /* that will be appended: a storage file's header says so */
+    sn_index columns;         /* at least 1 */
+    const char *const *names; /* (columns) white space in them becomes '_' */
+    sn_index smoothed_from;   /* columns before this stay as they are */
+    int rounds;               /* 0 = no smoothing */
+} sn_table_params;
+typedef struct sn_table sn_table;
+SN_MUST_CHECK sn_status sn_table_create(const char *path, const sn_table_params *params, sn_table **out, sn_error *error);
+SN_MUST_CHECK sn_status sn_table_append(sn_table *table, const double *row, sn_error *error); /* row (columns) */
+SN_MUST_CHECK sn_status sn_table_commit(sn_table *table, sn_error *error);                    /* frees table */
+void sn_table_abort(sn_table *table);                                                         /* frees table; NULL is fine */
+
 /* A fibre template (lib/io/fill_document.c): {"format": "sinew-fiber-template", "version": 1, "curves": [{"points": [x,y,z, ...]}, ...]},
  * the control points of Bezier curves; they become out->polylines. */
 SN_MUST_CHECK sn_status sn_fiber_template_parse(const sn_blob *blob, sn_fibers *out, sn_error *error);

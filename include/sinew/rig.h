@@ -328,6 +328,8 @@ typedef struct sn_fill_params {
     double turn;                /* turn of the template about the line of action, radians; 0 = x along the widest way of the section */
     sn_index curve_count;       /* user: at least 1; a fibre has the shape of the curves, blended by how near their starts are to its seed */
     const sn_fill_curve *curves;
+    sn_index bend_count;        /* parallel, fan, curved: superficial fibres that bend the template (Kohout and Cholt 2017); 0 = none */
+    const sn_polyline *bend_lines; /* (bend_count) along the muscle, within 5 % of the box diagonal from its surface, in either direction */
     sn_fill_map map;
     sn_index smooth;            /* rounds of smoothing along each fibre before it is divided; default 0 */
     bool pull;                  /* default true: bring vertices that lie outside in */
@@ -352,6 +354,7 @@ typedef struct sn_fill_report {
     double density;             /* fibres through that level per area */
     sn_index leaves_reached;    /* ends of branches of slices where at least one fibre ends */
     sn_index leaf_loops;        /* ends of branches of slices */
+    double bend_farthest;       /* that a point of bend_lines lay from the surface */
 } sn_fill_report;
 
 sn_fill_params sn_fill_defaults(void);

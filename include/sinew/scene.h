@@ -23,6 +23,9 @@ typedef enum sn_fiber_law { SN_LAW_PROJECTED, SN_LAW_PAPER, SN_LAW_ISOCHORIC } s
  * stiffness (XPBD form) of the surface edges. SCHEME: the PBD form under the scheme `kohout`, else none. */
 typedef enum sn_anisotropy { SN_ANISOTROPY_SCHEME, SN_ANISOTROPY_NONE, SN_ANISOTROPY_PBD, SN_ANISOTROPY_XPBD } sn_anisotropy;
 
+/* What resists the stretching of the surface: springs along its edges, the papers' model; or a neo-Hookean membrane (numerics.md 9). */
+typedef enum sn_stretch { SN_STRETCH_SPRINGS, SN_STRETCH_MEMBRANE } sn_stretch;
+
 /* A graph of knots (x ascending); 0 knots = the default of its use. */
 typedef struct sn_knots {
     sn_index count;
@@ -37,6 +40,7 @@ typedef struct sn_scene_muscle {
     double contraction;     /* a = contraction x activation; in [0,0.99]; default 0.5 */
     double rest_activation; /* a0 = contraction x rest_activation; in [0,1]; default 0 */
     sn_fiber_law law;
+    sn_stretch stretch;        /* default springs; membrane under `qn` only, and not with the law `paper` */
     double stiffness_relaxed;  /* N/m, default 5e5: interpolated to active in log scale by activation; 0 = none at all */
     double stiffness_active;   /* N/m, default 5e7 */
     double stiffness_internal; /* factor on the stiffness of internal and radial rows; default 1; 0 = no internal structure */
@@ -62,17 +66,20 @@ typedef enum sn_solver_method { SN_SOLVER_XPBD, SN_SOLVER_QN } sn_solver_method;
 typedef enum sn_scheme { SN_SCHEME_GUARDED, SN_SCHEME_ROMEO, SN_SCHEME_KOHOUT } sn_scheme;
 
 /* The matrix that `qn` goes by (numerics.md 2, 7): one number for x, y and z of two points; or the Hessian of the rest shape, turned with
- * the muscle. AUTO: whichever measures best at the muscle's size (SN_COROTATED_MOST). */
-typedef enum sn_preconditioning { SN_PRECONDITION_AUTO, SN_PRECONDITION_SCALAR, SN_PRECONDITION_COROTATED } sn_preconditioning;
+ * the muscle. */
+typedef enum sn_preconditioning { SN_PRECONDITION_SCALAR, SN_PRECONDITION_COROTATED } sn_preconditioning;
+/* Of the projections under `xpbd`: single keeps points and inputs in double and projects in floats near the muscle's middle. */
+typedef enum sn_precision { SN_PRECISION_DOUBLE, SN_PRECISION_SINGLE } sn_precision;
 
 typedef struct sn_solver_settings {
     sn_solver_method method;
     sn_scheme scheme;
+    sn_precision precision;
     sn_index substeps;   /* per frame; default 16 under xpbd, 1 under qn */
     sn_index iterations; /* per substep; xpbd: default 2, since a single one lets rows that disagree pump energy into the muscle; qn: at
                             most this many, default 10 */
     double tolerance;    /* qn: a substep ends when a whole step moves no point by more than this share of the diagonal; default 1e-5 */
-    sn_preconditioning preconditioner; /* qn; default AUTO */
+    sn_preconditioning preconditioner; /* qn; default scalar */
     int threads;                       /* 0 = all */
     bool sleep; /* a muscle at rest whose inputs keep still is not stepped; default true; moves nothing by 1e-9 of its size */
 } sn_solver_settings;

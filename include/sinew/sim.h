@@ -32,6 +32,7 @@ typedef enum sn_row_kind {
     SN_ROWS_MESH,
     SN_ROWS_DIHEDRAL,
     SN_ROWS_AREA,
+    SN_ROWS_MEMBRANE, /* back end `qn` only, in place of SN_ROWS_MESH */
     SN_ROWS_VOLUME,
     SN_ROW_KINDS
 } sn_row_kind;
@@ -42,6 +43,7 @@ typedef enum sn_left_out {
     SN_OUT_NO_STIFFNESS, /* its stiffness is 0 at every activation */
     SN_OUT_SETTING,      /* the scene switches it off */
     SN_OUT_SCHEME,       /* the scheme has no such rows */
+    SN_OUT_MEMBRANE,     /* the membrane takes its place */
     SN_OUT_NO_STRUCTURE, /* the document has no internal structure */
     SN_OUT_OPEN_SURFACE, /* an open surface encloses no volume */
     SN_OUT_FLAT,         /* the rest volume is 0 */
@@ -74,7 +76,7 @@ typedef struct sn_plan {
     sn_plan_muscle *muscles; /* (muscle_count) one per muscle of the scene, disabled ones too */
 } sn_plan;
 
-const char *sn_row_kind_name(sn_row_kind kind);   /* "internal", "radial", "mesh", "dihedral", "area", "volume" */
+const char *sn_row_kind_name(sn_row_kind kind);   /* "internal", "radial", "mesh", "dihedral", "area", "membrane", "volume" */
 const char *sn_left_out_text(sn_left_out reason); /* half a sentence; "" for SN_RUNS */
 const char *sn_scheme_name(sn_scheme scheme);     /* "guarded", "romeo", "kohout" */
 const char *sn_fiber_law_name(sn_fiber_law law);  /* "projected", "paper", "isochoric" */
@@ -95,6 +97,14 @@ typedef struct sn_hinge_row {
 typedef struct sn_area_row {
     sn_index point[3];
 } sn_area_row;
+
+/* A triangle as a membrane: its rest edges in the plane, and what activation and maps do to it. The points are apart. */
+typedef struct sn_membrane_row {
+    double edge[2][2]; /* m; [0] along the fibre, [1] across it; columns are x1 - x0 and x2 - x0 */
+    double share;      /* of the contraction */
+    double softness;   /* 1 / factor on the stiffness */
+} sn_membrane_row;
+#define SN_MEMBRANE_GOALS 6 /* per row: D00, D01, D10, D11 of the goal shape (1/m), its area A (m^2), A mu / k */
 
 /* The square of a goal length is a sum of terms (of the row) times factors (of the activation); see distance.c. */
 #define SN_LAW_TERMS 3
@@ -128,21 +138,26 @@ typedef struct sn_model_muscle {
     sn_hinge_row *hinges;   /* (hinge_count) */
     double *hinge_angles;   /* (hinge_count) theta0, rad */
     double *hinge_softness; /* (hinge_count) 1 / factor on the stiffness; NULL = 1 for all */
-    sn_index area_count;
-    sn_area_row *areas;         /* (area_count) */
-    double *area_scales;        /* (area_count) 1 / (2 A0), 1/m^2 */
-    bool keeps_volume;          /* the volume row runs */
-    double rest_volume;         /* V0, m^3; NaN for an open or flat surface */
-    sn_curve *stiffness_curve;  /* ln k over activation; NULL = straight from relaxed to active */
-    sn_curve *volume_ratio;     /* g(activation); NULL = 1 */
-    double rest_ratio;          /* g(rest activation) */
-    double mass;                /* kg, all points together */
-    double mean_edge, diagonal; /* m */
-    sn_index iterations;        /* per substep */
-    bool contracts;             /* activation is felt: not under the scheme `kohout` */
-    bool quasi_newton;          /* the back end is `qn` */
-    bool corotated;             /* qn: by the rest shape's Hessian, turned with the muscle, where the shape allows it */
-    double tolerance;           /* qn: stop when a whole step moves no point by more than this share of the diagonal */
+    sn_index area_count, area_batched;
+    sn_area_row *areas;  /* (area_count) */
+    double *area_scales; /* (area_count) 1 / (2 A0), 1/m^2 */
+    sn_index membrane_count;
+    sn_area_row *membrane_points;                                       /* (membrane_count) */
+    sn_membrane_row *membranes;                                         /* (membrane_count) */
+    bool keeps_volume;                                                  /* the volume row runs */
+    double rest_volume;                                                 /* V0, m^3; NaN for an open or flat surface */
+    sn_curve *stiffness_curve;                                          /* ln k over activation; NULL = straight from relaxed to active */
+    sn_curve *volume_ratio;                                             /* g(activation); NULL = 1 */
+    double rest_ratio;                                                  /* g(rest activation) */
+    double mass;                                                        /* kg, all points together */
+    double mean_edge, diagonal;                                         /* m */
+    sn_index iterations;                                                /* per substep */
+    bool contracts;                                                     /* activation is felt: not under the scheme `kohout` */
+    bool single;                                                        /* projected in single precision: then, and only then: */
+    bool *distance_pairs[SN_DISTANCE_KINDS], *hinge_pairs, *area_pairs; /* (batched / 4) this four and the next share no point */
+    bool quasi_newton;                                                  /* the back end is `qn` */
+    bool corotated;   /* qn: by the rest shape's Hessian, turned with the muscle, where the shape allows it */
+    double tolerance; /* qn: stop when a whole step moves no point by more than this share of the diagonal */
 } sn_model_muscle;
 
 typedef struct sn_model {
@@ -207,6 +222,11 @@ typedef struct sn_point {
     double x, y, z, w;
 } sn_point;
 
+/* The same in single precision, relative to the muscle's origin. */
+typedef struct sn_single_point {
+    float x, y, z, w;
+} sn_single_point;
+
 static inline sn_vec3 sn_point_position(const sn_point *p) { return sn_v3(p->x, p->y, p->z); }
 
 /* Arrays of one muscle's state: type, name, count in terms of `m` (its model), kept when a run is saved and continued. */
@@ -215,11 +235,12 @@ static inline sn_vec3 sn_point_position(const sn_point *p) { return sn_v3(p->x, 
     X(sn_vec3, velocities, m->point_count, true)                                                                                           \
     X(sn_vec3, previous, m->point_count, true)                                                                                             \
     X(double, goals, m->distance_start[SN_DISTANCE_KINDS], false)                                                                          \
+    X(double, membrane_goals, SN_MEMBRANE_GOALS *(size_t)m->membrane_count, false)                                                         \
     X(double, distance_lambda, m->distance_start[SN_DISTANCE_KINDS], true)                                                                 \
     X(double, hinge_lambda, m->hinge_count, true)                                                                                          \
     X(sn_vec3, volume_gradient, m->keeps_volume ? m->vertex_count : 0, false)                                                              \
     X(sn_rigid, placed, m->site_count, true)                                                                                               \
-    /* back end `qn`: where inertia takes each point, how far the carried ones came, the L-BFGS pairs, frames, dV/dx at the start */      \
+    /* back end `qn`: where inertia takes each point, how far the carried ones came, the L-BFGS pairs, frames, dV/dx of the matrix */      \
     X(sn_vec3, target, m->quasi_newton ? m->point_count : 0, true)                                                                         \
     X(sn_vec3, last_jump, m->quasi_newton ? m->point_count : 0, true)                                                                      \
     X(sn_vec3, pair_steps, m->quasi_newton ? 8 * (size_t)m->point_count : 0, true)                                                         \
@@ -227,7 +248,11 @@ static inline sn_vec3 sn_point_position(const sn_point *p) { return sn_v3(p->x, 
     X(double, pair_products, m->quasi_newton ? 8 : 0, true)                                                                                \
     X(bool, guarded, m->quasi_newton ? m->area_count : 0, true)                                                                            \
     X(sn_quat, turns, m->corotated ? m->point_count : 0, true)                                                                             \
-    X(sn_vec3, start_gradient, m->quasi_newton && m->keeps_volume ? m->vertex_count : 0, true)
+    X(sn_vec3, row_gradient, m->quasi_newton && m->keeps_volume ? m->vertex_count : 0, true)                                               \
+    /* single precision: the points during a substep, relative to an origin (one), and 6 dV/dx */                                          \
+    X(sn_single_point, single_points, m->single ? m->point_count : 0, true)                                                                \
+    X(sn_vec3, origin, m->single ? 1 : 0, true)                                                                                            \
+    X(sn_single_point, single_gradient, m->single && m->keeps_volume ? m->vertex_count : 0, false)
 
 struct sn_qn;
 typedef struct sn_qn sn_qn;
@@ -291,6 +316,18 @@ SN_MUST_CHECK sn_status sn_step(const sn_model *model, sn_state *state, const sn
 
 /* Project the rows of one kind of a muscle once, as the first iteration of a substep does under `xpbd`: to measure what they cost. */
 void sn_project(const sn_model *model, sn_state *state, sn_index muscle, sn_row_kind kind);
+
+/* ---- errors row by row (errors.c): what sn_residual is the sum of --------------------------------------------------------- */
+
+/* Rows of a kind that run; of the volume 1 or 0. */
+sn_index sn_row_count(const sn_model *model, sn_index muscle, sn_row_kind kind);
+/* The points of a row. Returns how many: 2 of a distance, 4 of a hinge, 3 of an area; 0 for the volume, which has all vertices. */
+int sn_row_points(const sn_model *model, sn_index muscle, sn_row_kind kind, sn_index row, sn_index points[4]);
+/* |C| of every row of a kind now: errors (sn_row_count), in the units of sn_statistics; NaN: a hinge that has no angle (its guard). */
+void sn_row_errors(const sn_model *model, const sn_state *state, sn_index muscle, sn_row_kind kind, double *errors);
+/* How far one rigid projection of the volume would move each vertex, w_i |dV/dx_i| |C| / sum w |dV/dx|^2, over the mean edge:
+ * moves (vertex_count), zeros where no volume is kept; gradients (vertex_count) is scratch, and holds dV/dx then. */
+void sn_volume_moves(const sn_model *model, const sn_state *state, sn_index muscle, sn_vec3 *gradients, double *moves);
 
 /* ---- single constraints: value and gradients, for tests, pictures and other back ends ------------------------------------- */
 

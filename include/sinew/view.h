@@ -9,6 +9,7 @@
 
 #include "sinew/geom.h"
 #include "sinew/scene.h"
+#include "sinew/sim.h"
 
 typedef struct sn_color { double r, g, b; } sn_color; /* sRGB, each in [0,1] */
 
@@ -52,6 +53,7 @@ typedef struct sn_view_mesh {
     sn_index paint_count;
     sn_color *paints;       /* (paint_count) */
     sn_index *paint;        /* (vertex_count) index of the vertex's paint, SN_NONE = plain; NULL = no paint */
+    sn_color *colors;       /* (vertex_count) a colour of each vertex, blended between them; NULL = none; they go before paint */
 } sn_view_mesh;
 
 /* A capsule from a to b; a sphere where a equals b. */
@@ -61,14 +63,22 @@ typedef struct sn_view_tube {
     sn_color color;
 } sn_view_tube;
 
-typedef enum sn_view_mark { SN_MARK_AREA, SN_MARK_LINE, SN_MARK_DOT } sn_view_mark;
+typedef enum sn_view_mark { SN_MARK_AREA, SN_MARK_LINE, SN_MARK_DOT, SN_MARK_RING } sn_view_mark;
 
 /* A line of the legend. */
 typedef struct sn_view_entry {
     char *text;
+    char *detail; /* nullable: a count or so, in brackets behind the text; a sheet whose tiles differ in it leaves it out */
     sn_view_mark mark;
     sn_color color;
 } sn_view_entry;
+
+/* A scale of colours from 0 to high; what is above has the last one. */
+typedef struct sn_view_scale {
+    char *text; /* what it measures, with its unit; NULL = no scale */
+    double high;
+    bool open; /* there is more above `high` */
+} sn_view_scale;
 
 /* A picture's content; an empty one is all zeros. Owns everything in it. */
 typedef struct sn_view {
@@ -77,6 +87,9 @@ typedef struct sn_view {
     sn_view_mesh *meshes;
     sn_view_tube *tubes;
     sn_view_entry *entries;
+    sn_view_scale scale;
+    size_t ring_count, ring_capacity;
+    sn_vec3 *rings; /* (ring_count) places to draw a ring around, also where they are hidden; they belong to the lettering */
 } sn_view;
 
 void sn_view_free(sn_view *view); /* frees what it owns and zeroes it */
@@ -85,10 +98,16 @@ void sn_view_free(sn_view *view); /* frees what it owns and zeroes it */
 SN_MUST_CHECK sn_status sn_view_add_mesh(sn_view *view, const sn_mesh *mesh, double meters_per_unit, const sn_rigid *pose, sn_color color,
                                          sn_view_mesh **out, sn_error *error);
 SN_MUST_CHECK sn_status sn_view_add_tube(sn_view *view, sn_view_tube tube, sn_error *error);
-/* Add a line to the legend; one with the same text is not added again. */
+/* Add a line to the legend; one with the same text and colour is not added again. */
 SN_MUST_CHECK sn_status sn_view_add_entry(sn_view *view, sn_view_mark mark, sn_color color, const char *text, sn_error *error);
+/* The same with a detail (nullable); where a line is added again with another one, it loses its detail. */
+SN_MUST_CHECK sn_status sn_view_add_entry_detail(sn_view *view, sn_view_mark mark, sn_color color, const char *text, const char *detail,
+                                                 sn_error *error);
+SN_MUST_CHECK sn_status sn_view_add_ring(sn_view *view, sn_vec3 at, sn_error *error);
+/* The colour of a scale at t: 0 = its start, 1 and above = its end; NaN = its end. */
+sn_color sn_scale_color(double t);
 
-/* ---- builders (lib/view/show_muscle.c, show_scene.c) --------------------------------------------------------------------- */
+/* ---- builders (lib/view/show_muscle.c, show_scene.c, show_state.c) --------------------------------------------------------------------- */
 
 /* A muscle document, also a partial one: surface, roots purple, branches green, connections blue ([R18] figure 2), fibre directions
  * as short lines along the surface, attachments in one colour per bone. `show` is bits of sn_view_show. Sets the title and the
@@ -100,9 +119,22 @@ SN_MUST_CHECK sn_status sn_view_add_bone(sn_view *view, const char *name, const 
 
 /* A scene at a time in seconds: bones in their pose, muscles coloured by activation. positions (nullable; muscle_count; entries
  * nullable): the muscle's vertices at that time, in metres; without, the muscle is at rest. SN_SHOW_AUTO is surfaces and bones here;
- * structure and fibres show only at rest, which they belong to. */
+ * structure and fibre directions show only at rest, which they belong to; fibres through the volume show where they are: beside positions
+ * they must be that time's, in metres, or none. */
 SN_MUST_CHECK sn_status sn_view_add_scene(sn_view *view, const sn_scene *scene, double time, const sn_vec3 *const *positions, unsigned show,
                                           sn_error *error);
+
+/* The muscles of a simulation at a state's points, coloured by the error |C| of their rows of one kind (sim.h: units of
+ * sn_statistics): the surface by the greatest error of the rows at each vertex, or for internal and radial rows the edges inside a
+ * translucent surface. SN_ROWS_VOLUME colours by sn_volume_moves. The worst row has a ring. SN_SHOW_STRUCTURE draws the internal edges
+ * under mesh errors too, on the same scale; SN_SHOW_BONES the bones at the state's time; SN_SHOW_AUTO is the surface here.
+ * range: the end of the scale; NaN = sn_view_state_range. Sets title and subtitle where there is none yet. */
+SN_MUST_CHECK sn_status sn_view_add_state(sn_view *view, const sn_model *model, const sn_state *state, sn_row_kind kind, double range,
+                                          unsigned show, sn_error *error);
+/* A round number at or above 98 of 100 errors of the rows of a kind; above all of them where those are 0; 1 where all are. */
+SN_MUST_CHECK sn_status sn_view_state_range(const sn_model *model, const sn_state *state, sn_row_kind kind, double *range, sn_error *error);
+/* The moment that a state has reached, in frames: a part of one where it was stopped inside a frame. */
+double sn_view_state_frame(const sn_model *model, const sn_state *state);
 
 /* ---- camera (lib/view/camera.c) ------------------------------------------------------------------------------------------- */
 

@@ -380,32 +380,7 @@ void sn_embedding_free(sn_embedding *embedding) {
     *embedding = (sn_embedding){0};
 }
 
-/* ---- use ------------------------------------------------------------------------------------------------------------------- */
-
-typedef struct application {
-    const sn_embedding *embedding;
-    const sn_vec3 *positions;
-    sn_vec3 *points;
-} application;
-
-static void apply_chunk(void *user, sn_index begin, sn_index end, sn_index chunk) {
-    const application *a = user;
-    (void)chunk;
-    for (sn_index i = begin; i < end; i++) {
-        const sn_embedding_row *row = &a->embedding->rows[i];
-        sn_vec3 sum = {0, 0, 0};
-        if (row->vertices)
-            for (sn_index k = 0; k < row->count; k++) sum = sn_add_scaled(sum, a->positions[row->vertices[k]], row->weights[k]);
-        else
-            for (sn_index k = 0; k < row->count; k++) sum = sn_add_scaled(sum, a->positions[k], row->weights[k]);
-        a->points[i] = sum;
-    }
-}
-
-void sn_embedding_apply(const sn_embedding *embedding, const sn_vec3 *positions, sn_pool *pool, sn_vec3 *points) {
-    application a = {embedding, positions, points};
-    sn_parallel_for(pool, embedding->point_count, GRAIN, apply_chunk, &a);
-}
+/* ---- its name ---------------------------------------------------------------------------------------------------- */
 
 sn_status sn_embedding_hash(const sn_mesh *mesh, sn_index count, const sn_vec3 *points, const sn_embedding_params *params,
                             char out[SN_HASH_LENGTH], sn_error *error) {

@@ -7,6 +7,9 @@
 #define FORMAT "sinew-scene"
 enum { NEWEST_VERSION = 1, FRAME_LIMIT = 100000000, COUNT_LIMIT = 1000000 };
 
+static const char *const stretch_names[] = {"springs", "membrane", NULL};        /* of sn_stretch */
+static const char *const preconditioner_names[] = {"scalar", "corotated", NULL}; /* of sn_preconditioning */
+static const char *const precision_names[] = {"double", "single", NULL};
 static const char *const law_names[] = {"projected", "paper", "isochoric", NULL};      /* in the order of sn_fiber_law */
 static const char *const scheme_names[] = {"guarded", "romeo", "kohout", NULL};        /* in the order of sn_scheme */
 static const char *const anisotropy_names[] = {"scheme", "none", "pbd", "xpbd", NULL}; /* in the order of sn_anisotropy */
@@ -35,25 +38,31 @@ static sn_status parse_frames(const sn_json_value *value, sn_scene *scene, sn_er
 }
 
 static sn_status parse_solver(const sn_json_value *value, sn_solver_settings *out, sn_error *error) {
-    static const char *const known[] = {"method", "scheme", "substeps", "iterations", "tolerance", "threads", "sleep", NULL};
+    static const char *const known[] = {"method",    "scheme",         "precision", "substeps", "iterations",
+                                        "tolerance", "preconditioner", "threads",   "sleep",    NULL};
     if (!sn_json_has(value)) return SN_OK;
     sn_json_value scheme_name = sn_json_member(value, "scheme"), sleep = sn_json_member(value, "sleep");
+    sn_json_value precision_name = sn_json_member(value, "precision");
     sn_json_value method = sn_json_member(value, "method"), substeps = sn_json_member(value, "substeps"),
                   iterations = sn_json_member(value, "iterations"), tolerance = sn_json_member(value, "tolerance"),
-                  threads = sn_json_member(value, "threads");
-    int choice = (int)out->method, scheme = (int)out->scheme;
+                  threads = sn_json_member(value, "threads"), matrix = sn_json_member(value, "preconditioner");
+    int choice = (int)out->method, scheme = (int)out->scheme, preconditioner = SN_PRECONDITION_SCALAR, precision = (int)out->precision;
     sn_index thread_count = out->threads;
     sn_status status = sn_json_expect_object(value, error);
     if (status == SN_OK) status = sn_json_get_choice(&method, method_names, &choice, error);
     if (status == SN_OK) status = sn_json_get_choice(&scheme_name, scheme_names, &scheme, error);
+    if (status == SN_OK) status = sn_json_get_choice(&precision_name, precision_names, &precision, error);
     *out = sn_solver_defaults((sn_solver_method)choice);
     if (status == SN_OK) status = sn_json_get_index(&substeps, 1, COUNT_LIMIT, &out->substeps, error);
     if (status == SN_OK) status = sn_json_get_index(&iterations, 1, COUNT_LIMIT, &out->iterations, error);
     if (status == SN_OK) status = sn_json_get_number(&tolerance, 0.0, 1.0, &out->tolerance, error);
+    if (status == SN_OK) status = sn_json_get_choice(&matrix, preconditioner_names, &preconditioner, error);
     if (status == SN_OK) status = sn_json_get_index(&threads, 0, 1024, &thread_count, error);
     if (status == SN_OK) status = sn_json_get_bool(&sleep, &out->sleep, error);
     if (status != SN_OK) return status;
     out->scheme = (sn_scheme)scheme;
+    out->precision = (sn_precision)precision;
+    out->preconditioner = (sn_preconditioning)preconditioner;
     out->threads = thread_count;
     sn_json_warn_unknown(value, known);
     return SN_OK;
@@ -228,12 +237,14 @@ static sn_status parse_maps(const sn_json_value *value, sn_scene_muscle *out, sn
 static sn_status parse_muscle_choices(const sn_json_value *value, sn_scene_muscle *out, sn_error *error) {
     static const char *const masses[] = {"density", "unit", NULL};
     sn_json_value law = sn_json_member(value, "law"), anisotropy = sn_json_member(value, "anisotropy"),
-                  mass = sn_json_member(value, "mass"), maps = sn_json_member(value, "maps");
-    int fiber_law = (int)out->law, yielding = (int)out->anisotropy, unit = out->unit_mass;
+                  stretch = sn_json_member(value, "stretch"), mass = sn_json_member(value, "mass"), maps = sn_json_member(value, "maps");
+    int stretching = (int)out->stretch, fiber_law = (int)out->law, yielding = (int)out->anisotropy, unit = out->unit_mass;
     sn_status status = sn_json_get_choice(&law, law_names, &fiber_law, error);
     if (status == SN_OK) status = sn_json_get_choice(&anisotropy, anisotropy_names, &yielding, error);
+    if (status == SN_OK) status = sn_json_get_choice(&stretch, stretch_names, &stretching, error);
     if (status == SN_OK) status = sn_json_get_choice(&mass, masses, &unit, error);
     out->law = (sn_fiber_law)fiber_law;
+    out->stretch = (sn_stretch)stretching;
     out->anisotropy = (sn_anisotropy)yielding;
     out->unit_mass = unit == 1;
     return status == SN_OK ? parse_maps(&maps, out, error) : status;
@@ -280,7 +291,7 @@ static sn_status name_muscle(sn_scene_muscle *out, sn_error *error) {
 static sn_status parse_muscle(const sn_json_value *value, const reader *in, sn_scene_muscle *out, sn_error *error) {
     static const char *const known[] = {"name",      "rig",        "enabled",     "activation", "contraction", "restActivation",
                                         "law",       "stiffness",  "volumeRatio", "density",    "damping",     "iterations",
-                                        "leastArea", "anisotropy", "mass",        "maps",       NULL};
+                                        "leastArea", "anisotropy", "mass",        "maps",       "stretch",     NULL};
     sn_json_value name = sn_json_member(value, "name"), rig = sn_json_member(value, "rig"), enabled = sn_json_member(value, "enabled"),
                   activation = sn_json_member(value, "activation");
     sn_scene_muscle_defaults(out);
@@ -353,9 +364,11 @@ static void write_solver(const sn_solver_settings *solver, sn_json *json) {
     sn_json_object(json, "solver");
     sn_json_text(json, "method", method_names[solver->method]);
     sn_json_text(json, "scheme", scheme_names[solver->scheme]);
+    if (solver->method == SN_SOLVER_XPBD) sn_json_text(json, "precision", precision_names[solver->precision]);
     sn_json_integer(json, "substeps", solver->substeps);
     sn_json_integer(json, "iterations", solver->iterations);
     if (solver->method == SN_SOLVER_QN) sn_json_number(json, "tolerance", solver->tolerance);
+    if (solver->method == SN_SOLVER_QN) sn_json_text(json, "preconditioner", preconditioner_names[solver->preconditioner]);
     sn_json_integer(json, "threads", solver->threads);
     sn_json_bool(json, "sleep", solver->sleep);
     sn_json_close(json);
@@ -405,6 +418,7 @@ static void write_muscle(const sn_scene_muscle *muscle, sn_json *json) {
     sn_json_number(json, "contraction", muscle->contraction);
     sn_json_number(json, "restActivation", muscle->rest_activation);
     sn_json_text(json, "law", law_names[muscle->law]);
+    sn_json_text(json, "stretch", stretch_names[muscle->stretch]);
     write_stiffness(muscle, json);
     sn_json_text(json, "anisotropy", anisotropy_names[muscle->anisotropy]);
     sn_json_number(json, "leastArea", muscle->least_area);

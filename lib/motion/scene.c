@@ -182,6 +182,18 @@ static sn_status check_rig(const sn_scene *scene, const sn_scene_muscle *muscle,
     return status;
 }
 
+static sn_status check_stretch(const sn_scene *scene, const sn_scene_muscle *muscle, sn_error *error) {
+    if (muscle->stretch != SN_STRETCH_MEMBRANE) return SN_OK;
+    if (scene->solver.method != SN_SOLVER_QN)
+        return sn_fail(error, SN_ERROR_INPUT, "muscle \"%s\": a membrane needs the solver method qn; choose that, or the stretch springs",
+                       name_of(muscle->name));
+    if (muscle->law == SN_LAW_PAPER)
+        return sn_fail(error, SN_ERROR_INPUT,
+                       "muscle \"%s\": the law paper is one of edges, and a membrane has none; choose projected or isochoric",
+                       name_of(muscle->name));
+    return SN_OK;
+}
+
 static sn_status check_muscle(const sn_scene *scene, sn_index i, sn_error *error) {
     const sn_scene_muscle *muscle = &scene->muscles[i];
     for (sn_index k = 0; k < i && muscle->name != NULL; k++)
@@ -190,6 +202,7 @@ static sn_status check_muscle(const sn_scene *scene, sn_index i, sn_error *error
     if (muscle->law < SN_LAW_PROJECTED || muscle->law > SN_LAW_ISOCHORIC)
         return sn_fail(error, SN_ERROR_INPUT, "muscle \"%s\": its fibre law is not known", name_of(muscle->name));
     sn_status status = check_settings(muscle, error);
+    if (status == SN_OK) status = check_stretch(scene, muscle, error);
     if (status == SN_OK) status = check_activation(muscle, error);
     if (status == SN_OK) status = check_curve(muscle, "volume ratio", &muscle->volume_ratio, error);
     if (status == SN_OK) status = check_curve(muscle, "stiffness", &muscle->stiffness_curve, error);
@@ -214,6 +227,10 @@ static sn_status check_clock(const sn_scene *scene, sn_error *error) {
         return sn_fail(error, SN_ERROR_INPUT, "solver.iterations is %ld; it must be at least 1", (long)solver->iterations);
     if (solver->method != SN_SOLVER_XPBD && solver->scheme != SN_SCHEME_GUARDED)
         return sn_fail(error, SN_ERROR_INPUT, "solver.scheme is a scheme of xpbd; leave it out or choose the method xpbd");
+    if (solver->method != SN_SOLVER_QN && solver->preconditioner != SN_PRECONDITION_SCALAR)
+        return sn_fail(error, SN_ERROR_INPUT, "solver.preconditioner is for the method qn; leave it out or choose that method");
+    if (solver->method != SN_SOLVER_XPBD && solver->precision != SN_PRECISION_DOUBLE)
+        return sn_fail(error, SN_ERROR_INPUT, "solver.precision single is for xpbd; leave it out or choose the method xpbd");
     if (!within(solver->tolerance, 0.0, 1.0))
         return sn_fail(error, SN_ERROR_INPUT, "solver.tolerance is %g; it must be within [0,1]", solver->tolerance);
     if (solver->threads < 0) return sn_fail(error, SN_ERROR_INPUT, "solver.threads is %d; it must be at least 0", solver->threads);

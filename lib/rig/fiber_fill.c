@@ -11,6 +11,7 @@ typedef struct filling {
     const sn_muscle *muscle;
     const sn_fill_params *params;
     fill_levels levels;
+    fill_bend bend;     /* count 0 = none */
     fill_uv *seeds;     /* (fibers) */
     sn_polyline *lines; /* (fibers) */
     double *z;          /* (fibers x (segments + 1)) */
@@ -58,18 +59,24 @@ static sn_status check_params(const sn_fill_params *p, sn_error *error) {
     if (!(p->narrow > 0.0 && p->narrow <= 1.0))
         return sn_fail(error, SN_ERROR_USAGE, "the fan's narrow end must be in (0, 1] of its wide one");
     if (!(p->bow >= -1.0 && p->bow <= 1.0) || !isfinite(p->turn)) return sn_fail(error, SN_ERROR_USAGE, "the bow must be in [-1, 1]");
+    if (p->bend_count > 0 && p->template != SN_FILL_PARALLEL && p->template != SN_FILL_FAN && p->template != SN_FILL_CURVED)
+        return sn_fail(error, SN_ERROR_USAGE, "only templates that run from end to end can be bent: parallel, fan and curved");
     return p->template == SN_FILL_USER ? check_curves(p, error) : SN_OK;
 }
 
 /* ---- one fibre -------------------------------------------------------------------------------------------------------------------- */
 
 /* A node on a level: in the slice of its loop; false where the slices end before. */
-static bool place_on_level(const filling *f, sn_index level, fill_uv guide, fill_uv at, sn_vec3 *out) {
-    sn_index loop = fill_carry(&f->levels, level, guide, &at), hint = 0;
+bool fill_place(const fill_levels *levels, sn_fill_map map, sn_index level, fill_uv guide, fill_uv at, sn_vec3 *out) {
+    sn_index loop = fill_carry(levels, level, guide, &at), hint = 0;
     if (loop == SN_NONE) return false;
-    const fill_loop *l = &f->levels.loops[loop];
-    *out = f->params->map == SN_FILL_HARMONIC ? fill_slice_at(&l->slice, at, &hint) : fill_mean_value_at(l->rim, l->wide, at);
+    const fill_loop *l = &levels->loops[loop];
+    *out = map == SN_FILL_HARMONIC ? fill_slice_at(&l->slice, at, &hint) : fill_mean_value_at(l->rim, l->wide, at);
     return true;
+}
+
+static bool place_on_level(const filling *f, sn_index level, fill_uv guide, fill_uv at, sn_vec3 *out) {
+    return fill_place(&f->levels, f->params->map, level, guide, at, out);
 }
 
 /* The level at or below z, not the last one. */
@@ -140,6 +147,7 @@ static void lead_fiber(const filling *f, sn_index fiber) {
     sn_vec3 points[TEMPLATE_NODES];
     double z[TEMPLATE_NODES];
     sn_index given = fill_template_fiber(f->params, &f->levels, f->seeds[fiber], fiber, nodes), count = 0;
+    if (f->bend.count > 0) fill_bend_nodes(&f->bend, given, nodes);
     fill_uv guide = at_trunk(f, given, nodes);
     for (sn_index i = 0; i < given; i++)
         if (place(f, guide, nodes[i], &points[count])) z[count++] = nodes[i].z;
@@ -339,6 +347,7 @@ static sn_status filling_alloc(filling *f, sn_error *error) {
 
 static void filling_free(filling *f) {
     fill_levels_free(&f->levels);
+    fill_bend_free(&f->bend);
     free(f->seeds);
     free(f->z);
     for (sn_index i = 0; f->lines && i < f->params->fibers; i++) free(f->lines[i].points);
@@ -358,6 +367,7 @@ static sn_status slice_muscle(filling *f, const sn_topology *topology, sn_trace 
     sn_status status = u ? fill_find_ends(f->muscle, topology, f->params, trace, &ends, error) : sn_fail_memory(error, "the fibres");
     if (!status) status = sn_harmonic_field(mesh, topology, ends.count, ends.vertices, ends.values, u, error);
     if (!status) status = fill_levels_build(mesh, topology, u, levels_wanted(f->params), f->params->turn, trace, &f->levels, error);
+    if (!status && f->params->bend_count > 0) status = fill_bend_measure(mesh, u, f->params, &f->bend, &report->bend_farthest, error);
     report->ends = ends.kind;
     report->leaves = ends.leaves;
     fill_ends_free(&ends);
@@ -382,6 +392,7 @@ static sn_status fill(filling *f, const sn_topology *topology, sn_trace *trace, 
     sn_status status = slice_muscle(f, topology, trace, report, error);
     if (!status) status = filling_alloc(f, error);
     if (!status) status = map_slices(f, error);
+    if (!status && f->bend.count > 0) status = fill_bend_find(&f->levels, f->params, f->diagonal, &f->bend, error);
     if (!status) status = fill_make_seeds(&f->levels, f->params, f->seeds, report, error);
     if (status) return status;
     sn_parallel_for(f->params->pool, f->params->fibers, FIBERS_A_CHUNK, lead_fibers, f);

@@ -112,8 +112,41 @@ typedef struct fill_node {
 
 enum { TEMPLATE_NODES = 129, FILL_CURVE_POINTS = 32 }; /* at most: nodes of one fibre, control points of a curve */
 
+/* x on a level of a fibre with seed x, of a template that runs from end to end: grows with the seed. */
+double fill_template_across(const sn_fill_params *params, const fill_levels *levels, double seed, sn_index level);
 /* Nodes of one fibre for a seed in [0,1]^2, along the fibre. levels give the sizes that angles need. */
 sn_index fill_template_fiber(const sn_fill_params *params, const fill_levels *levels, fill_uv seed, sn_index fiber,
                              fill_node nodes[TEMPLATE_NODES]);
+
+/* ---- bending (fill_bend.c) ---------------------------------------------------------------------------------------------------- */
+
+/* A superficial fibre that the user gives. */
+typedef struct fill_bend_line {
+    double *values;               /* (its points) u beside each */
+    sn_index first, middle, last; /* levels that cut it; middle: of those the nearest to the trunk */
+    fill_uv *path;                /* (level_count) in the trunk's square; first .. last */
+    fill_uv *bend;                /* (level_count) path against the template */
+} fill_bend_line;
+
+typedef struct fill_bend {
+    sn_index count;
+    fill_bend_line *lines; /* (count) */
+} fill_bend;
+
+/* Where params->bend_lines lie in the field u (vertex_count); *farthest: grows to how far from the surface. SN_ERROR_INPUT where one does.
+ */
+SN_MUST_CHECK sn_status fill_bend_measure(const sn_mesh *mesh, const double *u, const sn_fill_params *params, fill_bend *out,
+                                          double *farthest, sn_error *error);
+/* Their paths and bends, once the slices are there. SN_ERROR_INPUT where one does not run along the muscle. */
+SN_MUST_CHECK sn_status fill_bend_find(const fill_levels *levels, const sn_fill_params *params, double diagonal, fill_bend *bend,
+                                       sn_error *error);
+/* Bend a fibre of the template, a node a level. */
+void fill_bend_nodes(const fill_bend *bend, sn_index level_count, fill_node *nodes);
+void fill_bend_free(fill_bend *bend);
+
+/* ---- fibres (fiber_fill.c) ------------------------------------------------------------------------------------------------------- */
+
+/* Where the place `at` of the trunk's square lies on a level, by the way of `guide` (fill_carry); false where the slices end before. */
+bool fill_place(const fill_levels *levels, sn_fill_map map, sn_index level, fill_uv guide, fill_uv at, sn_vec3 *out);
 
 #endif

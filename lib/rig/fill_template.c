@@ -29,6 +29,11 @@ static double across(const shape *s, double x, double z) {
     return x;
 }
 
+double fill_template_across(const sn_fill_params *params, const fill_levels *l, double seed, sn_index level) {
+    shape s = {params, section(l, l->level_count - 1) <= section(l, 0)};
+    return across(&s, seed, l->z[level]);
+}
+
 static sn_index from_end_to_end(const sn_fill_params *params, const fill_levels *l, fill_uv seed, fill_node nodes[TEMPLATE_NODES]) {
     shape s = {params, section(l, l->level_count - 1) <= section(l, 0)};
     for (sn_index i = 0; i < l->level_count; i++) nodes[i] = (fill_node){{across(&s, seed.x, l->z[i]), seed.y}, l->z[i]};

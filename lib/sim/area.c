@@ -8,6 +8,7 @@
 #include "rows.h"
 
 #include <float.h>
+#include <stdlib.h>
 
 /* J and its gradients; false where the triangle has no plane (J^2 below the guard, or not finite). */
 static inline bool area_ratio(const sn_vec3 p[3], double scale, double *ratio, sn_vec3 g[3]) {
@@ -26,6 +27,16 @@ bool sn_area_constraint(const sn_vec3 p[3], double rest_area, double least, doub
     if (!area_ratio(p, 0.5 / rest_area, value, gradients)) return false;
     *value -= least;
     return true;
+}
+
+static sn_status batch_areas(sn_model_muscle *m, sn_error *error) {
+    sn_index n = m->area_count, *order = SN_NEW(sn_index, n);
+    if (order == NULL) return sn_fail_memory(error, "area rows");
+    sn_status status = sn_batch_order(n, 3, m->areas->point, m->vertex_count, order, &m->area_batched, error);
+    if (status == SN_OK) status = sn_batch_sort(m->areas, n, sizeof *m->areas, order, error);
+    if (status == SN_OK) status = sn_batch_sort(m->area_scales, n, sizeof *m->area_scales, order, error);
+    free(order);
+    return status == SN_OK ? sn_batch_pair(m->area_batched, 3, m->areas->point, &m->area_pairs, error) : status;
 }
 
 sn_status sn_area_build(const sn_build *build, sn_error *error) {
@@ -47,7 +58,7 @@ sn_status sn_area_build(const sn_build *build, sn_error *error) {
         }
     }
     group->rows = m->area_count;
-    return SN_OK;
+    return m->single ? batch_areas(m, error) : SN_OK;
 }
 
 static inline void move(sn_point *point, sn_vec3 gradient, double change) {
@@ -75,14 +86,18 @@ void sn_area_sweep(const sn_model_muscle *m, sn_muscle_state *s) {
     }
 }
 
+double sn_area_error(const sn_model_muscle *m, const sn_muscle_state *s, sn_index row) {
+    sn_vec3 x[3];
+    for (int i = 0; i < 3; i++) x[i] = sn_point_position(&s->points[m->areas[row].point[i]]);
+    double ratio = sn_norm(sn_cross(sn_sub(x[1], x[0]), sn_sub(x[2], x[0]))) * m->area_scales[row];
+    return fmax(m->source->least_area - ratio, 0.0);
+}
+
 sn_residual sn_area_residual(const sn_model_muscle *m, const sn_muscle_state *s) {
     sn_residual residual = {.worst = SN_NONE};
     double sum = 0.0;
     for (sn_index r = 0; r < m->area_count; r++) {
-        sn_vec3 x[3];
-        for (int i = 0; i < 3; i++) x[i] = sn_point_position(&s->points[m->areas[r].point[i]]);
-        double ratio = sn_norm(sn_cross(sn_sub(x[1], x[0]), sn_sub(x[2], x[0]))) * m->area_scales[r];
-        double c = fmax(m->source->least_area - ratio, 0.0);
+        double c = sn_area_error(m, s, r);
         sum += c * c;
         if (residual.worst == SN_NONE || c > residual.max) residual.max = c, residual.worst = r;
     }

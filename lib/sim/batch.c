@@ -74,6 +74,21 @@ sn_status sn_batch_order(sn_index count, sn_index size, const sn_index *points, 
     return made ? SN_OK : sn_fail_memory(error, "the order of rows");
 }
 
+/* Is none of `count` points among the next `count`? */
+static bool share_nothing(sn_index count, const sn_index *points) {
+    for (sn_index i = 0; i < count; i++)
+        for (sn_index k = count; k < 2 * count; k++)
+            if (points[i] == points[k]) return false;
+    return true;
+}
+
+sn_status sn_batch_pair(sn_index batched, sn_index size, const sn_index *points, bool **pairs, sn_error *error) {
+    sn_index batches = batched / SN_BATCH, count = SN_BATCH * size;
+    if ((*pairs = SN_NEW(bool, batches)) == NULL) return sn_fail_memory(error, "the order of rows");
+    for (sn_index b = 0; b + 1 < batches; b++) (*pairs)[b] = share_nothing(count, points + (size_t)b * (size_t)count);
+    return SN_OK;
+}
+
 sn_status sn_batch_sort(void *array, sn_index count, size_t size, const sn_index *order, sn_error *error) {
     if (array == NULL || count == 0) return SN_OK;
     char *sorted = sn_alloc((size_t)count, size), *rows = array;

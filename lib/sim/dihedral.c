@@ -7,67 +7,9 @@
  *   g_c = -|e| n1/q1                                      g_a =  ((b-c).e/|e|) n1/q1 + ((b-d).e/|e|) n2/q2
  *   g_d = -|e| n2/q2                                      g_b = -((a-c).e/|e|) n1/q1 - ((a-d).e/|e|) n2/q2
  */
-#include "rows.h"
-#include "wide.h"
+#include "dihedral_kernel.h"
 
 #include <stdlib.h>
-
-/* atan(t) for |t| <= 0.66 to 2e-16: t + t z P(z) / Q(z), z = t^2; the coefficients are those of Moshier's Cephes library. */
-SN_INLINE wide arc_tangent(wide t) {
-    wide z = t * t;
-    wide p = wide_splat(-8.750608600031904122785e-1);
-    p = p * z + wide_splat(-1.615753718733365076637e1);
-    p = p * z + wide_splat(-7.500855792314704667340e1);
-    p = p * z + wide_splat(-1.228866684490136173410e2);
-    p = p * z + wide_splat(-6.485021904942025371773e1);
-    wide q = z + wide_splat(2.485846490142306297962e1);
-    q = q * z + wide_splat(1.650270098316988542046e2);
-    q = q * z + wide_splat(4.328810604912902668951e2);
-    q = q * z + wide_splat(4.853903996359136964868e2);
-    q = q * z + wide_splat(1.945506571482613964425e2);
-    return t + t * (z * p / q);
-}
-
-/* The angle in [-pi, pi] whose sine and cosine are in the ratio sine : cosine, not both 0. Ours, not the C library's atan2, whose last bit
- * differs between processors; to 4e-16. */
-SN_INLINE wide angle_of(wide sine, wide cosine) {
-    wide s = wide_abs(sine), c = wide_abs(cosine);
-    wide_mask steep = wide_less(c, s);
-    wide low = wide_select(steep, c, s), high = wide_select(steep, s, c);
-    wide_mask upper =
-        wide_less(wide_splat(0.41421356237309504880) * high, low); /* tan pi/8; atan(low/high) = pi/4 + atan((low-high)/(low+high)) */
-    wide angle = arc_tangent(wide_select(upper, low - high, low) / wide_select(upper, low + high, high));
-    angle = wide_select(upper, angle + wide_splat(SN_PI / 4.0), angle);
-    angle = wide_select(steep, wide_splat(SN_PI / 2.0) - angle, angle);
-    angle = wide_select(wide_less(cosine, wide_splat(0.0)), wide_splat(SN_PI) - angle, angle);
-    return wide_copysign(angle, sine);
-}
-
-/* Into (-pi, pi], from (-3 pi, 3 pi). */
-SN_INLINE wide wrap(wide angle) {
-    wide turn = wide_splat(2.0 * SN_PI), half = wide_splat(SN_PI);
-    wide lower = wide_select(wide_less(half, angle), angle - turn, angle);
-    return wide_select(wide_less(-half, angle), lower, angle + turn);
-}
-
-/* Value and gradients at points a, b, c, d; false where an area or the edge vanishes, or is not finite. */
-SN_INLINE wide_mask hinge(const wide_point p[4], wide rest, wide *value, wide_vec3 g[4]) {
-    wide_vec3 e = wide_between(p[1], p[0]), ac = wide_between(p[0], p[2]), bc = wide_between(p[1], p[2]);
-    wide_vec3 ad = wide_between(p[0], p[3]), bd = wide_between(p[1], p[3]);
-    wide_vec3 n1 = wide_cross(ac, bc), n2 = wide_cross(bd, ad);
-    wide e2 = wide_dot(e, e), q1 = wide_dot(n1, n1), q2 = wide_dot(n2, n2), least = wide_splat(SN_HINGE_GUARD) * e2 * e2;
-    wide most = wide_splat(DBL_MAX);
-    wide_mask good = ~wide_less(e2, wide_splat(SN_EDGE_GUARD)) & wide_less(least, q1) & wide_less(least, q2) & ~wide_less(most, q1) &
-                     ~wide_less(most, q2); /* a NaN is in one of the areas, and less than nothing */
-    wide length = wide_sqrt(e2), one = wide_splat(1.0);
-    wide_vec3 unit = wide_scale(e, one / length), m1 = wide_scale(n1, one / q1), m2 = wide_scale(n2, one / q2);
-    *value = wrap(angle_of(wide_dot(wide_cross(n1, n2), unit), wide_dot(n1, n2)) - rest);
-    g[0] = wide_add(wide_scale(m1, wide_dot(bc, unit)), wide_scale(m2, wide_dot(bd, unit)));
-    g[1] = wide_add(wide_scale(m1, -wide_dot(ac, unit)), wide_scale(m2, -wide_dot(ad, unit)));
-    g[2] = wide_scale(m1, -length);
-    g[3] = wide_scale(m2, -length);
-    return good;
-}
 
 bool sn_hinge_constraint(const sn_vec3 p[4], double rest, double *value, sn_vec3 gradients[4]) {
     static const sn_index FIRST = 0;
@@ -173,6 +115,7 @@ static sn_status batch_hinges(sn_model_muscle *m, sn_error *error) {
     if (status == SN_OK) status = sn_batch_sort(m->hinge_angles, n, sizeof *m->hinge_angles, order, error);
     if (status == SN_OK) status = sn_batch_sort(m->hinge_softness, n, sizeof *m->hinge_softness, order, error);
     free(order);
+    if (status == SN_OK && m->single) status = sn_batch_pair(m->hinge_batched, 4, m->hinges->point, &m->hinge_pairs, error);
     return status;
 }
 
@@ -194,58 +137,10 @@ sn_status sn_hinge_build(const sn_build *build, sn_error *error) {
 
 /* ---- projecting ----------------------------------------------------------------------------------------------------------- */
 
-/* What the rows of one sweep share. */
-typedef struct rows {
-    sn_point *points;
-    const sn_index *index;  /* (4 x rows) */
-    const double *angles;   /* (rows) */
-    const double *softness; /* (rows) nullable */
-    double *lambda;         /* (rows) */
-} rows;
-
-typedef struct tally {
-    int64_t skipped, clamped;
-} tally;
-
-/* Rows r .. r + lanes - 1, which share no point. */
-SN_INLINE void project_batch(const rows *in, sn_index r, const sn_sweep *sweep, int lanes, tally *out) {
-    const sn_index *index = in->index + 4 * (size_t)r;
-    wide_point p[4];
-    wide_vec3 g[4];
-    wide c, sum = wide_splat(0.0), farthest = sum;
-    for (int i = 0; i < 4; i++) p[i] = wide_gather(in->points, index + i, 4, lanes);
-    wide_mask good = hinge(p, wide_load(in->angles + r, lanes), &c, g), far = wide_less(wide_splat(sweep->clamp), wide_abs(c)) & good;
-    c = wide_select(far, wide_copysign(wide_splat(sweep->clamp), c), c);
-    wide lambda = sweep->first ? wide_splat(0.0) : wide_load(in->lambda + r, lanes), compliance = wide_splat(sweep->compliance);
-    if (in->softness != NULL) compliance = compliance * wide_load(in->softness + r, lanes);
-    for (int i = 0; i < 4; i++) {
-        wide moved = p[i].w * wide_dot(g[i], g[i]);
-        sum = sum + moved;
-        moved = p[i].w * moved;
-        farthest = wide_select(wide_less(farthest, moved), moved, farthest);
-    }
-    wide change = wide_splat(sweep->gain) * (-c - compliance * lambda) / (sum + compliance);
-    /* an arm that is stretched to many times its length would throw its end as far: no point moves farther than most_step */
-    wide step = wide_sqrt(farthest) * wide_abs(change), most = wide_splat(sweep->most_step);
-    change = wide_select(wide_less(most, step), change * (most / step), change);
-    wide_store(in->lambda + r, wide_select(good, lambda + change, lambda), lanes);
-    for (int i = 0; i < 4; i++) wide_scatter(in->points, index + i, 4, wide_move(p[i], g[i], p[i].w * change, good), lanes);
-    out->skipped += wide_count(~good, lanes);
-    out->clamped += wide_count(far, lanes);
-}
-
-SN_WIDE_KERNEL static tally project_rows(const rows *in, sn_index batched, sn_index end, const sn_sweep *sweep) {
-    tally out = {0, 0};
-    sn_index r = 0;
-    for (; r < batched; r += WIDE_LANES) project_batch(in, r, sweep, WIDE_LANES, &out);
-    for (; r < end; r++) project_batch(in, r, sweep, 1, &out);
-    return out;
-}
-
 void sn_hinge_sweep(const sn_model_muscle *m, sn_muscle_state *s, const sn_sweep *sweep) {
     if (m->hinge_count == 0) return;
-    const rows in = {s->points, m->hinges->point, m->hinge_angles, m->hinge_softness, s->hinge_lambda};
-    tally done = project_rows(&in, m->hinge_batched, m->hinge_count, sweep);
+    const hinge_rows in = {s->points, m->hinges->point, m->hinge_angles, m->hinge_softness, s->hinge_lambda, NULL};
+    hinge_tally done = sweep_hinges(&in, m->hinge_batched, m->hinge_count, sweep);
     s->statistics.skipped_hinges += done.skipped;
     s->statistics.clamped_hinges += done.clamped;
 }
@@ -301,16 +196,21 @@ static inline void load(const sn_muscle_state *s, const sn_hinge_row *row, sn_ve
     for (int i = 0; i < 4; i++) p[i] = sn_point_position(&s->points[row->point[i]]);
 }
 
+double sn_hinge_error(const sn_model_muscle *m, const sn_muscle_state *s, sn_index row) {
+    sn_vec3 p[4], g[4];
+    double c;
+    load(s, &m->hinges[row], p);
+    return sn_hinge_constraint(p, m->hinge_angles[row], &c, g) ? fabs(c) : NAN;
+}
+
 sn_residual sn_hinge_residual(const sn_model_muscle *m, const sn_muscle_state *s) {
     sn_residual residual = {.worst = SN_NONE};
     double sum = 0.0;
     for (sn_index r = 0; r < m->hinge_count; r++) {
-        sn_vec3 p[4], g[4];
-        double c = 0.0;
-        load(s, &m->hinges[r], p);
-        if (!sn_hinge_constraint(p, m->hinge_angles[r], &c, g)) continue;
+        double c = sn_hinge_error(m, s, r);
+        if (isnan(c)) continue;
         sum += c * c;
-        if (residual.worst == SN_NONE || fabs(c) > residual.max) residual.max = fabs(c), residual.worst = r;
+        if (residual.worst == SN_NONE || c > residual.max) residual.max = c, residual.worst = r;
     }
     if (m->hinge_count > 0) residual.rms = sqrt(sum / m->hinge_count);
     return residual;

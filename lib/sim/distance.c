@@ -9,8 +9,7 @@
  *   paper       sigma^2 = sum_i u_i^2 (1 - phi_i a)^2 = sum u^2 - 2a sum phi u^2 + a^2 sum phi^2 u^2
  *               with phi = |f| and u = e / (1 - phi a0), both by component ([R18] eqs. 4-7): not invariant under rotation of the rest pose
  */
-#include "rows.h"
-#include "wide.h"
+#include "distance_kernel.h"
 
 #include <stdlib.h>
 
@@ -74,6 +73,7 @@ void sn_distance_goals(const sn_model_muscle *m, sn_muscle_state *s) {
         if (share != NULL) law_factors(m->source->law, share[r] * s->contraction, share[r] * a0, s->volume_goal, factors);
         s->goals[r] = goal_length(m->distance_terms[r], factors);
     }
+    sn_membrane_goals(m, s);
     s->goal_contraction = s->contraction;
     s->goal_ratio = s->volume_goal;
 }
@@ -183,7 +183,8 @@ static sn_status batch_kind(const sn_build *build, sn_row_kind kind, sn_index *o
     sn_status status = sn_batch_order(count, 2, m->distances[begin].point, m->point_count, order, &m->distance_batched[kind], error);
     for (size_t i = 0; status == SN_OK && i < sizeof columns / sizeof *columns; i++)
         status = sn_batch_sort(columns[i].array, count, columns[i].size, order, error);
-    return status;
+    if (status != SN_OK || !m->single) return status;
+    return sn_batch_pair(m->distance_batched[kind], 2, m->distances[begin].point, &m->distance_pairs[kind], error);
 }
 
 static sn_status alloc_rows(const sn_build *build, size_t most, sn_error *error) {
@@ -220,50 +221,10 @@ sn_status sn_distance_build(const sn_build *build, sn_error *error) {
 /* A length that can be projected: long enough to have a direction, and neither NaN nor infinite. */
 static inline bool has_direction(double square) { return square >= SN_EDGE_GUARD && square <= DBL_MAX; }
 
-SN_INLINE wide_mask has_directions(wide square) {
-    return ~wide_less(square, wide_splat(SN_EDGE_GUARD)) & ~wide_less(wide_splat(DBL_MAX), square) &
-           wide_less(wide_splat(-1.0), square); /* and no NaN */
-}
-
-/* What the rows of one sweep share. */
-typedef struct rows {
-    sn_point *points;
-    const sn_index *index;         /* (2 x rows) */
-    const double *goals;           /* (rows) */
-    const double *softness, *gain; /* (rows) nullable */
-    double *lambda;                /* (rows) */
-} rows;
-
-/* Rows r .. r + lanes - 1, which share no point; returns how many of them had no direction. */
-SN_INLINE int64_t project_batch(const rows *in, sn_index r, const sn_sweep *sweep, int lanes) {
-    const sn_index *index = in->index + 2 * (size_t)r;
-    wide_point p0 = wide_gather(in->points, index, 2, lanes), p1 = wide_gather(in->points, index + 1, 2, lanes);
-    wide lambda = sweep->first ? wide_splat(0.0) : wide_load(in->lambda + r, lanes), compliance = wide_splat(sweep->compliance);
-    if (in->softness != NULL) compliance = compliance * wide_load(in->softness + r, lanes);
-    wide_vec3 d = wide_between(p0, p1);
-    wide square = wide_dot(d, d), length = wide_sqrt(square);
-    wide_mask good = has_directions(square);
-    wide change = (wide_load(in->goals + r, lanes) - length - compliance * lambda) / (p0.w + p1.w + compliance);
-    if (in->gain != NULL) change = change * wide_load(in->gain + r, lanes);
-    change = change * wide_splat(sweep->gain);
-    wide step = change / length;
-    wide_store(in->lambda + r, wide_select(good, lambda + change, lambda), lanes);
-    wide_scatter(in->points, index, 2, wide_move(p0, d, p0.w * step, good), lanes);
-    wide_scatter(in->points, index + 1, 2, wide_move(p1, d, -(p1.w * step), good), lanes);
-    return wide_count(~good, lanes);
-}
-
-SN_WIDE_KERNEL static int64_t project_rows(const rows *in, sn_index begin, sn_index batched, sn_index end, const sn_sweep *sweep) {
-    int64_t skipped = 0;
-    for (; begin < batched; begin += WIDE_LANES) skipped += project_batch(in, begin, sweep, WIDE_LANES);
-    for (; begin < end; begin++) skipped += project_batch(in, begin, sweep, 1);
-    return skipped;
-}
-
 void sn_distance_sweep(const sn_model_muscle *m, sn_muscle_state *s, sn_row_kind kind, const sn_sweep *sweep) {
-    const rows in = {s->points, m->distances->point, s->goals, m->distance_softness, m->distance_gain, s->distance_lambda};
+    const distance_rows in = {s->points, m->distances->point, s->goals, m->distance_softness, m->distance_gain, s->distance_lambda, NULL};
     sn_index begin = m->distance_start[kind], end = m->distance_start[kind + 1];
-    s->statistics.skipped_edges += project_rows(&in, begin, begin + m->distance_batched[kind], end, sweep);
+    s->statistics.skipped_edges += sweep_distances(&in, begin, begin + m->distance_batched[kind], end, sweep);
 }
 
 /* ---- the energy ----------------------------------------------------------------------------------------------------------- */
@@ -317,14 +278,18 @@ bool sn_distance_constraint(sn_vec3 p0, sn_vec3 p1, double goal, double *value, 
     return true;
 }
 
+double sn_distance_error(const sn_model_muscle *m, const sn_muscle_state *s, sn_index row) {
+    const sn_index *point = m->distances[row].point;
+    sn_vec3 d = sn_sub(sn_point_position(&s->points[point[0]]), sn_point_position(&s->points[point[1]]));
+    return fabs(sn_norm(d) - s->goals[row]) / m->mean_edge;
+}
+
 sn_residual sn_distance_residual(const sn_model_muscle *m, const sn_muscle_state *s, sn_row_kind kind) {
     sn_residual residual = {.worst = SN_NONE};
     double sum = 0.0;
     sn_index begin = m->distance_start[kind], end = m->distance_start[kind + 1];
     for (sn_index r = begin; r < end; r++) {
-        const sn_index *point = m->distances[r].point;
-        sn_vec3 d = sn_sub(sn_point_position(&s->points[point[0]]), sn_point_position(&s->points[point[1]]));
-        double c = fabs(sn_norm(d) - s->goals[r]) / m->mean_edge;
+        double c = sn_distance_error(m, s, r);
         sum += c * c;
         if (residual.worst == SN_NONE || c > residual.max) residual.max = c, residual.worst = r - begin;
     }

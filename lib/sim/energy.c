@@ -2,11 +2,12 @@
  * energy.c -- the energy of one implicit Euler step and its gradient, over the same rows that `xpbd` projects.   numerics.md 2, 9
  *
  *   Phi(x) = 1/2 |x - y|^2_M / h^2 + sum_distances k/2 C^2 + sum_hinges k_b/2 C^2 + k_V/2 (V - goal)^2 + sum_areas B(J)
+ *            + sum_membranes (membrane.c)
  *   B(J) = -k A0 (J - 1)^2 ln J for J < 1, J = area / A0: the area rows as an energy, since springs do not resist a triangle's loss of
  *   area. Triangles that the substep found collapsed have no barrier: it would hold them on the wrong side of a fold.
  */
 #include "qn.h"
-#include "wide.h"
+#include "wide_log.h"
 
 /* Below this share of its rest area a triangle's barrier goes on as a straight line: finite, and continuous with its slope. */
 static const double BARRIER_LINEAR = 1e-3;
@@ -41,22 +42,10 @@ SN_WIDE_KERNEL static double inertia(const free_points *in, sn_index count) {
 
 /* ---- areas ---------------------------------------------------------------------------------------------------------------- */
 
-/* ln x for x in [1e-300, 1e300] to 4e-16 of its size; ours, as the arc tangent of the hinges is (dihedral.c). x = 2^k m with m in
- * [1/sqrt 2, sqrt 2), ln m = 2 artanh s = 2 (s + s^3/3 + ... + s^21/21), s = (m - 1) / (m + 1), |s| < 0.172. */
-SN_INLINE wide logarithm(wide x) {
-    const uint64_t ROOT_HALF = 0x3fe6a09e667f3bcd, ONE = 0x3ff0000000000000, EXPONENT = 0xfff0000000000000, TWO_52 = 0x4330000000000000;
-    wide_bits power = (wide_bits_of(x) - wide_splat_bits(ROOT_HALF)) & wide_splat_bits(EXPONENT); /* k at its place */
-    wide k = wide_of_bits(((power + wide_splat_bits(ONE)) >> 52) | wide_splat_bits(TWO_52)) - wide_splat(0x1p52 + 1023.0);
-    wide m = wide_of_bits(wide_bits_of(x) - power), one = wide_splat(1.0);
-    wide s = (m - one) / (m + one), z = s * s, sum = wide_splat(1.0 / 21.0);
-    _Pragma("GCC unroll 10") for (int i = 19; i > 0; i -= 2) sum = sum * z + wide_splat(1.0 / i);
-    return k * wide_splat(0.69314718055994530942) + wide_splat(2.0) * s * sum;
-}
-
 /* B(J) and dB/dJ over k A0, for J < 1. */
 SN_INLINE wide barrier(wide j, wide *slope) {
     wide least = wide_splat(BARRIER_LINEAR), at = wide_select(wide_less(least, j), j, least);
-    wide gap = at - wide_splat(1.0), ln = logarithm(at);
+    wide gap = at - wide_splat(1.0), ln = wide_log(at);
     *slope = -(wide_splat(2.0) * gap * ln + gap * gap / at);
     return *slope * (j - at) - gap * gap * ln;
 }
@@ -106,7 +95,7 @@ SN_WIDE_KERNEL static double energy_of_areas(const barriers *in, sn_index end) {
 static double areas(const sn_objective *o, const sn_point *points, sn_forces gradient) {
     const sn_model_muscle *m = o->model;
     double k = sn_row_stiffness(m, o->state, SN_ROWS_AREA);
-    if (!(k > 0.0) || m->area_count == 0) return 0.0;
+    if (!(k > 0.0) || m->area_count == 0 || m->membrane_count > 0) return 0.0; /* a membrane has a barrier of its own */
     const barriers in = {points, m->areas->point, m->area_scales, o->state->guarded, k, gradient};
     return energy_of_areas(&in, m->area_count);
 }
@@ -122,6 +111,7 @@ double sn_objective_evaluate(const sn_objective *objective, sn_point *points, sn
     double energy = inertia(&free_ones, m->point_count);
     for (int kind = 0; kind < SN_DISTANCE_KINDS; kind++)
         energy += sn_distance_energy(m, &at, (sn_row_kind)kind, sn_row_stiffness(m, &at, (sn_row_kind)kind), forces);
+    energy += sn_membrane_energy(m, &at, sn_row_stiffness(m, &at, SN_ROWS_MEMBRANE), forces);
     energy += sn_hinge_energy(m, &at, sn_row_stiffness(m, &at, SN_ROWS_DIHEDRAL), forces);
     energy += areas(objective, points, forces);
     if (m->keeps_volume) energy += sn_volume_energy(m, &at, sn_row_stiffness(m, &at, SN_ROWS_VOLUME), forces);

@@ -108,15 +108,6 @@ static sn_status make_stiffness_curve(const sn_build *build, sn_error *error) {
     return status;
 }
 
-/* Points above which the corotated matrix costs more than it saves. */
-enum { COROTATED_MOST = 4000 };
-
-static bool corotates(const sn_build *build) {
-    sn_preconditioning wanted = build->scene->solver.preconditioner;
-    if (wanted != SN_PRECONDITION_AUTO) return wanted == SN_PRECONDITION_COROTATED;
-    return build->source->rig.mesh.vertex_count <= COROTATED_MOST;
-}
-
 static sn_status build_muscle(const sn_build *build, sn_error *error) {
     sn_model_muscle *m = build->model;
     const sn_scheme_rules *rules = sn_scheme_rules_of(build->scene->solver.scheme);
@@ -125,7 +116,8 @@ static sn_status build_muscle(const sn_build *build, sn_error *error) {
     m->source = build->source;
     m->vertex_count = build->source->rig.mesh.vertex_count;
     m->quasi_newton = build->scene->solver.method == SN_SOLVER_QN;
-    m->corotated = m->quasi_newton && corotates(build);
+    m->corotated = m->quasi_newton && build->scene->solver.preconditioner == SN_PRECONDITION_COROTATED;
+    m->single = build->scene->solver.method == SN_SOLVER_XPBD && build->scene->solver.precision == SN_PRECISION_SINGLE;
     m->tolerance = build->scene->solver.tolerance;
     m->iterations = build->source->iterations > 0 ? build->source->iterations : build->scene->solver.iterations;
     measure_size(build);
@@ -144,6 +136,7 @@ static sn_status build_muscle(const sn_build *build, sn_error *error) {
     if ((status = sn_distance_build(build, error)) != SN_OK) return status;
     if ((status = sn_hinge_build(build, error)) != SN_OK) return status;
     if ((status = sn_area_build(build, error)) != SN_OK) return status;
+    if ((status = sn_membrane_build(build, error)) != SN_OK) return status;
     sn_volume_build(build);
     sn_plan_count(build);
     return SN_OK;
@@ -222,6 +215,11 @@ static void free_muscle(sn_model_muscle *m) {
     free(m->hinge_softness);
     free(m->areas);
     free(m->area_scales);
+    free(m->membrane_points);
+    free(m->membranes);
+    for (int kind = 0; kind < SN_DISTANCE_KINDS; kind++) free(m->distance_pairs[kind]);
+    free(m->hinge_pairs);
+    free(m->area_pairs);
     sn_curve_destroy(m->stiffness_curve);
     sn_curve_destroy(m->volume_ratio);
 }

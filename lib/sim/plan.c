@@ -6,7 +6,7 @@
 #include "rows.h"
 
 const char *sn_row_kind_name(sn_row_kind kind) {
-    static const char *const NAMES[SN_ROW_KINDS] = {"internal", "radial", "mesh", "dihedral", "area", "volume"};
+    static const char *const NAMES[SN_ROW_KINDS] = {"internal", "radial", "mesh", "dihedral", "area", "membrane", "volume"};
     return NAMES[kind];
 }
 
@@ -25,6 +25,8 @@ const char *sn_left_out_text(sn_left_out reason) {
         return "the scene switches it off";
     case SN_OUT_SCHEME:
         return "the scheme has no such constraint";
+    case SN_OUT_MEMBRANE:
+        return "the membrane takes its place";
     case SN_OUT_NO_STRUCTURE:
         return "the document has no internal structure (build-structure makes one)";
     case SN_OUT_OPEN_SURFACE:
@@ -62,6 +64,7 @@ static sn_left_out volume_reason(const sn_build *build) {
 void sn_plan_decide(const sn_build *build) {
     const sn_scene_muscle *source = build->source;
     sn_plan_group *groups = build->plan->groups;
+    bool projects = build->scene->solver.method == SN_SOLVER_XPBD, membrane = source->stretch == SN_STRETCH_MEMBRANE;
     sn_left_out inside = source->rig.structure.sample_count == 0              ? SN_OUT_NO_STRUCTURE
                          : !has_stiffness(source, source->stiffness_internal) ? SN_OUT_NO_STIFFNESS
                                                                               : SN_RUNS;
@@ -69,9 +72,12 @@ void sn_plan_decide(const sn_build *build) {
     groups[SN_ROWS_MESH].reason = has_stiffness(source, 1.0) ? SN_RUNS : SN_OUT_NO_STIFFNESS;
     groups[SN_ROWS_DIHEDRAL].reason = has_stiffness(source, source->stiffness_dihedral) ? SN_RUNS : SN_OUT_NO_STIFFNESS;
     groups[SN_ROWS_AREA].reason = !(source->least_area > 0.0) ? SN_OUT_SETTING : groups[SN_ROWS_MESH].reason;
+    groups[SN_ROWS_MEMBRANE].reason = membrane ? groups[SN_ROWS_MESH].reason : SN_OUT_SETTING;
+    if (membrane && groups[SN_ROWS_MESH].reason == SN_RUNS) groups[SN_ROWS_MESH].reason = SN_OUT_MEMBRANE;
     groups[SN_ROWS_VOLUME].reason = volume_reason(build);
     for (int kind = 0; kind < SN_ROW_KINDS; kind++)
-        if (sn_scheme_sweeps(build->scene->solver.scheme, (sn_row_kind)kind) == 0) groups[kind].reason = SN_OUT_SCHEME;
+        if ((projects || kind != SN_ROWS_MEMBRANE) && sn_scheme_sweeps(build->scene->solver.scheme, (sn_row_kind)kind) == 0)
+            groups[kind].reason = SN_OUT_SCHEME;
     inside = groups[SN_ROWS_INTERNAL].reason;
     build->plan->samples = inside == SN_RUNS ? source->rig.structure.sample_count : 0;
     build->plan->fibers = source->rig.fibers.directions != NULL;
@@ -95,6 +101,8 @@ static size_t row_bytes(const sn_model_muscle *m, sn_row_kind kind) {
         return sizeof(sn_hinge_row) + (m->hinge_softness != NULL ? 2 : 1) * sizeof(double);
     case SN_ROWS_AREA:
         return sizeof(sn_area_row) + sizeof(double);
+    case SN_ROWS_MEMBRANE:
+        return sizeof(sn_area_row) + sizeof(sn_membrane_row);
     case SN_ROWS_VOLUME:
         return 0;
     default:
@@ -107,6 +115,7 @@ static size_t row_bytes(const sn_model_muscle *m, sn_row_kind kind) {
 static size_t row_state_bytes(const sn_model_muscle *m, sn_row_kind kind) {
     if (kind < SN_DISTANCE_KINDS) return 2 * sizeof(double);
     if (kind == SN_ROWS_DIHEDRAL) return sizeof(double);
+    if (kind == SN_ROWS_MEMBRANE) return SN_MEMBRANE_GOALS * sizeof(double);
     return kind == SN_ROWS_VOLUME ? (size_t)m->vertex_count * sizeof(sn_vec3) : 0;
 }
 
@@ -116,6 +125,8 @@ static size_t model_bytes(const sn_build *build) {
     size_t triangles = (size_t)m->triangle_count * (sizeof(sn_triangle) + sizeof(double));
     size_t sites = (size_t)m->site_count * sizeof(sn_site) + (size_t)m->kinematic_count * sizeof(sn_index), rows = 0;
     for (int kind = 0; kind < SN_ROW_KINDS; kind++) rows += (size_t)build->plan->groups[kind].rows * row_bytes(m, (sn_row_kind)kind);
+    if (m->single) rows += (size_t)(m->hinge_batched + m->area_batched) / 4;
+    for (int kind = 0; m->single && kind < SN_DISTANCE_KINDS; kind++) rows += (size_t)m->distance_batched[kind] / 4;
     return sizeof(*m) + points + triangles + rows + sites;
 }
 

@@ -18,6 +18,8 @@ static const double STEP_CAP = 0.1;
 static const double AREA_LIMIT = 0.3;
 /* A triangle that starts a substep below this share of its rest area goes through it without barrier and area limit (numerics.md 7). */
 static const double UNGUARDED = 0.05;
+/* Iterations after which the volume row of the matrix is made for the points at hand: L-BFGS learns how it turns, up to a point. */
+enum { VOLUME_REFRESH = 8 };
 /* One iteration alone may fall into a wrong basin. */
 enum { LEAST_ITERATIONS = 3 };
 /* A pair whose step and change are nearly orthogonal says nothing about curvature. */
@@ -161,10 +163,17 @@ static void accept(const sn_model_muscle *m, sn_muscle_state *s, double length) 
 
 static void stop(sn_muscle_state *s, sn_stop_reason reason) { s->statistics.stop_reason = s->stopped = reason; }
 
+/* From here on the matrix has the volume row of these points. */
+static void take_volume_gradient(const sn_model_muscle *m, sn_muscle_state *s) {
+    if (m->keeps_volume) memcpy(s->row_gradient, s->volume_gradient, (size_t)m->vertex_count * sizeof *s->row_gradient);
+    sn_preconditioner_set_volume(s->qn->preconditioner, s->row_gradient, volume_stiffness(m, s));
+}
+
 /* The gradient is up to date before and after. */
 static void iterate(const sn_model_muscle *m, sn_muscle_state *s, double h, sn_index iteration) {
     double slope = 0.0;
     s->statistics.iterations++;
+    if (iteration > 0 && iteration % VOLUME_REFRESH == 0) take_volume_gradient(m, s);
     double most = make_direction(m, s, &slope);
     if (most < 0.0) {
         stop(s, SN_STOP_FAILED);
@@ -254,10 +263,15 @@ static sn_index guard_triangles(const sn_model_muscle *m, sn_muscle_state *s) {
     return collapsed;
 }
 
+/* How far the surface is from its goal shape: edges over the mean edge, or strains. */
+static sn_residual stretch(const sn_model_muscle *m, const sn_muscle_state *s) {
+    return m->membrane_count > 0 ? sn_membrane_residual(m, s) : sn_distance_residual(m, s, SN_ROWS_MESH);
+}
+
 /* May this be no shape that the muscle came to by moving: a tenth of it collapsed, half a mean edge off in the mean, or half of its volume
  * gone? */
 static bool is_wrecked(const sn_model_muscle *m, const sn_muscle_state *s, sn_index collapsed) {
-    if (collapsed > m->area_count / 10 || sn_distance_residual(m, s, SN_ROWS_MESH).rms > 0.5) return true;
+    if (collapsed > m->area_count / 10 || stretch(m, s).rms > 0.5) return true;
     if (!m->keeps_volume) return false;
     double volume = sn_volume_constraint(m->vertex_count, s->points, m->triangle_count, m->triangles, NULL);
     return !(fabs(volume / (s->volume_goal * m->rest_volume) - 1.0) <= 0.5);
@@ -312,7 +326,7 @@ static void choose_start(const sn_model_muscle *m, sn_muscle_state *s, double h,
 
 /* The corotated matrix is of use near the rest shape only: no collapsed triangle, no edge that is half a mean edge off (numerics.md 7). */
 static bool may_turn(const sn_model_muscle *m, const sn_muscle_state *s, sn_index collapsed) {
-    return m->corotated && collapsed == 0 && sn_distance_residual(m, s, SN_ROWS_MESH).max <= 0.5;
+    return m->corotated && collapsed == 0 && stretch(m, s).max <= 0.5;
 }
 
 /* The matrix that the substep goes by. */
@@ -334,8 +348,7 @@ static void begin(const sn_model_muscle *m, sn_muscle_state *s, const sn_substep
     if (jump == 0.0) memset(s->last_jump, 0, (size_t)m->point_count * sizeof *s->last_jump);
     choose_start(m, s, substep->h, predicted);
     sn_preconditioner_turn(s->qn->preconditioner, s->points);
-    if (m->keeps_volume) memcpy(s->start_gradient, s->volume_gradient, (size_t)m->vertex_count * sizeof *s->start_gradient);
-    sn_preconditioner_set_volume(s->qn->preconditioner, s->start_gradient, volume_stiffness(m, s));
+    take_volume_gradient(m, s);
 }
 
 /* In the middle of a substep: what `begin` has left, made again from the state. */
@@ -344,7 +357,7 @@ static void resume(const sn_model_muscle *m, sn_muscle_state *s, double h) {
     bool changed;
     if (s->stopped != SN_STOP_ITERATIONS) return;
     if (!go_by(s, h, &changed)) stop(s, SN_STOP_FAILED);
-    sn_preconditioner_set_volume(s->qn->preconditioner, s->start_gradient, volume_stiffness(m, s));
+    sn_preconditioner_set_volume(s->qn->preconditioner, s->row_gradient, volume_stiffness(m, s));
     s->energy = sn_objective_evaluate(&objective, s->points, s->qn->gradient);
 }
 

@@ -45,6 +45,42 @@ static bool visit_hinges(const sn_model_muscle *m, bool (*visit)(void *, const s
     return true;
 }
 
+/* A triangle of the membrane at rest: its strains along and across the fibre, its shear and its dilation for the matrix that knows
+ * directions, 2 mu times the cotangent Laplacian for the scalar one. */
+static bool visit_membrane(const sn_model_muscle *m, sn_index r, bool (*visit)(void *, const sn_rest_row *), void *user) {
+    const sn_index *v = m->membrane_points[r].point;
+    sn_vec3 p[3], b[3], normal;
+    for (int i = 0; i < 3; i++) p[i] = m->rest[v[i]];
+    normal = sn_area_vector(p[0], p[1], p[2]);
+    double twice = sn_norm(normal), mu = sqrt(3.0) / (4.0 * m->membranes[r].softness), area = 0.5 * twice;
+    for (int i = 0; i < 3; i++) b[i] = sn_scale(sn_cross(normal, sn_sub(p[(i + 2) % 3], p[(i + 1) % 3])), 1.0 / (twice * twice));
+    sn_vec3 t1 = sn_normalize(sn_sub(p[1], p[0])), t2 = sn_cross(sn_normalize(normal), t1);
+    sn_rest_row strain[4];
+    for (int k = 0; k < 4; k++) strain[k] = (sn_rest_row){.count = 3, .point = v, .scale = (k == 3 ? 1.0 : 2.0) * mu * area};
+    for (int i = 0; i < 3; i++) {
+        double b1 = sn_dot(b[i], t1), b2 = sn_dot(b[i], t2);
+        strain[0].gradient[i] = sn_scale(t1, b1);
+        strain[1].gradient[i] = sn_scale(t2, b2);
+        strain[2].gradient[i] = sn_scale(sn_add(sn_scale(t2, b1), sn_scale(t1, b2)), sqrt(0.5));
+        strain[3].gradient[i] = b[i];
+    }
+    bool going = true;
+    for (int k = 0; k < 4 && going; k++) going = visit(user, &strain[k]);
+    for (int i = 0; i < 3 && going; i++) {
+        double cotangent = -sn_dot(sn_sub(p[(i + 1) % 3], p[i]), sn_sub(p[i], p[(i + 2) % 3])) / twice; /* of the corner at p[i] */
+        const sn_index edge[2] = {v[(i + 1) % 3], v[(i + 2) % 3]};
+        const sn_rest_row row = {.count = 2, .point = edge, .weight = {1.0, -1.0}, .scale = mu * cotangent};
+        going = visit(user, &row);
+    }
+    return going;
+}
+
+static bool visit_membranes(const sn_model_muscle *m, bool (*visit)(void *, const sn_rest_row *), void *user) {
+    bool going = true;
+    for (sn_index r = 0; r < m->membrane_count && going; r++) going = visit_membrane(m, r, visit, user);
+    return going;
+}
+
 bool sn_rest_rows(const sn_model_muscle *m, bool (*visit)(void *user, const sn_rest_row *row), void *user) {
-    return visit_distances(m, visit, user) && visit_hinges(m, visit, user);
+    return visit_distances(m, visit, user) && visit_membranes(m, visit, user) && visit_hinges(m, visit, user);
 }

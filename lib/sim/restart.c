@@ -136,7 +136,8 @@ static sn_status check_fit(const sn_model *model, const char *bytes, size_t size
     if (status == SN_OK) status = packed_size(model, own, &needed, error);
     if (status != SN_OK) return status;
     if (size != needed || memcmp(bytes + HEADER, own, SN_HASH_LENGTH) != 0)
-        return sn_fail(error, SN_ERROR_INPUT, "this state is another scene's: its muscles or their constraints are not the same");
+        return sn_fail(error, SN_ERROR_INPUT,
+                       "this state is another scene's, or was made under another scheme or solver: its constraints are not the same");
     memcpy(moment, bytes + HEADER + SN_HASH_LENGTH, sizeof moment);
     if (moment[1] < 0 || moment[2] < 0 || moment[1] >= model->scene->solver.substeps)
         return sn_fail(error, SN_ERROR_INPUT, "this state stopped in substep %ld of its frame; the scene has %ld, and must have as many",

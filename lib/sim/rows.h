@@ -65,6 +65,7 @@ typedef struct sn_substep {
     const sn_rigid *poses; /* (joints) at the substep's end */
     sn_index begin, end;   /* iterations; the substep starts with 0 and ends with m->iterations */
     bool measure;          /* leave the residual at the end in the statistics */
+    sn_point *start;       /* (points) nullable; xpbd: where they are when the iterations begin */
 } sn_substep;
 
 typedef struct sn_backend {
@@ -88,6 +89,8 @@ void sn_plan_count(const sn_build *build);
 /* An order of rows of `size` points each, points (count x size): the first *batched rows come in fours that share no point. */
 SN_MUST_CHECK sn_status sn_batch_order(sn_index count, sn_index size, const sn_index *points, sn_index point_count, sn_index *order,
                                        sn_index *batched, sn_error *error);
+/* For rows in that order: *pairs (batched / 4, made), true where a four and the next one share no point either. */
+SN_MUST_CHECK sn_status sn_batch_pair(sn_index batched, sn_index size, const sn_index *points, bool **pairs, sn_error *error);
 /* Put an array (count) of elements of `size` bytes into that order; NULL is fine. */
 SN_MUST_CHECK sn_status sn_batch_sort(void *array, sn_index count, size_t size, const sn_index *order, sn_error *error);
 
@@ -108,24 +111,42 @@ void sn_distance_goals(const sn_model_muscle *m, sn_muscle_state *s);
 void sn_distance_sweep(const sn_model_muscle *m, sn_muscle_state *s, sn_row_kind kind, const sn_sweep *sweep);
 /* Sum of k C^2 / 2, J; its gradient is added to gradient (point_count), N. */
 double sn_distance_energy(const sn_model_muscle *m, const sn_muscle_state *s, sn_row_kind kind, double k, sn_forces gradient);
+/* |C| of one row over the mean edge; row: among those of all distance kinds. */
+double sn_distance_error(const sn_model_muscle *m, const sn_muscle_state *s, sn_index row);
 sn_residual sn_distance_residual(const sn_model_muscle *m, const sn_muscle_state *s, sn_row_kind kind);
 
 /* ---- dihedral.c ---- */
 SN_MUST_CHECK sn_status sn_hinge_build(const sn_build *build, sn_error *error);
 void sn_hinge_sweep(const sn_model_muscle *m, sn_muscle_state *s, const sn_sweep *sweep);
 double sn_hinge_energy(const sn_model_muscle *m, const sn_muscle_state *s, double k, sn_forces gradient);
+double sn_hinge_error(const sn_model_muscle *m, const sn_muscle_state *s, sn_index row); /* |C|, rad; NaN: it has no angle */
 sn_residual sn_hinge_residual(const sn_model_muscle *m, const sn_muscle_state *s);
 
 /* ---- area.c ---- */
 SN_MUST_CHECK sn_status sn_area_build(const sn_build *build, sn_error *error);
 void sn_area_sweep(const sn_model_muscle *m, sn_muscle_state *s);
+double sn_area_error(const sn_model_muscle *m, const sn_muscle_state *s, sn_index row); /* what it lacks of its least area, over A0 */
 sn_residual sn_area_residual(const sn_model_muscle *m, const sn_muscle_state *s);
+
+/* ---- membrane.c ---- */
+SN_MUST_CHECK sn_status sn_membrane_build(const sn_build *build, sn_error *error);
+/* Goal shapes for the contraction and volume goal in the state. */
+void sn_membrane_goals(const sn_model_muscle *m, sn_muscle_state *s);
+double sn_membrane_energy(const sn_model_muscle *m, const sn_muscle_state *s, double k, sn_forces gradient);
+double sn_membrane_error(const sn_model_muscle *m, const sn_muscle_state *s, sn_index row); /* |1/2 (FT F - I)|, Green's strain */
+sn_residual sn_membrane_residual(const sn_model_muscle *m, const sn_muscle_state *s);
 
 /* ---- volume.c ---- */
 void sn_volume_build(const sn_build *build);
+double sn_volume_ratio(const sn_model_muscle *m, const sn_muscle_state *s); /* V / V0 */
 void sn_volume_sweep(const sn_model_muscle *m, sn_muscle_state *s, const sn_sweep *sweep);
 /* With a gradient, volume_gradient in the state is left at dV/dx. */
 double sn_volume_energy(const sn_model_muscle *m, sn_muscle_state *s, double k, sn_forces gradient);
+
+/* ---- single.c: the sweeps in single precision ---- */
+void sn_single_enter(const sn_model_muscle *m, sn_muscle_state *s); /* single_points from points, about a new origin */
+void sn_single_leave(const sn_model_muscle *m, sn_muscle_state *s); /* and back; attached points keep theirs */
+void sn_single_sweep(const sn_model_muscle *m, sn_muscle_state *s, sn_row_kind kind, const sn_sweep *sweep);
 
 /* ---- inputs.c ---- */
 /* Activation, contraction, stiffness, volume goal and goal lengths at `time`. */

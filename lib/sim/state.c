@@ -70,6 +70,7 @@ static void reset_muscle(const sn_model_muscle *m, sn_muscle_state *s, const sn_
         if (m->quasi_newton) s->last_jump[i] = sn_v3(0, 0, 0);
     }
     sn_kinematics_carry(m, s, poses);
+    if (m->single) sn_single_enter(m, s);
     sn_inputs_update(m, s, time);
     sn_statistics_measure(m, s);
 }

@@ -4,9 +4,8 @@
 #include "rows.h"
 
 static void measure_volume(const sn_model_muscle *m, const sn_muscle_state *s, sn_statistics *out) {
-    double volume = sn_volume_constraint(m->vertex_count, s->points, m->triangle_count, m->triangles, NULL);
-    double error = volume / m->rest_volume - s->volume_goal;
-    out->volume_ratio = volume / m->rest_volume;
+    double ratio = sn_volume_ratio(m, s), error = ratio - s->volume_goal;
+    out->volume_ratio = ratio;
     out->volume_goal = s->volume_goal;
     out->volume_error = out->volume_ratio / s->volume_goal - 1.0;
     out->residuals[SN_ROWS_VOLUME] = m->keeps_volume ? (sn_residual){fabs(error), fabs(error), 0} : (sn_residual){.worst = SN_NONE};
@@ -42,6 +41,7 @@ static double elastic_energy(const sn_model_muscle *m, sn_muscle_state *s, sn_fo
     double energy = 0.0;
     for (int kind = 0; kind < SN_DISTANCE_KINDS; kind++)
         energy += sn_distance_energy(m, s, (sn_row_kind)kind, sn_row_stiffness(m, s, (sn_row_kind)kind), gradient);
+    energy += sn_membrane_energy(m, s, sn_row_stiffness(m, s, SN_ROWS_MEMBRANE), gradient);
     energy += sn_hinge_energy(m, s, sn_row_stiffness(m, s, SN_ROWS_DIHEDRAL), gradient);
     return energy + sn_volume_energy(m, s, sn_row_stiffness(m, s, SN_ROWS_VOLUME), gradient);
 }
@@ -65,5 +65,6 @@ void sn_statistics_measure(const sn_model_muscle *m, sn_muscle_state *s) {
     for (int kind = 0; kind < SN_DISTANCE_KINDS; kind++) out->residuals[kind] = sn_distance_residual(m, s, (sn_row_kind)kind);
     out->residuals[SN_ROWS_DIHEDRAL] = sn_hinge_residual(m, s);
     out->residuals[SN_ROWS_AREA] = sn_area_residual(m, s);
+    out->residuals[SN_ROWS_MEMBRANE] = sn_membrane_residual(m, s);
     out->elastic_energy = elastic_energy(m, s, (sn_forces){NULL, 3});
 }

@@ -6,6 +6,8 @@
  */
 #include "rows.h"
 
+#include <stdlib.h>
+
 const sn_backend *sn_backend_of(const sn_scene *scene) {
     switch (scene->solver.method) {
     case SN_SOLVER_XPBD:
@@ -32,6 +34,7 @@ typedef struct run {
     bool frozen;     /* time stands still: inputs and poses stay those of `begin` */
     moment from, to; /* what to do now */
     bool measure;    /* statistics at the end */
+    sn_point *start; /* (points of all muscles, one after the other) where they are before an iteration; NULL = nobody asks */
 } run;
 
 static double substep_time(const run *r, sn_index substep) {
@@ -73,6 +76,13 @@ static bool sleeps(const run *r, const sn_model_muscle *m, sn_muscle_state *s, s
     return false;
 }
 
+/* A muscle's part of r->start. */
+static sn_point *start_of(const run *r, sn_index muscle) {
+    sn_point *start = r->start;
+    for (sn_index i = 0; start != NULL && i < muscle; i++) start += r->model->muscles[i].point_count;
+    return start;
+}
+
 /* Iterations [begin, end) of one substep; a muscle with fewer iterations than that has nothing left to do. */
 static void do_substep(const run *r, sn_index muscle, sn_index substep, sn_index begin, sn_index end) {
     const sn_model_muscle *m = &r->model->muscles[muscle];
@@ -87,7 +97,8 @@ static void do_substep(const run *r, sn_index muscle, sn_index substep, sn_index
                              .poses = substep_poses(r, substep),
                              .begin = begin,
                              .end = end,
-                             .measure = r->measure && end == m->iterations && is_last(r, substep)};
+                             .measure = r->measure && end == m->iterations && is_last(r, substep),
+                             .start = start_of(r, muscle)};
     sn_inputs_update(m, s, substep_time(r, substep));
     r->backend->substep(m, s, &part);
     if (end == m->iterations) watch_rest(r, m, s);
@@ -128,6 +139,22 @@ static void clear_counters(sn_state *state, sn_index muscle_count) {
     }
 }
 
+/* How far the last iteration moved a point that no bone carries, on average over the mean edge ([K21] fig. 7); NaN under qn. */
+static double mean_move(const run *r, sn_index muscle) {
+    const sn_model_muscle *m = &r->model->muscles[muscle];
+    const sn_muscle_state *s = &r->state->muscles[muscle];
+    const sn_point *start = start_of(r, muscle);
+    double sum = 0.0;
+    sn_index free_points = 0;
+    if (m->quasi_newton) return NAN;
+    for (sn_index i = 0; !s->statistics.asleep && i < m->point_count; i++) {
+        if (m->inverse_mass[i] == 0.0) continue;
+        sum += sn_distance(sn_point_position(&s->points[i]), sn_point_position(&start[i]));
+        free_points++;
+    }
+    return free_points > 0 ? sum / (free_points * m->mean_edge) : 0.0;
+}
+
 /* One record per muscle for the iteration just done; true = stop. */
 static bool trace_iteration(const run *r, moment done, sn_trace *trace) {
     for (sn_index i = 0; i < r->model->muscle_count; i++) {
@@ -143,7 +170,7 @@ static bool trace_iteration(const run *r, moment done, sn_trace *trace) {
                      sn_trace_number("dihedral_rms", st->residuals[SN_ROWS_DIHEDRAL].rms),
                      sn_trace_number("dihedral_max", st->residuals[SN_ROWS_DIHEDRAL].max),
                      sn_trace_number("smallest_triangle", st->smallest_triangle), sn_trace_number("kinetic_energy", st->kinetic_energy),
-                     sn_trace_number("nan", st->nan_points)))
+                     sn_trace_number("nan", st->nan_points), sn_trace_number("mean_move", mean_move(r, i))))
             return true;
     }
     return false;
@@ -163,7 +190,7 @@ static moment next_iteration(moment now, sn_index iterations) {
 }
 
 /* Iteration after iteration, with a record of each; where it stops, the state says how far it came. */
-static sn_status do_watched(run *r, moment last, sn_pool *pool, sn_trace *trace) {
+static sn_status watch(run *r, moment last, sn_pool *pool, sn_trace *trace) {
     sn_index iterations = most_iterations(r->model);
     r->measure = true;
     while (before(r->from, last)) {
@@ -178,15 +205,26 @@ static sn_status do_watched(run *r, moment last, sn_pool *pool, sn_trace *trace)
     return SN_OK;
 }
 
+static sn_status do_watched(run *r, moment last, sn_pool *pool, sn_trace *trace, sn_error *error) {
+    size_t points = 0;
+    for (sn_index i = 0; i < r->model->muscle_count; i++) points += (size_t)r->model->muscles[i].point_count;
+    r->start = SN_NEW(sn_point, points);
+    if (r->start == NULL) return sn_fail_memory(error, "the trace");
+    sn_status status = watch(r, last, pool, trace);
+    free(r->start);
+    r->start = NULL;
+    return status;
+}
+
 /* From r->from to `last`: in one go, or step by step where somebody watches. */
-static sn_status do_run(run *r, moment last, const sn_step_options *options) {
+static sn_status do_run(run *r, moment last, const sn_step_options *options, sn_error *error) {
     sn_pool *pool = options != NULL ? options->pool : NULL;
     sn_trace *trace = options != NULL ? options->trace : NULL;
     if (sn_trace_stopped(trace)) return SN_STOPPED;
     r->backend = sn_backend_of(r->model->scene);
     prepare_poses(r);
     if (r->from.substep == 0 && r->from.iteration == 0) clear_counters(r->state, r->model->muscle_count);
-    if (trace != NULL && (trace->receive != NULL || trace->stop_after >= 0)) return do_watched(r, last, pool, trace);
+    if (trace != NULL && (trace->receive != NULL || trace->stop_after >= 0)) return do_watched(r, last, pool, trace, error);
     r->to = last;
     r->measure = true;
     sn_parallel_for(pool, r->model->muscle_count, 1, do_muscles, r);
@@ -200,7 +238,7 @@ sn_status sn_settle(const sn_model *model, sn_state *state, const sn_step_option
     if (substeps > SN_INDEX_MAX)
         return sn_fail(error, SN_ERROR_USAGE, "a pre-roll of %g s is more than %d substeps; shorten it", scene->preroll, (int)SN_INDEX_MAX);
     run r = {.model = model, .state = state, .begin = scene->first_frame, .frozen = true};
-    sn_status status = do_run(&r, (moment){(sn_index)substeps, 0}, options);
+    sn_status status = do_run(&r, (moment){(sn_index)substeps, 0}, options, error);
     if (status == SN_OK) state->substep = state->iteration = 0;
     return status;
 }
@@ -210,7 +248,7 @@ sn_status sn_hold(const sn_model *model, sn_state *state, const sn_step_options 
     if (state->substep != 0 || state->iteration != 0)
         return sn_fail(error, SN_ERROR_USAGE, "cannot hold a state in the middle of its frame");
     run r = {.model = model, .state = state, .begin = state->frame, .frozen = true};
-    sn_status status = do_run(&r, (moment){substeps, 0}, options);
+    sn_status status = do_run(&r, (moment){substeps, 0}, options, error);
     if (status == SN_OK) state->substep = state->iteration = 0;
     return status;
 }
@@ -233,7 +271,7 @@ sn_status sn_step(const sn_model *model, sn_state *state, const sn_step_options 
     if (before(stop, from)) return sn_fail(error, SN_ERROR_USAGE, "cannot stop there: the state is beyond it already");
     run r = {.model = model, .state = state, .begin = fresh ? state->frame : state->frame - 1, .from = from};
     if (fresh) state->frame++;
-    sn_status status = do_run(&r, stop, options);
+    sn_status status = do_run(&r, stop, options, error);
     if (status != SN_OK) return status;
     bool whole = !before(stop, end);
     state->substep = whole ? 0 : stop.substep;

@@ -34,6 +34,10 @@ double sn_volume_constraint(sn_index vertex_count, const sn_point *points, sn_in
     return volume / 6.0;
 }
 
+double sn_volume_ratio(const sn_model_muscle *m, const sn_muscle_state *s) {
+    return sn_volume_constraint(m->vertex_count, s->points, m->triangle_count, m->triangles, NULL) / m->rest_volume;
+}
+
 void sn_volume_build(const sn_build *build) {
     sn_plan_group *group = &build->plan->groups[SN_ROWS_VOLUME];
     if (group->reason == SN_OUT_OPEN_SURFACE || group->reason == SN_OUT_FLAT) build->model->rest_volume = NAN; /* nothing to compare with */

@@ -14,10 +14,26 @@
 #include <float.h>
 #include <string.h>
 
-#define SN_BATCH 4 /* rows of a batch, in every build: the order of the rows must not depend on it */
+#define SN_BATCH 4        /* rows of a batch, in every build: the order of the rows must not depend on it */
+#define SN_BATCH_SINGLE 8 /* two batches that share no point either: a register of single precision */
 
 #define SN_UNROLL _Pragma("GCC unroll 4") /* -O2 leaves short loops, and the arrays they walk, in memory */
 #define SN_INLINE static inline __attribute__((always_inline, unused))
+
+#if !defined(SN_SCALAR) && defined(__x86_64__) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__) && !defined(__clang__)
+#define SN_WIDE_KERNEL __attribute__((target_clones("avx2", "default")))
+#else
+#define SN_WIDE_KERNEL
+#endif
+
+#ifdef SN_WIDE_SINGLE /* defined before by single.c */
+#include "wide_single.h"
+#else
+
+typedef sn_point wide_record;
+
+#define WIDE_MOST DBL_MAX
+#define WIDE_HINGE_GUARD SN_HINGE_GUARD
 
 #ifndef SN_SCALAR
 
@@ -26,12 +42,6 @@ typedef double wide __attribute__((vector_size(32)));
 typedef int64_t wide_mask __attribute__((vector_size(32)));
 typedef uint64_t wide_bits __attribute__((vector_size(32)));
 typedef double wide_half __attribute__((vector_size(16)));
-
-#if defined(__x86_64__) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__) && !defined(__clang__)
-#define SN_WIDE_KERNEL __attribute__((target_clones("avx2", "default")))
-#else
-#define SN_WIDE_KERNEL
-#endif
 
 SN_INLINE wide wide_splat(double a) { return (wide){a, a, a, a}; }
 SN_INLINE wide wide_sqrt(wide a) { return (wide){sqrt(a[0]), sqrt(a[1]), sqrt(a[2]), sqrt(a[3])}; }
@@ -153,7 +163,6 @@ enum { WIDE_LANES = 1 };
 typedef double wide;
 typedef int64_t wide_mask; /* 0 or -1 */
 typedef uint64_t wide_bits;
-#define SN_WIDE_KERNEL
 
 SN_INLINE wide wide_splat(double a) { return a; }
 SN_INLINE wide wide_sqrt(wide a) { return sqrt(a); }
@@ -199,10 +208,15 @@ SN_INLINE void wide_add_record(sn_forces sum, sn_index point, const wide_records
 }
 
 #endif
+#endif
 
 /* ---- the same in both builds ---------------------------------------------------------------------------------------------- */
 
 SN_INLINE wide wide_abs(wide a) { return wide_copysign(a, wide_splat(1.0)); }
+
+/* Rows taken at a time where they come in batches of four, and whether so many can be. */
+enum { WIDE_BATCH = WIDE_LANES < SN_BATCH ? WIDE_LANES : SN_BATCH };
+SN_INLINE bool wide_takes(int rows) { return rows <= WIDE_LANES; }
 
 typedef struct wide_vec3 {
     wide x, y, z;
@@ -222,6 +236,9 @@ SN_INLINE wide_point wide_move(wide_point p, wide_vec3 gradient, wide step, wide
     p.z = wide_select(mask, p.z + gradient.z * step, p.z);
     return p;
 }
+
+#ifndef SN_WIDE_SINGLE /* ---- energies and forces: in double alone */
+
 /* a where the mask holds, elsewhere what can be added to anything without changing a bit of it. */
 SN_INLINE wide wide_or_nothing(wide_mask mask, wide a) { return wide_select(mask, a, wide_splat(-0.0)); }
 
@@ -243,4 +260,5 @@ SN_INLINE void wide_add_forces(sn_forces sum, const sn_index *index, int size, c
     for (int i = 0; i < size; i++) wide_add_record(sum, index[lane * size + i], &forces[i], lane);
 }
 
+#endif
 #endif

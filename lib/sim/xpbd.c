@@ -6,6 +6,8 @@
  */
 #include "rows.h"
 
+#include <string.h>
+
 /* Where each point would be without constraints. Damping is a rate: exact for any h. */
 static void predict(const sn_model_muscle *m, sn_muscle_state *s, const sn_substep *substep) {
     double h = substep->h, keep = substep->rules->keep > 0.0 ? substep->rules->keep : exp(-m->source->damping * h);
@@ -19,6 +21,10 @@ static void predict(const sn_model_muscle *m, sn_muscle_state *s, const sn_subst
 }
 
 static void sweep_rows(const sn_model_muscle *m, sn_muscle_state *s, sn_row_kind kind, const sn_sweep *sweep) {
+    if (m->single) {
+        sn_single_sweep(m, s, kind, sweep);
+        return;
+    }
     switch (kind) {
     case SN_ROWS_DIHEDRAL:
         sn_hinge_sweep(m, s, sweep);
@@ -104,8 +110,11 @@ static void xpbd_substep(const sn_model_muscle *m, sn_muscle_state *s, const sn_
     if (substep->begin == 0) {
         predict(m, s, substep);
         sn_kinematics_place(m, s, substep->poses);
+        if (m->single) sn_single_enter(m, s);
     }
+    if (substep->start != NULL) memcpy(substep->start, s->points, (size_t)m->point_count * sizeof *s->points);
     project(m, s, substep);
+    if (m->single) sn_single_leave(m, s);
     s->statistics.residual = NAN;
     if (substep->end == m->iterations) update_velocities(m, s, substep); /* until then they are the predicted ones */
 }

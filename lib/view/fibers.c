@@ -77,12 +77,12 @@ static sn_status show_polylines(sn_view *view, const sn_muscle *muscle, sn_error
     for (sn_index i = 0; i < fibers->polyline_count && !status; i += step, shown++)
         status = show_polyline(view, &fibers->polylines[i], muscle->meters_per_unit, fiber_color(shown), error);
     if (status) return status;
-    char text[64];
+    char detail[64];
     if (shown < fibers->polyline_count)
-        snprintf(text, sizeof text, "fibres (%d of %d)", shown, fibers->polyline_count);
+        snprintf(detail, sizeof detail, "%d of %d", shown, fibers->polyline_count);
     else
-        snprintf(text, sizeof text, "fibres (%d)", shown);
-    return sn_view_add_entry(view, SN_MARK_LINE, fiber_color(0), text, error);
+        snprintf(detail, sizeof detail, "%d", shown);
+    return sn_view_add_entry_detail(view, SN_MARK_LINE, fiber_color(0), "fibres", detail, error);
 }
 
 /* Fibres through the volume come after the directions on the surface that led to them, and would be hidden by these. */

@@ -12,6 +12,7 @@ void layer_free(layer *l) {
     free(l->part);
     free(l->parts);
     free(l->paints);
+    free(l->tints);
     *l = (layer){0};
 }
 
@@ -19,12 +20,14 @@ static bool belongs(const sn_view_mesh *mesh, bool solid) { return mesh->triangl
 
 static sn_status layer_alloc(layer *l, const sn_view *view, bool solid, sn_error *error) {
     int64_t vertices = 0, triangles = 0, parts = 0, paints = 0;
+    bool graded = false;
     for (size_t i = 0; i < view->mesh_count; i++) {
         const sn_view_mesh *mesh = &view->meshes[i];
         if (!belongs(mesh, solid)) continue;
         vertices += mesh->vertex_count;
         triangles += mesh->triangle_count;
         paints += mesh->paint_count;
+        graded = graded || mesh->colors;
         parts++;
     }
     if (vertices > SN_INDEX_MAX || triangles > SN_INDEX_MAX / 3)
@@ -37,6 +40,7 @@ static sn_status layer_alloc(layer *l, const sn_view *view, bool solid, sn_error
     l->part = SN_NEW(sn_index, triangles);
     l->parts = SN_NEW(layer_part, parts);
     l->paints = SN_NEW(tint, paints);
+    if (graded && !(l->tints = SN_NEW(tint, vertices))) return sn_fail_memory(error, "the picture's colours");
     if (!l->normals || !l->open || !l->paint || !l->part || !l->parts || !l->paints) return sn_fail_memory(error, "the picture's meshes");
     return SN_OK;
 }
@@ -48,12 +52,14 @@ static void append_mesh(layer *l, const sn_view_mesh *mesh, const frame *f, sn_i
         bool painted = mesh->paint && mesh->paint[i] != SN_NONE;
         l->paint[vertex + i] = painted ? (sn_index)l->paint_count + mesh->paint[i] : SN_NONE;
         l->open[vertex + i] = 1.0f;
+        if (mesh->colors) l->tints[vertex + i] = tint_from(mesh->colors[i]);
     }
     for (sn_index t = 0; t < mesh->triangle_count; t++) {
         for (int c = 0; c < 3; c++) l->mesh.triangles[triangle + t].v[c] = vertex + mesh->triangles[t].v[c];
         l->part[triangle + t] = (sn_index)l->part_count;
     }
-    l->parts[l->part_count++] = (layer_part){tint_from(mesh->color), (float)mesh->opacity, (float)mesh->gloss, mesh->wire, id};
+    l->parts[l->part_count++] =
+        (layer_part){tint_from(mesh->color), (float)mesh->opacity, (float)mesh->gloss, mesh->wire, mesh->colors != NULL, id};
     for (sn_index p = 0; p < mesh->paint_count; p++) l->paints[l->paint_count++] = tint_from(mesh->paints[p]);
 }
 
@@ -163,6 +169,16 @@ static sn_index paint_at(const layer *l, const sn_index *v, const double weight[
     return best;
 }
 
+/* The mean of the corners' own colours. */
+static tint graded_at(const layer *l, const sn_index *v, const double weight[3]) {
+    tint sum = {0, 0, 0};
+    for (int c = 0; c < 3; c++) {
+        tint corner = tint_scale(l->tints[v[c]], (float)weight[c]);
+        sum = (tint){sum.r + corner.r, sum.g + corner.g, sum.b + corner.b};
+    }
+    return sum;
+}
+
 bool layer_cast(const layer *l, double x, double y, double near, double far, layer_hit *hit) {
     if (!l->surface || x < l->box.low.x || x > l->box.high.x || y < l->box.low.y || y > l->box.high.y) return false;
     double start = fmin(near, l->box.high.z + 1.0), reach = start - fmax(far, l->box.low.z - 1.0);
@@ -184,12 +200,14 @@ bool layer_cast(const layer *l, double x, double y, double near, double far, lay
     sn_index paint = paint_at(l, v, weight);
     bool behind = flat.z < 0.0;
     *hit = (layer_hit){.z = (float)(start - ray.distance),
-                       .albedo = paint == SN_NONE ? part->color : l->paints[paint],
+                       .albedo = part->graded       ? graded_at(l, v, weight)
+                                 : paint == SN_NONE ? part->color
+                                                    : l->paints[paint],
                        .open = open,
                        .gloss = part->gloss,
                        .opacity = part->opacity,
                        .behind = behind,
-                       .painted = paint != SN_NONE,
+                       .painted = part->graded || paint != SN_NONE,
                        .id = part->id};
     hit->normal = behind ? sn_neg(smooth) : smooth;
     if (behind) hit->open = 0.8f;

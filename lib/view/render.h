@@ -43,7 +43,7 @@ tint shade(tint albedo, sn_vec3 n, float open, float gloss);
 typedef struct layer_part {
     tint color;
     float opacity, gloss;
-    bool wire;
+    bool wire, graded; /* graded: its vertices have colours of their own */
     sn_index id;
 } layer_part;
 
@@ -56,6 +56,7 @@ typedef struct layer {
     size_t part_count, paint_count;
     layer_part *parts;
     tint *paints;
+    tint *tints; /* (vertex_count) of graded parts; NULL = none is */
     sn_box box;
     sn_surface *surface; /* NULL = nothing to hit */
 } layer;

@@ -68,9 +68,22 @@ static double title_height(typography t, const char *title, const char *subtitle
 
 /* ---- legend ------------------------------------------------------------------------------------------------------------------ */
 
+/* A circle about (x, y). */
+static void draw_ring(sn_image *image, double x, double y, double radius, double width, sn_color color) {
+    enum { SIDES = 28 };
+    image_line lines[SIDES];
+    for (int i = 0; i < SIDES; i++) {
+        double a = 2.0 * SN_PI * i / SIDES, b = 2.0 * SN_PI * (i + 1) / SIDES;
+        lines[i] = (image_line){x + radius * cos(a), y + radius * sin(a), x + radius * cos(b), y + radius * sin(b)};
+    }
+    image_lines(image, SIDES, lines, width, color);
+}
+
 static void draw_mark(sn_image *image, typography t, double x, double y, sn_view_mark mark, sn_color color) {
     double size = 10.0 * t.unit, middle = y - 0.4 * size;
-    if (mark == SN_MARK_DOT) {
+    if (mark == SN_MARK_RING) {
+        draw_ring(image, x + 0.5 * size, middle, 0.45 * size, 0.7 * t.unit, color);
+    } else if (mark == SN_MARK_DOT) {
         image_lines(image, 1, &(image_line){x + 0.5 * size, middle, x + 0.5 * size, middle}, 0.45 * size, color);
     } else if (mark == SN_MARK_LINE) {
         image_lines(image, 1, &(image_line){x, middle, x + size, middle}, 0.25 * size + 0.7 * t.unit, t.pale);
@@ -86,36 +99,64 @@ static void draw_mark(sn_image *image, typography t, double x, double y, sn_view
     }
 }
 
+/* A line of the page's legend: an entry of a view, with or without its detail. */
+typedef struct legend_line {
+    const sn_view_entry *entry;
+    bool detailed;
+} legend_line;
+
+static void legend_text(const legend_line *line, char text[TEXT_ROOM]) {
+    if (line->detailed && line->entry->detail)
+        snprintf(text, TEXT_ROOM, "%s (%s)", line->entry->text, line->entry->detail);
+    else
+        snprintf(text, TEXT_ROOM, "%s", line->entry->text);
+}
+
 /* Lay the legend out in rows from the top; returns its height. image NULL = only measure. */
-static double legend_rows(sn_image *image, typography t, size_t count, const sn_view_entry *const *entries, double width, double top) {
+static double legend_rows(sn_image *image, typography t, size_t count, const legend_line *lines, double width, double top) {
     double left = 18.0 * t.unit, x = left, row = 19.0 * t.unit, y = top + row, text_size = 8.5 * t.unit;
     for (size_t i = 0; i < count; i++) {
-        double needed = 18.0 * t.unit + sn_text_width(text_size, entries[i]->text);
+        char text[TEXT_ROOM];
+        legend_text(&lines[i], text);
+        double needed = 18.0 * t.unit + sn_text_width(text_size, text);
         if (x > left && x + needed > width - left) {
             x = left;
             y += row;
         }
         if (image) {
-            draw_mark(image, t, x, y, entries[i]->mark, entries[i]->color);
-            draw_fitted(image, t, x + 18.0 * t.unit, y, text_size, 1.0, t.ink, entries[i]->text, width - left - x - 18.0 * t.unit);
+            draw_mark(image, t, x, y, lines[i].entry->mark, lines[i].entry->color);
+            draw_fitted(image, t, x + 18.0 * t.unit, y, text_size, 1.0, t.ink, text, width - left - x - 18.0 * t.unit);
         }
         x += needed + 20.0 * t.unit;
     }
     return count ? y - top : 0.0;
 }
 
-static bool is_same_entry(const sn_view_entry *a, const sn_view_entry *b) { return strcmp(a->text, b->text) == 0; }
+static bool is_same_entry(const sn_view_entry *a, const sn_view_entry *b) {
+    bool same_color = !(fabs(a->color.r - b->color.r) + fabs(a->color.g - b->color.g) + fabs(a->color.b - b->color.b) > 0.0);
+    return strcmp(a->text, b->text) == 0 && same_color;
+}
 
-/* The entries of all tiles, each text once. Returns how many; they are borrowed. */
-static size_t collect_entries(sn_index tile_count, const sn_tile *tiles, size_t room, const sn_view_entry **entries) {
+static bool is_same_detail(const sn_view_entry *a, const sn_view_entry *b) {
+    return a->detail && b->detail ? strcmp(a->detail, b->detail) == 0 : a->detail == b->detail;
+}
+
+/* Add a line for an entry, or see that it has one; a line whose entries differ in detail says none. Returns how many lines there are. */
+static size_t collect_entry(const sn_view_entry *entry, size_t count, size_t room, legend_line *lines) {
+    for (size_t k = 0; k < count; k++)
+        if (is_same_entry(lines[k].entry, entry)) {
+            lines[k].detailed = lines[k].detailed && is_same_detail(lines[k].entry, entry);
+            return count;
+        }
+    if (count < room) lines[count++] = (legend_line){entry, true};
+    return count;
+}
+
+/* The entries of all tiles, each once. Returns how many; they are borrowed. */
+static size_t collect_entries(sn_index tile_count, const sn_tile *tiles, size_t room, legend_line *lines) {
     size_t count = 0;
     for (sn_index i = 0; i < tile_count; i++)
-        for (size_t e = 0; e < tiles[i].view->entry_count && count < room; e++) {
-            const sn_view_entry *entry = &tiles[i].view->entries[e];
-            bool known = false;
-            for (size_t k = 0; k < count; k++) known = known || is_same_entry(entries[k], entry);
-            if (!known) entries[count++] = entry;
-        }
+        for (size_t e = 0; e < tiles[i].view->entry_count; e++) count = collect_entry(&tiles[i].view->entries[e], count, room, lines);
     return count;
 }
 
@@ -131,12 +172,11 @@ static sn_index tiles_with(sn_index tile_count, const sn_tile *tiles, const sn_v
 }
 
 /* Keep the entries that hold for half of the tiles or more; where others go, `rest` says so. Returns how many are left. */
-static size_t keep_common_entries(sn_index tile_count, const sn_tile *tiles, size_t count, const sn_view_entry **entries,
-                                  const sn_view_entry *rest) {
+static size_t keep_common_entries(sn_index tile_count, const sn_tile *tiles, size_t count, legend_line *lines, const sn_view_entry *rest) {
     size_t kept = 0;
     for (size_t i = 0; i < count; i++)
-        if (2 * tiles_with(tile_count, tiles, entries[i]) >= tile_count) entries[kept++] = entries[i];
-    if (kept < count) entries[kept++] = rest;
+        if (2 * tiles_with(tile_count, tiles, lines[i].entry) >= tile_count) lines[kept++] = lines[i];
+    if (kept < count) lines[kept++] = (legend_line){rest, false};
     return kept;
 }
 
@@ -159,6 +199,37 @@ static void draw_scale_bar(sn_image *image, typography t, const frame *f, double
     draw_text(image, t, right - 0.5 * (pixels + sn_text_width(size, text)), y - 6.0 * t.unit, size, 1.0, t.pale, text);
 }
 
+/* ---- colour scale and rings ------------------------------------------------------------------------------------------------------- */
+
+/* Lower left: what is measured, a bar of its colours from 0 to the end of the scale. */
+static void draw_color_scale(sn_image *image, typography t, const sn_view_scale *scale, double left, double y, double width) {
+    if (!scale->text) return;
+    enum { STEPS = 120 };
+    double bar = 0.3 * width, high = 7.0 * t.unit, size = 8.0 * t.unit;
+    char end[48];
+    snprintf(end, sizeof end, "%.4g%s", scale->high, scale->open ? " and more" : "");
+    draw_text(image, t, left, y, size, 1.0, t.pale, "0");
+    draw_text(image, t, left + bar + 26.0 * t.unit, y, size, 1.0, t.pale, end);
+    draw_fitted(image, t, left, y - 14.0 * t.unit, size, 1.0, t.ink, scale->text, 0.62 * width);
+    for (int i = 0; i < STEPS; i++) {
+        double middle = y - 0.5 * size, from = left + 16.0 * t.unit + bar * i / STEPS;
+        image_lines(image, 1, &(image_line){from, middle, from + bar / STEPS, middle}, 0.5 * high, sn_scale_color((i + 0.5) / STEPS));
+    }
+}
+
+/* Height that the bars below the subject need, in units of type. */
+static double scale_room(const sn_view *view) { return view->scale.text ? 40.0 : 24.0; }
+
+static void draw_rings(sn_image *image, typography t, const frame *f, const sn_view *view) {
+    for (size_t i = 0; i < view->ring_count; i++) {
+        sn_vec3 at = frame_apply(f, view->rings[i]);
+        double y = image->height - at.y;
+        if (!(at.x >= 0.0 && at.x <= image->width && y >= 0.0 && y <= image->height)) continue; /* zoomed out of the picture */
+        draw_ring(image, at.x, y, 8.0 * t.unit, 2.6 * t.unit, t.paper);
+        draw_ring(image, at.x, y, 8.0 * t.unit, 0.9 * t.unit, t.ink);
+    }
+}
+
 /* ---- pages ------------------------------------------------------------------------------------------------------------------------ */
 
 /* Most entries looked at, and most that the legend of a sheet may list before it is cut down to the common ones. */
@@ -170,7 +241,7 @@ typedef struct page {
     const char *title, *subtitle;
     const sn_view_options *options;
     size_t entry_count;
-    const sn_view_entry *entries[ENTRIES_MAX];
+    legend_line entries[ENTRIES_MAX];
     typography type;
     sn_pool *pool;
 } page;
@@ -182,15 +253,20 @@ static sn_status single_page(page *g, sn_image *out, sn_error *error) {
     double legend = legend_rows(NULL, g->type, g->entry_count, g->entries, out->width, 0.0);
     double bottom = (legend > 0.0 ? 14.0 * g->type.unit + legend : 0.0) + 6.0 * g->type.unit;
     inset clear = {0, 0};
-    if (options->legend) clear = (inset){title_height(g->type, g->title, g->subtitle), bottom + 24.0 * g->type.unit};
+    if (options->legend)
+        clear = (inset){title_height(g->type, g->title, g->subtitle), bottom + scale_room(g->tiles[0].view) * g->type.unit};
     status = picture_render(g->tiles[0].view, g->tiles[0].camera, options, clear, g->pool, out, error);
     frame f;
     if (status || !options->legend) return status;
     status = frame_set(&f, g->tiles[0].camera, out->width, out->height, clear, error);
     draw_title(out, g->type, g->title, g->subtitle);
     legend_rows(out, g->type, g->entry_count, g->entries, out->width, out->height - 14.0 * g->type.unit - legend);
-    if (!status) draw_scale_bar(out, g->type, &f, out->width - 18.0 * g->type.unit, out->height - bottom - 6.0 * g->type.unit);
-    return status;
+    if (status) return status;
+    double left = 18.0 * g->type.unit, base = out->height - bottom - 6.0 * g->type.unit;
+    draw_scale_bar(out, g->type, &f, out->width - left, base);
+    draw_color_scale(out, g->type, &g->tiles[0].view->scale, left, base, out->width);
+    draw_rings(out, g->type, &f, g->tiles[0].view);
+    return SN_OK;
 }
 
 static sn_status draw_tile(const page *g, const sn_tile *tile, sn_image *out, sn_index x, sn_index y, sn_error *error) {
@@ -200,7 +276,7 @@ static sn_status draw_tile(const page *g, const sn_tile *tile, sn_image *out, sn
     if (status) return status;
     typography t = typography_for(options, 1.35 * image.width, 1.35 * image.height);
     inset clear = {0, 0};
-    if (options->legend) clear = (inset){tile->caption ? 30.0 * t.unit : 0.0, 26.0 * t.unit};
+    if (options->legend) clear = (inset){tile->caption ? 30.0 * t.unit : 0.0, (scale_room(tile->view) + 2.0) * t.unit};
     frame f;
     status = picture_render(tile->view, tile->camera, options, clear, g->pool, &image, error);
     if (!status) status = frame_set(&f, tile->camera, image.width, image.height, clear, error);
@@ -208,6 +284,8 @@ static sn_status draw_tile(const page *g, const sn_tile *tile, sn_image *out, sn
         double left = 12.0 * t.unit;
         if (tile->caption) draw_fitted(&image, t, left, 22.0 * t.unit, 9.0 * t.unit, 1.15, t.ink, tile->caption, image.width - 2.0 * left);
         draw_scale_bar(&image, t, &f, image.width - left, image.height - 10.0 * t.unit);
+        draw_color_scale(&image, t, &tile->view->scale, left, image.height - 10.0 * t.unit, image.width);
+        draw_rings(&image, t, &f, tile->view);
     }
     if (!status) image_paste(out, &image, x, y);
     sn_image_free(&image);

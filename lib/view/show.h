@@ -16,6 +16,9 @@ SN_MUST_CHECK sn_status spread_vertices(const sn_mesh *mesh, sn_index target, sn
 /* Fibre directions as short lines that follow them along the surface, and fibres through the volume (fibers.c). */
 SN_MUST_CHECK sn_status show_fibers(sn_view *view, const sn_muscle *muscle, sn_error *error);
 
+/* A scene's bones as they lie at a time, s. */
+SN_MUST_CHECK sn_status show_bones(sn_view *view, const sn_scene *scene, double time, sn_error *error);
+
 /* The sections of a muscle that `show` names and that are there, its surface in a colour. */
 SN_MUST_CHECK sn_status show_rig(sn_view *view, const sn_muscle *muscle, unsigned show, sn_color color, sn_error *error);
 

@@ -96,9 +96,10 @@ static sn_status show_connections(sn_view *view, const sn_muscle *muscle, sn_err
     }
     free(marks);
     if (status) return status;
-    char text[64] = "connections";
-    if (count < muscle->mesh.vertex_count) snprintf(text, sizeof text, "connections (%d of %d)", count, muscle->mesh.vertex_count);
-    return sn_view_add_entry(view, SN_MARK_LINE, COLOR_CONNECTION, text, error);
+    char detail[64];
+    snprintf(detail, sizeof detail, "%d of %d", count, muscle->mesh.vertex_count);
+    return sn_view_add_entry_detail(view, SN_MARK_LINE, COLOR_CONNECTION, "connections", count < muscle->mesh.vertex_count ? detail : NULL,
+                                    error);
 }
 
 static sn_status show_attachments(sn_view *view, sn_view_mesh *mesh, const sn_muscle *muscle, sn_error *error) {
@@ -112,9 +113,10 @@ static sn_status show_attachments(sn_view *view, sn_view_mesh *mesh, const sn_mu
         const sn_attachment *a = &muscle->attachments[i];
         mesh->paints[i] = attachment_color(i);
         for (sn_index k = 0; k < a->count; k++) mesh->paint[a->vertices[k]] = i;
-        char text[160];
-        snprintf(text, sizeof text, "on %s (%d)", a->bone, a->count);
-        status = sn_view_add_entry(view, SN_MARK_AREA, mesh->paints[i], text, error);
+        char text[160], detail[16];
+        snprintf(text, sizeof text, "on %s", a->bone);
+        snprintf(detail, sizeof detail, "%d", a->count);
+        status = sn_view_add_entry_detail(view, SN_MARK_AREA, mesh->paints[i], text, detail, error);
     }
     return status;
 }

@@ -7,7 +7,7 @@ static sn_color mix(sn_color a, sn_color b, double t) {
     return (sn_color){a.r + (b.r - a.r) * t, a.g + (b.g - a.g) * t, a.b + (b.b - a.b) * t};
 }
 
-static sn_status show_bones(sn_view *view, const sn_scene *scene, double time, sn_error *error) {
+sn_status show_bones(sn_view *view, const sn_scene *scene, double time, sn_error *error) {
     sn_rigid *poses = SN_NEW(sn_rigid, scene->motion.joint_count);
     if (!poses) return sn_fail_memory(error, "the bones' poses");
     sn_motion_poses(&scene->motion, time, poses);
@@ -21,13 +21,14 @@ static sn_status show_bones(sn_view *view, const sn_scene *scene, double time, s
     return status;
 }
 
-/* The rig with other vertices, in metres; it borrows all it keeps. Samples and directions belong to the rest shape: it has none. */
+/* The rig with other vertices, in metres; it borrows all it keeps. Samples and directions belong to the rest shape: it has none. Fibres
+ * through the volume are the frame's, in metres too. */
 static sn_muscle deformed_rig(const sn_muscle *rig, const sn_vec3 *positions) {
     sn_muscle deformed = *rig;
     deformed.mesh.positions = (sn_vec3 *)(uintptr_t)positions; /* only read */
     deformed.meters_per_unit = 1.0;
     deformed.structure = (sn_structure){0};
-    deformed.fibers = (sn_fibers){0};
+    deformed.fibers = (sn_fibers){.polylines = rig->fibers.polylines, .polyline_count = rig->fibers.polyline_count};
     return deformed;
 }
 

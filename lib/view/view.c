@@ -9,11 +9,17 @@ static void mesh_free(sn_view_mesh *mesh) {
     free(mesh->triangles);
     free(mesh->paints);
     free(mesh->paint);
+    free(mesh->colors);
 }
 
 void sn_view_free(sn_view *view) {
     for (size_t i = 0; i < view->mesh_count; i++) mesh_free(&view->meshes[i]);
-    for (size_t i = 0; i < view->entry_count; i++) free(view->entries[i].text);
+    for (size_t i = 0; i < view->entry_count; i++) {
+        free(view->entries[i].text);
+        free(view->entries[i].detail);
+    }
+    free(view->scale.text);
+    free(view->rings);
     free(view->meshes);
     free(view->tubes);
     free(view->entries);
@@ -50,14 +56,48 @@ sn_status sn_view_add_tube(sn_view *view, sn_view_tube tube, sn_error *error) {
     return SN_OK;
 }
 
-sn_status sn_view_add_entry(sn_view *view, sn_view_mark mark, sn_color color, const char *text, sn_error *error) {
-    for (size_t i = 0; i < view->entry_count; i++)
-        if (strcmp(view->entries[i].text, text) == 0) return SN_OK;
-    char *copy = sn_strdup(text);
-    if (!copy || !sn_grow((void **)&view->entries, &view->entry_capacity, view->entry_count + 1, sizeof(sn_view_entry))) {
-        free(copy);
+static bool same_color(sn_color a, sn_color b) { return !(fabs(a.r - b.r) + fabs(a.g - b.g) + fabs(a.b - b.b) > 0.0); }
+
+sn_status sn_view_add_entry_detail(sn_view *view, sn_view_mark mark, sn_color color, const char *text, const char *detail,
+                                   sn_error *error) {
+    for (size_t i = 0; i < view->entry_count; i++) {
+        sn_view_entry *known = &view->entries[i];
+        if (strcmp(known->text, text) != 0 || !same_color(known->color, color)) continue;
+        if (known->detail && (!detail || strcmp(known->detail, detail) != 0)) {
+            free(known->detail);
+            known->detail = NULL;
+        }
+        return SN_OK;
+    }
+    sn_view_entry entry = {sn_strdup(text), detail ? sn_strdup(detail) : NULL, mark, color};
+    if (!entry.text || (detail && !entry.detail) ||
+        !sn_grow((void **)&view->entries, &view->entry_capacity, view->entry_count + 1, sizeof(sn_view_entry))) {
+        free(entry.text);
+        free(entry.detail);
         return sn_fail_memory(error, "the legend");
     }
-    view->entries[view->entry_count++] = (sn_view_entry){copy, mark, color};
+    view->entries[view->entry_count++] = entry;
     return SN_OK;
+}
+
+sn_status sn_view_add_entry(sn_view *view, sn_view_mark mark, sn_color color, const char *text, sn_error *error) {
+    return sn_view_add_entry_detail(view, mark, color, text, NULL, error);
+}
+
+sn_status sn_view_add_ring(sn_view *view, sn_vec3 at, sn_error *error) {
+    if (!sn_grow((void **)&view->rings, &view->ring_capacity, view->ring_count + 1, sizeof at))
+        return sn_fail_memory(error, "the marks of the picture");
+    view->rings[view->ring_count++] = at;
+    return SN_OK;
+}
+
+/* From a cool blue over yellow and red to purple: told apart by their hue, as light and shade change the brightness. */
+sn_color sn_scale_color(double t) {
+    static const sn_color stops[6] = {{0.56, 0.72, 0.86}, {0.80, 0.88, 0.80}, {0.97, 0.87, 0.48},
+                                      {0.95, 0.58, 0.20}, {0.83, 0.18, 0.17}, {0.46, 0.05, 0.42}};
+    double at = 5.0 * (t < 1.0 ? fmax(t, 0.0) : 1.0);
+    int below = at < 4.0 ? (int)at : 4;
+    double share = at - below;
+    const sn_color *a = &stops[below], *b = &stops[below + 1];
+    return (sn_color){a->r + (b->r - a->r) * share, a->g + (b->g - a->g) * share, a->b + (b->b - a->b) * share};
 }

@@ -18,7 +18,7 @@ PROGRAM_STAMPS := $(patsubst tests/%.c,$(STAMPS)/program-%,$(sort $(wildcard tes
 SHORT_STAMPS := $(STAMPS)/layering $(UNIT_STAMPS) $(CLI_STAMPS)
 ALL_STAMPS := $(SHORT_STAMPS) $(PROGRAM_STAMPS) $(STAMPS)/examples $(STAMPS)/anatomy $(STAMPS)/install
 ASSETS := $(wildcard share/make/sinew.mk share/make/assets share/make/*.awk)
-EVERYTHING := $(ASSETS) $(wildcard share/plots/* share/examples/assets/* share/completions/*) $(BUILT_TOOLS) $(BUILT_LIBEXEC) $(EXAMPLES) $(wildcard share/schema/*.json) tests/suite
+EVERYTHING := $(ASSETS) $(wildcard share/plots/* share/examples/assets/* share/examples/papers/* share/completions/*) $(BUILT_TOOLS) $(BUILT_LIBEXEC) $(EXAMPLES) $(wildcard share/schema/*.json) tests/suite
 
 # the first make may install the compiler's libraries: build in a second one
 check: deps
@@ -58,8 +58,9 @@ clean-growth: $(BUILT_TOOLS) $(B)/examples/arm/arm
 	@BIN=$(B)/bin EXAMPLES=$(B)/examples tests/bench/clean-growth.sh
 
 .PHONY: bench bench-body golden stability off-equals-absent
-bench: $(B)/tests/bench/sim_rows
+bench: $(B)/tests/bench/sim_rows $(B)/tests/bench/embedding
 	$<
+	$(B)/tests/bench/embedding
 bench-body: $(B)/tests/bench/sim_body
 	$<
 golden:
@@ -124,10 +125,11 @@ endef
 export PKG_CONFIG
 
 D = $(DESTDIR)$(PREFIX)
+EXAMPLE_FOLDERS := arm assets papers tip
 COMPLETION_FOLDERS := bash-completion/completions zsh/site-functions fish/vendor_completions.d
 install: programs examples completions
 	install -d $D/bin $D/libexec/sinew $D/lib/pkgconfig $D/include/sinew $D/share/man/man1 $D/share/man/man7 $(COMPLETION_FOLDERS:%=$D/share/%)
-	install -d $D/share/sinew/schema $D/share/sinew/make $D/share/sinew/examples/arm $D/share/sinew/examples/assets $D/share/sinew/examples/tip $D/share/sinew/plots
+	install -d $(addprefix $D/share/sinew/,schema make plots $(EXAMPLE_FOLDERS:%=examples/%))
 	install -m 755 $(BUILT_TOOLS) $D/bin
 	install -m 755 $(BUILT_LIBEXEC) $(EXAMPLES) $D/libexec/sinew
 	install -m 644 $(B)/libsinew.a $D/lib
@@ -137,9 +139,8 @@ install: programs examples completions
 	install -m 644 $(wildcard share/schema/*.json) $D/share/sinew/schema
 	install -m 644 $(ASSETS) $D/share/sinew/make
 	install -m 644 $(wildcard share/plots/*.gp) $D/share/sinew/plots
-	cp share/examples/arm/* $D/share/sinew/examples/arm
-	cp share/examples/assets/* $D/share/sinew/examples/assets
-	cp share/examples/tip/* $D/share/sinew/examples/tip
+	install -m 755 $(filter-out %.gp,$(wildcard share/plots/*)) $D/share/sinew/plots
+	for e in $(EXAMPLE_FOLDERS); do cp share/examples/$$e/* $D/share/sinew/examples/$$e || exit 1; done
 	install -m 644 $(B)/completions/bash/* $D/share/bash-completion/completions
 	for t in $(notdir $(BUILT_TOOLS)); do \
 	    install -m 644 $(B)/completions/zsh/$$t $D/share/zsh/site-functions/_$$t && \

@@ -23,18 +23,28 @@ typedef struct setting {
     const char *name;
     sn_solver_method method;
     sn_index substeps, iterations; /* 0 = the method's default */
+    sn_preconditioning preconditioner;
 } setting;
 
 /* A new method, preconditioner or switch is one line here (and, where it needs one, a member of `setting` that use_setting obeys). */
 static const setting SETTINGS[] = {
-    {"xpbd 1x10", SN_SOLVER_XPBD, 1, 10}, {"xpbd 64x1", SN_SOLVER_XPBD, 64, 1}, {"xpbd default (16x2)", SN_SOLVER_XPBD, 0, 0},
-    {"qn 3", SN_SOLVER_QN, 1, 3},         {"qn 5", SN_SOLVER_QN, 1, 5},         {"qn 10", SN_SOLVER_QN, 1, 10},
+    {"xpbd 1x10", SN_SOLVER_XPBD, 1, 10, SN_PRECONDITION_SCALAR},
+    {"xpbd 64x1", SN_SOLVER_XPBD, 64, 1, SN_PRECONDITION_SCALAR},
+    {"xpbd default (16x2)", SN_SOLVER_XPBD, 0, 0, SN_PRECONDITION_SCALAR},
+    {"qn scalar 3", SN_SOLVER_QN, 1, 3, SN_PRECONDITION_SCALAR},
+    {"qn scalar 5", SN_SOLVER_QN, 1, 5, SN_PRECONDITION_SCALAR},
+    {"qn scalar 10", SN_SOLVER_QN, 1, 10, SN_PRECONDITION_SCALAR},
+    {"qn corotated 2", SN_SOLVER_QN, 1, 2, SN_PRECONDITION_COROTATED},
+    {"qn corotated 3", SN_SOLVER_QN, 1, 3, SN_PRECONDITION_COROTATED},
+    {"qn corotated 5", SN_SOLVER_QN, 1, 5, SN_PRECONDITION_COROTATED},
 };
 
 static void use_setting(sn_scene *scene, const setting *at) {
     scene->solver = sn_solver_defaults(at->method);
+    scene->solver.preconditioner = at->preconditioner;
     if (at->substeps > 0) scene->solver.substeps = at->substeps;
     if (at->iterations > 0) scene->solver.iterations = at->iterations;
+    scene->solver.preconditioner = at->preconditioner;
     if (at->method == SN_SOLVER_QN) scene->solver.tolerance = 1e-12; /* the iterations are the setting */
 }
 
@@ -210,7 +220,7 @@ static track run_body(sn_scene *scene, int threads) {
 }
 
 static track run_converged(sn_scene *scene, sn_index substeps) {
-    const setting converged = {"converged", SN_SOLVER_QN, substeps, 2000};
+    const setting converged = {"converged", SN_SOLVER_QN, substeps, 2000, SN_PRECONDITION_SCALAR};
     use_setting(scene, &converged);
     scene->solver.tolerance = 1e-9;
     return run_body(scene, 2);

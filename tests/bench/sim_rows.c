@@ -1,7 +1,7 @@
 /*
- * sim_rows.c -- what a row costs: ns per row and kind, ms per iteration, at five sizes, on one core; beside a bare loop over the same rows
- * as the yardstick of the machine. And what back end `qn` pays: ns per row of energy and gradient, and where an iteration goes. Prints
- * two tables.
+ * sim_rows.c -- what a row costs: ns per row and kind, ms per iteration, at five sizes and in both precisions, on one core; beside a bare
+ * loop over the same rows as the yardstick of the machine. And what back end `qn` pays: ns per row of energy and gradient, and where an
+ * iteration goes. Prints two tables.
  */
 #include "../unit/sim_scene.h"
 
@@ -90,13 +90,14 @@ static double measure(const job *j) {
     return times[0];
 }
 
-static void bench(sn_index rings, sn_index sectors) {
+static void bench(sn_index rings, sn_index sectors, sn_precision precision) {
     fusiform f = FUSIFORM;
     sn_scene scene;
     f.rings = rings, f.sectors = sectors, f.structure = true;
     make_scene(&scene, &f);
     scene.muscles[0].stiffness_relaxed = 500.0; /* nothing rests: each sweep moves every point */
     scene.solver.sleep = false;
+    scene.solver.precision = precision;
     simulation s = start(&scene);
     step_frames(&s, 1, NULL);
     const sn_plan_muscle *plan = &s.model->plan.muscles[0];
@@ -104,7 +105,7 @@ static void bench(sn_index rings, sn_index sectors) {
     static void (*const BARE[3])(const job *) = {bare_mesh, bare_hinges, bare_volume};
     const sn_index bare_rows[3] = {plan->groups[SN_ROWS_MESH].rows, plan->groups[SN_ROWS_DIHEDRAL].rows, plan->triangles};
     for (int k = 0; k < 3; k++) bare_times[k] = 1e9 * measure(&(job){&s, SN_ROWS_MESH, BARE[k]}) / bare_rows[k];
-    printf("%9d", (int)plan->triangles);
+    printf("%9d %9s", (int)plan->triangles, precision == SN_PRECISION_SINGLE ? "single" : "double");
     for (int kind = 0; kind < SN_ROW_KINDS; kind++) {
         double t = measure(&(job){&s, (sn_row_kind)kind, project});
         if (kind == SN_ROWS_MESH || kind == SN_ROWS_DIHEDRAL || kind == SN_ROWS_VOLUME) iteration += t;
@@ -195,11 +196,12 @@ static void bench_qn(sn_index rings, sn_index sectors) {
 
 int main(void) {
     static const sn_index sizes[][2] = {{24, 21}, {48, 42}, {98, 87}, {146, 130}, {240, 208}};
-    printf("ns per row (volume: per triangle), one core, double; iteration: mesh + dihedral + volume; frame: 16 substeps x 2 iterations\n"
+    printf("ns per row (volume: per triangle), one core; iteration: mesh + dihedral + volume; frame: 16 substeps x 2 iterations\n"
            "bare: a plain loop over the same rows, without masses, compliance and guards\n");
-    printf("%9s %9s %9s %9s %9s %9s %9s %9s %9s %9s %12s %11s %12s\n", "triangles", "internal", "radial", "mesh", "dihedral", "area",
-           "volume", "bare-mesh", "bare-dih", "bare-vol", "ms/iteration", "ms/frame", "bytes/vertex");
-    for (int i = 0; i < 5; i++) bench(sizes[i][0], sizes[i][1]);
+    printf("%9s %9s %9s %9s %9s %9s %9s %9s %9s %9s %9s %12s %11s %12s\n", "triangles", "precision", "internal", "radial", "mesh",
+           "dihedral", "area", "volume", "bare-mesh", "bare-dih", "bare-vol", "ms/iteration", "ms/frame", "bytes/vertex");
+    for (int i = 0; i < 5; i++)
+        for (int precision = 0; precision < 2; precision++) bench(sizes[i][0], sizes[i][1], (sn_precision)precision);
     printf(
         "\nqn: ns per row of energy and gradient (volume: per triangle); evaluation: all rows, areas and inertia, once; solve: one\n"
         "application of the preconditioner; l-bfgs: the two loops over 8 pairs; iteration: those three and the rest, the start of a step\n"

@@ -121,7 +121,7 @@ setup() {
     for tool in root-select build-structure fiber-flow simulate; do
         refute links $tool gmp mpfr 'stdc++'
     done
-    for tool in root-select fiber-flow simulate; do # build-structure asks what lies inside
+    for tool in root-select fiber-flow; do # build-structure asks what lies inside, simulate which fibre vertices lie on the surface or in bones
         refute links $tool embree
     done
     refute links build-structure gmp mpfr gsl cholmod

@@ -100,6 +100,55 @@ END
     grep -q 'sha256:' f.json
 }
 
+@test "superficial fibres bend the template, from either kind of file and in either direction" {
+    # lines on the surface of a tube 10 cm long and 1 cm thick, a quarter of a turn from end to end
+    python3 - << 'END'
+import json, math
+rings, around = 61, 24
+point = lambda r, k: (0.01 * math.cos(2 * math.pi * k / around), 0.01 * math.sin(2 * math.pi * k / around), 0.1 * r / (rings - 1))
+with open("tube.obj", "w") as f:
+    for r in range(rings):
+        for k in range(around): f.write("v %r %r %r\n" % point(r, k))
+    f.write("v 0 0 0\nv 0 0 0.1\n")
+    v = lambda r, k: r * around + k % around + 1
+    for k in range(around):
+        for r in range(rings - 1): f.write("f %d %d %d\nf %d %d %d\n" % (v(r, k), v(r, k + 1), v(r + 1, k + 1), v(r, k), v(r + 1, k + 1), v(r + 1, k)))
+        f.write("f %d %d %d\nf %d %d %d\n" % (rings * around + 1, v(0, k + 1), v(0, k), rings * around + 2, v(rings - 1, k), v(rings - 1, k + 1)))
+lines = [[point(r, k + around / 4 * (r / (rings - 1))) for r in range(2, rings - 2, 2)] for k in range(0, around, 2)]
+open("up.json", "w").write(json.dumps({"polylines": [{"points": [x for p in l for x in p]} for l in lines]}))
+with open("down.obj", "w") as f:
+    for l in lines:
+        for p in reversed(l): f.write("v %r %r %r\n" % p)
+    for i, l in enumerate(lines): f.write("l " + " ".join(str(i * len(l) + k + 1) for k in range(len(l))) + "\n")
+END
+    "$BIN/fiber-fill" --report plain.report tube.obj -o plain.json
+    "$BIN/fiber-fill" --bend-to up.json --report bent.report --threads 1 tube.obj -o bent.json
+    "$BIN/fiber-fill" --bend-to down.obj --no-history --threads 2 tube.obj -o down.json
+    "$BIN/fiber-fill" --bend-to up.json --no-history tube.obj | cmp - down.json
+    [ "$(value bent.report outsideAfter)" -eq 0 ]
+    [ "$(value bent.report superficialFibers)" -eq 12 ]
+    grep -q '"--bend-to"' bent.json
+    python3 - << 'END'
+import json, math
+# turn about the axis from a tenth to nine tenths of the length, of the fibres in the outer half
+def turns(name):
+    out = []
+    for line in json.load(open(name))["fibers"]["polylines"]:
+        p = [line["points"][i:i + 3] for i in range(0, len(line["points"]), 3)]
+        if math.hypot(*p[7][:2]) < 0.005: continue
+        a, b = (min(p, key=lambda q: abs(q[2] - z)) for z in (0.01, 0.09))
+        turn = math.degrees(math.atan2(a[0] * b[1] - a[1] * b[0], a[0] * b[0] + a[1] * b[1]))
+        out.append(turn / (b[2] - a[2]) * 0.1)
+    return sorted(out)
+plain, bent = turns("plain.json"), turns("bent.json")
+assert len(bent) > 30
+sign = 1 if bent[len(bent) // 2] > 0 else -1
+assert max(abs(t) for t in plain) < 15, plain
+assert abs(sign * bent[len(bent) // 2] - 90) < 12, bent
+assert all(60 < sign * t < 120 for t in bent[len(bent) // 10:-len(bent) // 10]), bent
+END
+}
+
 @test "weights that keep fewer say what they drop" {
     "$BIN/fiber-fill" -n 10 --embedding all.embedding --report all.report built.json > /dev/null
     "$BIN/fiber-fill" -n 10 --embedding few.embedding --mvc-cut 3e-3 --report few.report built.json > /dev/null
@@ -144,6 +193,10 @@ END
     echo '{"format": "sinew-fiber-template", "version": 1, "curves": [{"points": [0,0,1, 0,0,0]}]}' > bad.json
     refused "does not rise" --template-file bad.json built.json
     refused "cannot be opened" --ends nowhere.json built.json
+    refused "holds no fibre" --bend-to biceps.ply built.json
+    printf 'v 0 0 0\nv 0 0 0.1\nl 1 2\n' > far.obj
+    sed 's/^v 0/v 90/' far.obj > away.obj
+    refused "muscle.s unit" --bend-to away.obj built.json
 }
 
 @test "options that make no sense are wrong usage" {
@@ -152,6 +205,8 @@ END
     run -2 "$BIN/fiber-fill" --angle 20 built.json
     run -2 "$BIN/fiber-fill" --template fan --bow 1 built.json
     run -2 "$BIN/fiber-fill" --mvc-cut 1e-3 built.json
+    run -2 "$BIN/fiber-fill" --bend-to lines.obj --template pennate built.json
+    run -2 "$BIN/fiber-fill" --bend-to lines.obj --template-file t.json built.json
 }
 
 @test "a bare mesh has ends too" {

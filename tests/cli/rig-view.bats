@@ -106,6 +106,80 @@ cache() {
     [ ! -e x.png ]
 }
 
+# a scene whose bone turns and whose muscle is bound to it, and its state in the middle of frame 2
+state_of_turning_scene() {
+    "$BIN/attach-detect" tetra.muscle.json --pin bone=sphere:0,0,0.1,0.01 --no-history -q -o bound.muscle.json
+    cat > turn.scene.json << 'END'
+{ "format": "sinew-scene", "version": 1, "name": "turn", "frames": [0, 4],
+  "motion": { "joints": [ { "name": "j", "type": "hinge", "axis": [1, 0, 0], "point": [0, 0, 0], "keys": [[0, 0], [0.15, 40]] } ] },
+  "bones": [ { "name": "bone", "mesh": "tetra.off", "joint": "j" } ],
+  "muscles": [ { "name": "tetra", "rig": "bound.muscle.json", "activation": 0.5 } ] }
+END
+    "$BIN/simulate" turn.scene.json --stop-after 2:3:1 --state half.state -q > half.jsonl
+}
+
+@test "a state is drawn by its errors, several states and errors as a sheet" {
+    state_of_turning_scene
+    "$BIN/rig-view" turn.scene.json --state half.state --size 200x150 --threads 1 -o one.png
+    "$BIN/rig-view" turn.scene.json --state half.state --size 200x150 --threads 3 -o three.png
+    [ "$(png_size one.png)" = 200x150 ]
+    cmp one.png three.png
+    for words in "--error dihedral" "--error volume" "--error internal" "--range 100" "--show wire" "--show surface,bones" "--no-legend"; do
+        "$BIN/rig-view" turn.scene.json --state half.state --size 200x150 $words -o other.png
+        run -1 cmp -s one.png other.png
+    done
+    "$BIN/simulate" turn.scene.json --stop-after 4 --state end.state -q > end.jsonl
+    "$BIN/rig-view" turn.scene.json --state half.state --state end.state --error mesh,area --columns 2 --size 200x150 -o sheet.png
+    size=$(png_size sheet.png)
+    [ "${size%x*}" -ge 400 ]
+    [ "${size#*x}" -ge 300 ]
+}
+
+@test "a state made with other settings is drawn when they are given" {
+    state_of_turning_scene
+    for words in "--scheme kohout" "--scheme romeo" "--solver qn" "--substeps 5" "--law isochoric"; do
+        "$BIN/simulate" turn.scene.json $words --stop-after 3 --state other.state -q > other.jsonl
+        "$BIN/rig-view" turn.scene.json --state other.state $words --size 100x80 -o other.png
+    done
+    "$BIN/simulate" turn.scene.json --scheme kohout --stop-after 3 --state other.state -q > other.jsonl
+    run -1 "$BIN/rig-view" turn.scene.json --state other.state -o x.png
+    [[ "$output" == *other.state*scheme* ]]
+    [ ! -e x.png ]
+}
+
+@test "a damaged, foreign or missing state is one sentence" {
+    state_of_turning_scene
+    cp half.state damaged.state
+    printf '\x55' | dd of=damaged.state bs=1 seek=700 conv=notrunc status=none
+    head -c 500 half.state > short.state
+    head -c 50 half.state > shorter.state
+    : > empty.state
+    echo '{}' > text.state
+    "$BIN/simulate" one.scene.json --stop-after 1 --state foreign.state -q > /dev/null
+    # a number that is not finite, under a checksum that fits: three doubles before the end of the points
+    python3 - << 'END'
+import hashlib, struct
+data = bytearray(open("half.state", "rb").read())
+head, points = 12 + 4 + 72, 72 + 16 + 9 * 8 + 8 * 8 + 16
+data[head + points:head + points + 8] = struct.pack("d", float("nan"))
+data[16:88] = b"sha256:" + hashlib.sha256(data[88:]).hexdigest().encode() + b"\0"
+open("nan.state", "wb").write(data)
+END
+    for state in damaged short shorter empty text foreign nan missing; do
+        code=0
+        "$BIN/rig-view" turn.scene.json --state $state.state -o x.png 2> err || code=$?
+        [ "$code" -eq 1 ] || { echo "$state: $code"; false; }
+        [ "$(wc -l < err)" -eq 1 ] || { cat err; false; }
+        grep -q "$state.state" err
+        [ ! -e x.png ]
+    done
+    grep -q "missing" err
+    "$BIN/rig-view" turn.scene.json --state nan.state -o x.png 2> err || true
+    grep -q "not finite" err
+    run -1 "$BIN/rig-view" tetra.muscle.json --state half.state -o x.png
+    [[ "$output" == *"needs the scene"* ]]
+}
+
 @test "nothing to draw is an error, not an empty picture" {
     run -1 "$BIN/rig-view" tetra.muscle.json --show roots -o x.png
     [[ "$output" == *"nothing to draw"* ]]
@@ -116,7 +190,8 @@ cache() {
 
 @test "wrong words are wrong usage" {
     for words in "--size 800" "--size 0x10" "--size 10x99999" "--camera sideways" "--camera 10:200" "--views 0" "--views front,,left" \
-        "--show surface,nerves" "--background mauve" "--background #12345" "--zoom 0" "--samples 65" "--frame 3:1" "--frame x" "--columns 0"; do
+        "--show surface,nerves" "--background mauve" "--background #12345" "--zoom 0" "--samples 65" "--frame 3:1" "--frame x" "--columns 0" \
+        "--error mesh" "--range 1" "--state a --error nerves" "--state a --error mesh,,area" "--state a --range 0" "--state a --frame 1"; do
         code=0
         "$BIN/rig-view" tetra.off $words -o x.png 2> err || code=$?
         [ "$code" -eq 2 ] || { echo "$words: $code"; false; }

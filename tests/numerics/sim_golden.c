@@ -1,7 +1,7 @@
 /*
  * sim_golden.c -- one hash of a run's end under each back end, the same from 1, 2 and 4 threads, from a run that is watched and from one
- * that stops anywhere and goes on. Prints them with "hash" and "hash-qn"; tests/golden compares them between builds. Then "N passed, N
- * failed".
+ * that stops anywhere, in the middle of a substep too, and goes on from bytes. Prints "hash SOLVER HASH"; tests/golden compares the hashes
+ * between builds. Then "N passed, N failed".
  */
 #include "../unit/sim_scene.h"
 
@@ -9,16 +9,34 @@
 
 static int passed, failed;
 
+static const struct {
+    const char *name;
+    sn_solver_method method;
+    sn_preconditioning preconditioner;
+    sn_stretch stretch; /* of the muscles that can have it */
+    sn_precision precision;
+} SOLVERS[] = {{"xpbd", SN_SOLVER_XPBD, SN_PRECONDITION_SCALAR, SN_STRETCH_SPRINGS, SN_PRECISION_DOUBLE},
+               {"xpbd-single", SN_SOLVER_XPBD, SN_PRECONDITION_SCALAR, SN_STRETCH_SPRINGS, SN_PRECISION_SINGLE},
+               {"qn-scalar", SN_SOLVER_QN, SN_PRECONDITION_SCALAR, SN_STRETCH_SPRINGS, SN_PRECISION_DOUBLE},
+               {"qn-corotated", SN_SOLVER_QN, SN_PRECONDITION_COROTATED, SN_STRETCH_SPRINGS, SN_PRECISION_DOUBLE},
+               {"qn-membrane", SN_SOLVER_QN, SN_PRECONDITION_SCALAR, SN_STRETCH_MEMBRANE, SN_PRECISION_DOUBLE}};
+static int solver; /* index of SOLVERS */
+
 /* Three muscles that use every kind of row, every law, and every factor on a row. */
 static void make_everything(sn_scene *scene) {
     fusiform small = FUSIFORM;
     small.rings = 13, small.sectors = 11, small.structure = false;
     make_scene(scene, &FUSIFORM);
+    scene->solver = sn_solver_defaults(SOLVERS[solver].method);
+    scene->solver.preconditioner = SOLVERS[solver].preconditioner;
+    scene->solver.precision = SOLVERS[solver].precision;
+    if (SOLVERS[solver].method == SN_SOLVER_QN) scene->solver.substeps = 2;
     add_muscle(scene, "isochoric", &small);
     add_muscle(scene, "paper", &FUSIFORM);
     scene->muscles[0].anisotropy = SN_ANISOTROPY_PBD;
     scene->muscles[1].law = SN_LAW_ISOCHORIC;
     scene->muscles[1].anisotropy = SN_ANISOTROPY_XPBD;
+    scene->muscles[0].stretch = scene->muscles[1].stretch = SOLVERS[solver].stretch;
     scene->muscles[2].law = SN_LAW_PAPER;
     scene->muscles[2].iterations = 3;
     for (int i = 0; i < 3; i++) set_keys(&scene->muscles[i].activation, 0.0, 0.0, 0.5, 0.6 + 0.2 * i);
@@ -41,18 +59,23 @@ static void pass_through_bytes(simulation *s) {
     free(bytes);
 }
 
+/* Where the first and the second piece of a frame end. */
+static void stop_at(sn_step_options *options, int piece, sn_index frame) {
+    bool qn = SOLVERS[solver].method == SN_SOLVER_QN;
+    options->stop_substep = qn ? 1 + piece : 3 + 5 * piece + frame % 4;
+    options->stop_iteration = qn ? 1 + (3 * piece + frame) % 9 : 1 + (piece + frame) % 2;
+}
+
 /* 12 frames; with `stops`, each of them in pieces. The hash of positions and velocities of all points. */
-static void run(sn_solver_method solver, int threads, bool watched, bool stops, char hash[SN_HASH_LENGTH]) {
+static void run(int threads, bool watched, bool stops, char hash[SN_HASH_LENGTH]) {
     sn_scene scene;
     make_everything(&scene);
-    if (solver != SN_SOLVER_XPBD) scene.solver = sn_solver_defaults(solver);
     simulation s = start(&scene);
     sn_trace trace = {.receive = ignore, .stop_after = -1};
     sn_step_options options = {.pool = sn_pool_create(threads), .trace = watched ? &trace : NULL};
     for (sn_index frame = 0; frame < 12; frame++) {
         for (int piece = 0; stops && piece < 2; piece++) {
-            options.stop_substep = solver == SN_SOLVER_XPBD ? 3 + 5 * piece + frame % 4 : 1;
-            options.stop_iteration = solver == SN_SOLVER_XPBD ? 1 + (piece + frame) % 2 : 1 + piece;
+            stop_at(&options, piece, frame);
             assert_int_equal(sn_step(s.model, s.state, &options, NULL), SN_STOPPED);
             pass_through_bytes(&s);
         }
@@ -72,30 +95,29 @@ static void run(sn_solver_method solver, int threads, bool watched, bool stops, 
 
 static void compare(const char *name, const char *one, const char *other) {
     bool same = memcmp(one, other, SN_HASH_LENGTH) == 0;
-    printf("%-40s %s\n", name, same ? "the same" : "FAILED: not the same");
+    printf("%-12s %-40s %s\n", SOLVERS[solver].name, name, same ? "the same" : "FAILED: not the same");
     if (same)
         passed++;
     else
         failed++;
 }
 
-static void check(sn_solver_method solver, const char *name) {
+static void all_runs(void) {
     char hash[SN_HASH_LENGTH], other[SN_HASH_LENGTH];
-    run(solver, 1, false, false, hash);
-    printf("%s %s\n", name, hash);
+    run(1, false, false, hash);
+    printf("hash %s %s\n", SOLVERS[solver].name, hash);
     for (int threads = 2; threads <= 4; threads += 2) {
-        run(solver, threads, false, false, other);
+        run(threads, false, false, other);
         compare(threads == 2 ? "2 threads" : "4 threads", hash, other);
     }
-    run(solver, 2, true, false, other);
+    run(2, true, false, other);
     compare("watched", hash, other);
-    run(solver, 1, false, true, other);
+    run(1, false, true, other);
     compare("stopped, packed and continued", hash, other);
 }
 
 int main(void) {
-    check(SN_SOLVER_XPBD, "hash");
-    check(SN_SOLVER_QN, "hash-qn");
+    for (solver = 0; solver < (int)(sizeof SOLVERS / sizeof *SOLVERS); solver++) all_runs();
     printf("%d passed, %d failed\n", passed, failed);
     return failed > 0;
 }

@@ -156,7 +156,7 @@ typedef struct simulation {
     sn_state *state;
 } simulation;
 
-static simulation start(sn_scene *scene) {
+static inline simulation start(sn_scene *scene) {
     simulation s = {.scene = scene};
     sn_error error = {0};
     if (sn_model_create(scene, &s.model, &error) != SN_OK) fail_msg("%s", error.text);

@@ -226,6 +226,36 @@ static void test_threads_give_the_same_bits(void **state) {
     sn_mesh_free(&mesh);
 }
 
+/* Rows of all vertices and rows with a list, side by side in any order, of any length: the plain sum to rounding, on any threads. */
+static void test_apply_is_the_weighted_sum(void **state) {
+    (void)state;
+    enum { MOST = 37, POINTS = 21 };
+    uint64_t random = 3;
+    sn_pool *pool = sn_pool_create(2);
+    for (sn_index n = 1; n <= MOST; n++) {
+        sn_vec3 positions[MOST], out[2][POINTS];
+        sn_index list[MOST];
+        sn_embedding_row rows[POINTS];
+        sn_embedding embedding = {.point_count = POINTS, .vertex_count = n, .rows = rows};
+        for (sn_index v = 0; v < n; v++) positions[v] = sn_v3(sn_random(&random), sn_random(&random), sn_random(&random));
+        for (sn_index v = 0; v < n; v++) list[v] = n - 1 - v;
+        for (sn_index i = 0; i < POINTS; i++) {
+            rows[i] = (sn_embedding_row){.count = n, .vertices = i % 5 == 1 ? list : NULL, .weights = calloc((size_t)n, sizeof(double))};
+            for (sn_index k = 0; k < n; k++) rows[i].weights[k] = sn_random(&random) - 0.3;
+        }
+        sn_embedding_apply(&embedding, positions, NULL, out[0]);
+        sn_embedding_apply(&embedding, positions, pool, out[1]);
+        assert_memory_equal(out[0], out[1], sizeof out[0]);
+        for (sn_index i = 0; i < POINTS; i++) {
+            sn_vec3 sum = {0, 0, 0};
+            for (sn_index k = 0; k < n; k++) sum = sn_add_scaled(sum, positions[rows[i].vertices ? list[k] : k], rows[i].weights[k]);
+            assert_true(sn_distance(sum, out[0][i]) < 1e-14 * n);
+            free(rows[i].weights);
+        }
+    }
+    sn_pool_destroy(pool);
+}
+
 static void test_bad_input(void **state) {
     (void)state;
     sn_mesh mesh = bean(6);
@@ -309,6 +339,7 @@ int main(void) {
         cmocka_unit_test(test_weights_stay_moderate),
         cmocka_unit_test(test_cut_in_bending),
         cmocka_unit_test(test_threads_give_the_same_bits),
+        cmocka_unit_test(test_apply_is_the_weighted_sum),
         cmocka_unit_test(test_bad_input),
         cmocka_unit_test(test_file),
         cmocka_unit_test(test_hash_names_what_matters),

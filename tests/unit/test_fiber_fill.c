@@ -207,6 +207,111 @@ static sn_vec3 bent(sn_vec3 p) {
     return sn_v3(radius * cos(turn) - 100.0, p.y, radius * sin(turn));
 }
 
+/* ---- superficial fibres -------------------------------------------------------------------------------------------------------- */
+
+enum { GIVEN = 12, GIVEN_POINTS = 41 };
+
+/* Six lines on each of the bar's wide sides, from x = 4 to 20 where they are straight, swung out by `swing` sin(pi z / L) in x. */
+static void swung_lines(double swing, sn_polyline lines[GIVEN]) {
+    for (sn_index i = 0; i < GIVEN; i++) {
+        lines[i] = (sn_polyline){.count = GIVEN_POINTS, .points = SN_NEW(sn_vec3, GIVEN_POINTS)};
+        for (sn_index k = 0; k < GIVEN_POINTS; k++) {
+            double z = (i % 3 == 2 ? 1.0 - k / (GIVEN_POINTS - 1.0) : k / (GIVEN_POINTS - 1.0)) * LENGTH; /* some run downwards */
+            lines[i].points[k] = sn_v3(4.0 + 3.2 * (i / 2) + swing * sin(SN_PI * z / LENGTH), i % 2 ? DEPTH : 0.0, z);
+        }
+    }
+}
+
+static void free_lines(sn_polyline lines[GIVEN]) {
+    for (sn_index i = 0; i < GIVEN; i++) free(lines[i].points);
+}
+
+/* Fibres away from the narrow sides swing as the given ones do, deep ones too, to a tenth of the swing. */
+static void test_superficial_fibres_bend_the_template(void **state) {
+    (void)state;
+    sn_mesh mesh = bar();
+    sn_index *lists, seen = 0;
+    sn_fill_params params = bar_params(&lists);
+    sn_polyline lines[GIVEN];
+    sn_fill_report report;
+    const double swing = 3.0;
+    swung_lines(swing, lines);
+    params.bend_lines = lines;
+    params.bend_count = GIVEN;
+    sn_fibers fibers = filled(&mesh, &params, &report);
+    assert_int_equal(fibers.polyline_count, 100);
+    assert_true(report.bend_farthest < 1e-9);
+    for (sn_index i = 0; i < fibers.polyline_count; i++) {
+        const sn_vec3 *p = fibers.polylines[i].points;
+        double base = 0.5 * (p[7].x + p[8].x) - swing;
+        if (base < 4.0 || base > WIDTH - 7.0) continue;
+        seen++;
+        for (sn_index k = 0; k < 16; k++) assert_near(p[k].x, base + swing * sin(SN_PI * p[k].z / LENGTH), 0.1 * swing);
+    }
+    assert_true(seen > 30);
+    sn_fibers_free(&fibers);
+    free_lines(lines);
+    free(lists);
+    sn_mesh_free(&mesh);
+}
+
+/* Given fibres that run as the template does leave it as it is. */
+static void test_straight_superficial_fibres_bend_nothing(void **state) {
+    (void)state;
+    sn_mesh mesh = bar();
+    sn_index *lists;
+    sn_fill_params params = bar_params(&lists);
+    sn_polyline lines[GIVEN];
+    sn_fill_report report;
+    sn_fibers plain = filled(&mesh, &params, &report);
+    swung_lines(0.0, lines);
+    params.bend_lines = lines;
+    params.bend_count = GIVEN;
+    sn_fibers fibers = filled(&mesh, &params, &report);
+    for (sn_index i = 0; i < 100; i++)
+        for (sn_index k = 0; k < 16; k++)
+            assert_true(sn_distance(fibers.polylines[i].points[k], plain.polylines[i].points[k]) < 0.02 * WIDTH);
+    sn_fibers_free(&plain);
+    sn_fibers_free(&fibers);
+    free_lines(lines);
+    free(lists);
+    sn_mesh_free(&mesh);
+}
+
+static sn_status bent_with(const sn_mesh *mesh, sn_fill_params params, sn_polyline *line, sn_error *error) {
+    sn_muscle muscle = {.meters_per_unit = 1.0, .mesh = *mesh};
+    sn_fibers fibers;
+    sn_fill_report report;
+    params.bend_lines = line;
+    params.bend_count = 1;
+    sn_status status = sn_fill_fibers(&muscle, &params, NULL, &fibers, &report, error);
+    sn_fibers_free(&fibers);
+    return status;
+}
+
+static void test_superficial_fibres_that_cannot_bend(void **state) {
+    (void)state;
+    sn_mesh mesh = bar();
+    sn_index *lists;
+    sn_fill_params params = bar_params(&lists), pennate = params;
+    sn_vec3 across[2] = {{2, 0, 80}, {20, 0, 80.01}}, away[2] = {{2, -90, 20}, {2, -90, 100}}, bad[2] = {{2, 0, 20}, {NAN, 0, 100}};
+    sn_polyline line = {.count = 2, .points = across};
+    sn_error error = {0};
+    assert_int_equal(bent_with(&mesh, params, &line, &error), SN_ERROR_INPUT);
+    assert_non_null(strstr(error.text, "must run along it"));
+    line.points = away;
+    assert_int_equal(bent_with(&mesh, params, &line, &error), SN_ERROR_INPUT);
+    assert_non_null(strstr(error.text, "unit"));
+    line.points = bad;
+    assert_int_equal(bent_with(&mesh, params, &line, &error), SN_ERROR_INPUT);
+    line.count = 1;
+    assert_int_equal(bent_with(&mesh, params, &line, &error), SN_ERROR_INPUT);
+    pennate.template = SN_FILL_PENNATE;
+    assert_int_equal(bent_with(&mesh, pennate, &line, &error), SN_ERROR_USAGE);
+    free(lists);
+    sn_mesh_free(&mesh);
+}
+
 /* Fibres of the straight bar, bound to its surface and moved with it: on an affine map exactly, in a bend inside and of the analytic
  * lengths. */
 static void test_fibres_follow_the_surface(void **state) {
@@ -424,6 +529,9 @@ int main(void) {
         cmocka_unit_test(test_turn),
         cmocka_unit_test(test_fan_angles),
         cmocka_unit_test(test_user_curve),
+        cmocka_unit_test(test_superficial_fibres_bend_the_template),
+        cmocka_unit_test(test_straight_superficial_fibres_bend_nothing),
+        cmocka_unit_test(test_superficial_fibres_that_cannot_bend),
         cmocka_unit_test(test_fibres_follow_the_surface),
         cmocka_unit_test(test_split),
         cmocka_unit_test(test_fibres_do_not_change_heads),

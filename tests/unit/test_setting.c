@@ -30,7 +30,8 @@ static void text_has_one_canonical_form(void **state) {
     check_canonical(" \tqn  iterations=5\tsubsteps=2\r", "qn substeps=2 iterations=5", "qn");
     check_canonical("qn tolerance=1e-3", "qn tolerance=0.001", "qn");
     check_canonical("xpbd scheme=kohout iterations=10", "xpbd iterations=10 scheme=kohout", "xpbd scheme=kohout");
-    check_canonical("qn preconditioner=scalar tolerance=0", "qn tolerance=0 preconditioner=scalar", "qn preconditioner=scalar");
+    check_canonical("qn preconditioner=scalar tolerance=0", "qn tolerance=0 preconditioner=scalar", "qn");
+    check_canonical("qn preconditioner=corotated", "qn preconditioner=corotated", "qn preconditioner=corotated");
     check_canonical("xpbd scheme=guarded", "xpbd scheme=guarded", "xpbd"); /* the default is no family of its own */
 }
 

@@ -77,8 +77,9 @@ static void kohout_damps_by_a_factor_per_step(void **state) {
 
 static void schemes_leave_out_what_their_papers_do_not_have(void **state) {
     (void)state;
-    static const bool has[3][SN_ROW_KINDS] = {
-        {true, true, true, true, true, true}, {true, true, true, false, false, true}, {false, false, true, true, false, true}};
+    static const bool has[3][SN_ROW_KINDS] = {{true, true, true, true, true, false, true},
+                                              {true, true, true, false, false, false, true},
+                                              {false, false, true, true, false, false, true}};
     for (int scheme = 0; scheme < 3; scheme++) {
         sn_scene scene;
         make_scene(&scene, &FUSIFORM);

@@ -392,6 +392,63 @@ static void a_sheet_lists_common_entries_only(void **state) {
     sn_image_free(&twelve_alike);
 }
 
+/* Counts differ from tile to tile; what is counted has one line. */
+static void details_that_differ_are_left_out_of_a_sheet(void **state) {
+    (void)state;
+    static const char *const details[3][2] = {{"1 of 2", "1 of 3"}, {NULL, NULL}, {"1 of 2", "1 of 2"}};
+    sn_image images[3];
+    for (int k = 0; k < 3; k++) {
+        sn_view views[2] = {{0}};
+        sn_tile tiles[2];
+        sn_camera camera = sn_camera_from(0, 0);
+        for (int i = 0; i < 2; i++) {
+            add_ball(&views[i], 0.1, sn_v3(0, 0, 0), RED);
+            assert_int_equal(sn_view_add_entry_detail(&views[i], SN_MARK_LINE, RED, "connections", details[k][i], NULL), SN_OK);
+            tiles[i] = (sn_tile){&views[i], &camera, NULL};
+        }
+        sn_camera_include(&camera, &views[0]);
+        sn_view_options o = small_options();
+        assert_int_equal(sn_sheet_render(2, tiles, NULL, NULL, &o, &images[k], NULL), SN_OK);
+        for (int i = 0; i < 2; i++) sn_view_free(&views[i]);
+    }
+    assert_true(same_images(&images[0], &images[1]));
+    assert_false(same_images(&images[0], &images[2]));
+    for (int k = 0; k < 3; k++) sn_image_free(&images[k]);
+}
+
+static void an_entry_added_with_another_detail_loses_it(void **state) {
+    (void)state;
+    sn_view view = {0};
+    assert_int_equal(sn_view_add_entry_detail(&view, SN_MARK_LINE, RED, "on ulna", "12", NULL), SN_OK);
+    assert_int_equal(sn_view_add_entry_detail(&view, SN_MARK_LINE, RED, "on ulna", "12", NULL), SN_OK);
+    assert_string_equal(view.entries[0].detail, "12");
+    assert_int_equal(sn_view_add_entry_detail(&view, SN_MARK_LINE, RED, "on ulna", "13", NULL), SN_OK);
+    assert_null(view.entries[0].detail);
+    assert_int_equal(sn_view_add_entry(&view, SN_MARK_LINE, WHITE, "on ulna", NULL), SN_OK);
+    assert_int_equal(view.entry_count, 2); /* another colour is another thing */
+    sn_view_free(&view);
+}
+
+/* The colours of its vertices go over the mesh's own, and the scale's start and end are told apart. */
+static void vertex_colours_are_drawn(void **state) {
+    (void)state;
+    sn_view view = {0};
+    add_ball(&view, 0.1, sn_v3(0, 0, 0), RED);
+    sn_view_mesh *mesh = &view.meshes[0];
+    mesh->colors = SN_NEW(sn_color, mesh->vertex_count);
+    for (sn_index i = 0; i < mesh->vertex_count; i++) mesh->colors[i] = sn_scale_color(mesh->positions[i].x > 0.0 ? 1.0 : 0.0);
+    sn_camera camera = sn_camera_from(0, 0);
+    sn_camera_include(&camera, &view);
+    sn_view_options o = small_options();
+    sn_image image;
+    assert_int_equal(sn_view_render(&view, &camera, &o, &image, NULL), SN_OK);
+    const uint8_t *low = pixel(&image, 2 * image.width / 5, image.height / 2), *high = pixel(&image, 3 * image.width / 5, image.height / 2);
+    assert_true(low[2] > low[0]);                        /* blue */
+    assert_true(high[0] > high[1] && high[2] > high[1]); /* purple */
+    sn_image_free(&image);
+    sn_view_free(&view);
+}
+
 static void libpng_reads_back_the_same_pixels(void **state) {
     (void)state;
     sn_image image;
@@ -549,6 +606,9 @@ int main(void) {
         cmocka_unit_test(a_sheet_holds_all_its_tiles),
         cmocka_unit_test(long_captions_keep_their_ends),
         cmocka_unit_test(a_sheet_lists_common_entries_only),
+        cmocka_unit_test(details_that_differ_are_left_out_of_a_sheet),
+        cmocka_unit_test(an_entry_added_with_another_detail_loses_it),
+        cmocka_unit_test(vertex_colours_are_drawn),
         cmocka_unit_test(libpng_reads_back_the_same_pixels),
         cmocka_unit_test(partial_documents_are_drawn),
         cmocka_unit_test(odd_shapes_are_drawn),

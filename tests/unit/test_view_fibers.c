@@ -33,7 +33,8 @@ static void test_every_segment_is_a_tube(void **state) {
             for (size_t k = 0; k < i; k++) assert_true(i / 2 == k / 2 || !same_color(view.tubes[i].color, view.tubes[k].color));
         assert_true(view.meshes[0].opacity < 0.5);
         assert_int_equal(view.entry_count, 1);
-        assert_string_equal(view.entries[0].text, "fibres (10)");
+        assert_string_equal(view.entries[0].text, "fibres");
+        assert_string_equal(view.entries[0].detail, "10");
         sn_view_free(&view);
         sn_muscle_free(&muscle);
     }
@@ -45,7 +46,7 @@ static void test_of_many_a_selection_is_drawn(void **state) {
     sn_view view = {0};
     assert_ok(sn_view_add_muscle(&view, &muscle, SN_SHOW_AUTO, NULL));
     assert_int_equal(view.tube_count, 2 * 334); /* every third */
-    assert_string_equal(view.entries[0].text, "fibres (334 of 1000)");
+    assert_string_equal(view.entries[0].detail, "334 of 1000");
     sn_view_free(&view);
     sn_muscle_free(&muscle);
 }

@@ -1,0 +1,173 @@
+/*
+ * frames_vtp.c -- lines that move, for ParaView and VTK: a VTP file (XML PolyData, numbers as appended raw bytes) per frame, and a PVD
+ * collection that gives each its time.
+ */
+#include "sinew/io.h"
+
+#include "scalar.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+struct sn_line_frames {
+    char *prefix;
+    char *path; /* of the frame at hand: room for the longest */
+    size_t path_size;
+    sn_index line_count, point_count;
+    sn_index *start; /* (line_count + 1) */
+    double *rest;    /* (line_count) rest lengths */
+    double *stretch; /* (line_count) of the frame at hand */
+    sn_output *collection;
+};
+
+enum { SUFFIX = 32 }; /* room for ".0000.vtp" of any frame, or ".pvd" */
+
+static sn_status allocate(sn_line_frames *frames, const char *prefix, const sn_index *start, const double *rest, sn_error *error) {
+    size_t lines = (size_t)frames->line_count;
+    frames->path_size = strlen(prefix) + SUFFIX;
+    frames->prefix = sn_strdup(prefix);
+    frames->path = sn_alloc(frames->path_size, 1);
+    frames->start = SN_NEW(sn_index, lines + 1);
+    frames->rest = SN_NEW(double, lines);
+    frames->stretch = SN_NEW(double, lines);
+    bool enough = frames->prefix && frames->path && frames->start && frames->rest && frames->stretch;
+    if (!enough) return sn_fail_memory(error, "the frames of the fibres");
+    memcpy(frames->start, start, (lines + 1) * sizeof *start);
+    memcpy(frames->rest, rest, lines * sizeof *rest);
+    return SN_OK;
+}
+
+sn_status sn_line_frames_create(const char *prefix, sn_index line_count, const sn_index *start, const double *rest_lengths,
+                                sn_line_frames **out, sn_error *error) {
+    sn_line_frames *frames = *out = SN_NEW(sn_line_frames, 1);
+    if (frames == NULL) return sn_fail_memory(error, "the frames of the fibres");
+    frames->line_count = line_count;
+    frames->point_count = start[line_count];
+    sn_status status = allocate(frames, prefix, start, rest_lengths, error);
+    if (status == SN_OK) {
+        snprintf(frames->path, frames->path_size, "%s.pvd", prefix);
+        status = sn_output_open(frames->path, false, &frames->collection, error);
+    }
+    if (status == SN_OK)
+        sn_output_print(frames->collection, "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"1.0\" "
+                                            "byte_order=\"LittleEndian\">\n<Collection>\n");
+    if (status == SN_OK) return SN_OK;
+    sn_line_frames_abort(frames);
+    *out = NULL;
+    return status;
+}
+
+/* ---- one frame -------------------------------------------------------------------------------------------------------------- */
+
+static void write_u64(sn_output *output, uint64_t value) {
+    unsigned char bytes[8];
+    for (int i = 0; i < 8; i++) bytes[i] = (unsigned char)(value >> 8 * i);
+    sn_output_write(output, bytes, sizeof bytes, NULL);
+}
+
+static void write_f64(sn_output *output, double value) {
+    unsigned char bytes[8];
+    sn_scalar_encode(value, SN_FLOAT64, false, bytes);
+    sn_output_write(output, bytes, sizeof bytes, NULL);
+}
+
+/* Name an array of `numbers` 64-bit numbers that follows behind the elements. */
+static void name_array(sn_output *output, const char *type, const char *name, int components, size_t numbers, uint64_t *offset) {
+    sn_output_print(output, "<DataArray type=\"%s\" Name=\"%s\" NumberOfComponents=\"%d\" format=\"appended\" offset=\"%llu\"/>\n", type,
+                    name, components, (unsigned long long)*offset);
+    *offset += 8 + 8 * numbers;
+}
+
+static void write_elements(const sn_line_frames *frames, sn_output *output) {
+    size_t points = (size_t)frames->point_count, lines = (size_t)frames->line_count;
+    uint64_t offset = 0;
+    sn_output_print(output, "<?xml version=\"1.0\"?>\n<VTKFile type=\"PolyData\" version=\"1.0\" byte_order=\"LittleEndian\" "
+                            "header_type=\"UInt64\">\n<PolyData>\n");
+    sn_output_print(output,
+                    "<Piece NumberOfPoints=\"%d\" NumberOfVerts=\"0\" NumberOfLines=\"%d\" NumberOfStrips=\"0\" NumberOfPolys=\"0\">\n",
+                    frames->point_count, frames->line_count);
+    sn_output_print(output, "<Points>\n");
+    name_array(output, "Float64", "Points", 3, 3 * points, &offset);
+    sn_output_print(output, "</Points>\n<Lines>\n");
+    name_array(output, "Int64", "connectivity", 1, points, &offset);
+    name_array(output, "Int64", "offsets", 1, lines, &offset);
+    sn_output_print(output, "</Lines>\n<CellData>\n");
+    name_array(output, "Float64", "length", 1, lines, &offset);
+    name_array(output, "Float64", "stretch", 1, lines, &offset);
+    sn_output_print(output, "</CellData>\n</Piece>\n</PolyData>\n<AppendedData encoding=\"raw\">\n_");
+}
+
+static void write_numbers(sn_output *output, const double *values, size_t count) {
+    write_u64(output, 8 * count);
+    for (size_t i = 0; i < count; i++) write_f64(output, values[i]);
+}
+
+/* In the order in which write_elements has named them. */
+static void write_arrays(const sn_line_frames *frames, const sn_vec3 *points, const double *lengths, sn_output *output) {
+    write_u64(output, 24 * (uint64_t)frames->point_count);
+    for (sn_index k = 0; k < frames->point_count; k++) {
+        write_f64(output, points[k].x);
+        write_f64(output, points[k].y);
+        write_f64(output, points[k].z);
+    }
+    write_u64(output, 8 * (uint64_t)frames->point_count);
+    for (sn_index k = 0; k < frames->point_count; k++) write_u64(output, (uint64_t)k);
+    write_u64(output, 8 * (uint64_t)frames->line_count);
+    for (sn_index i = 0; i < frames->line_count; i++) write_u64(output, (uint64_t)frames->start[i + 1]);
+    write_numbers(output, lengths, (size_t)frames->line_count);
+    for (sn_index i = 0; i < frames->line_count; i++) frames->stretch[i] = lengths[i] / frames->rest[i];
+    write_numbers(output, frames->stretch, (size_t)frames->line_count);
+    sn_output_print(output, "\n</AppendedData>\n</VTKFile>\n");
+}
+
+/* A file name as an attribute of XML. */
+static void write_escaped(sn_output *output, const char *text) {
+    for (; *text != '\0'; text++) {
+        const char *entity = *text == '&' ? "&amp;" : *text == '<' ? "&lt;" : *text == '>' ? "&gt;" : *text == '"' ? "&quot;" : NULL;
+        sn_output_write(output, entity != NULL ? entity : text, entity != NULL ? strlen(entity) : 1, NULL);
+    }
+}
+
+static void list_frame(sn_line_frames *frames, double time) {
+    char number[40];
+    const char *slash = strrchr(frames->path, '/');
+    sn_format_number(time, number);
+    sn_output_print(frames->collection, "<DataSet timestep=\"%s\" part=\"0\" file=\"", number);
+    write_escaped(frames->collection, slash != NULL ? slash + 1 : frames->path);
+    sn_output_print(frames->collection, "\"/>\n");
+}
+
+sn_status sn_line_frames_append(sn_line_frames *frames, sn_index frame, double time, const sn_vec3 *points, const double *lengths,
+                                sn_error *error) {
+    sn_output *output = NULL;
+    snprintf(frames->path, frames->path_size, "%s.%04d.vtp", frames->prefix, (int)frame);
+    sn_status status = sn_output_open(frames->path, false, &output, error);
+    if (status != SN_OK) return status;
+    write_elements(frames, output);
+    write_arrays(frames, points, lengths, output);
+    status = sn_output_commit(output, error); /* a failed write comes out here */
+    if (status == SN_OK) list_frame(frames, time);
+    return status;
+}
+
+/* ---- the end ---------------------------------------------------------------------------------------------------------------- */
+
+sn_status sn_line_frames_commit(sn_line_frames *frames, sn_error *error) {
+    sn_output_print(frames->collection, "</Collection>\n</VTKFile>\n");
+    sn_status status = sn_output_commit(frames->collection, error);
+    frames->collection = NULL;
+    sn_line_frames_abort(frames);
+    return status;
+}
+
+void sn_line_frames_abort(sn_line_frames *frames) {
+    if (frames == NULL) return;
+    sn_output_abort(frames->collection);
+    free(frames->prefix);
+    free(frames->path);
+    free(frames->start);
+    free(frames->rest);
+    free(frames->stretch);
+    free(frames);
+}

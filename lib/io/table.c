@@ -1,0 +1,137 @@
+/*
+ * table.c -- numbers over time as rows of text: tab-separated values, or an OpenSim storage file (.sto) where the name ends so.
+ *
+ * Rows are smoothed on their way out: each round is a filter that holds two rows back, so that a table of any length needs no memory.
+ */
+#include "mesh_reader.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/* One round of x'_i = (x_{i-1} + 4 x_i + x_{i+1}) / 6; the first and the last row of all stay as they are. */
+typedef struct smoother {
+    int64_t seen;
+    double *before, *here; /* (columns) the last two rows that came in */
+} smoother;
+
+struct sn_table {
+    sn_output *output;
+    sn_index columns, smoothed_from;
+    int rounds;
+    smoother *smoothers; /* (rounds) */
+    double **passing;    /* (rounds) x (columns): what a round hands to the next */
+};
+
+static bool ends_with(const char *text, const char *ending) {
+    size_t length = strlen(text), tail = strlen(ending);
+    return length > tail && strcasecmp(text + length - tail, ending) == 0;
+}
+
+/* ---- the head --------------------------------------------------------------------------------------------------------------- */
+
+/* The lines that OpenSim's readers ask for, in the order of the files that it writes itself. */
+static void write_storage_head(sn_output *output, const sn_table_params *params) {
+    sn_write_name(output, params->title, false);
+    sn_output_print(output, "\nversion=1\nnRows=%lld\nnColumns=%d\ninDegrees=yes\n\n", (long long)params->rows, params->columns);
+    sn_output_print(output, "Units are S.I. units (second, meters, Newtons, ...)\nAngles are in degrees.\n\nendheader\n");
+}
+
+static void write_names(sn_output *output, const sn_table_params *params) {
+    for (sn_index i = 0; i < params->columns; i++) {
+        if (i > 0) sn_output_print(output, "\t");
+        sn_write_name(output, params->names[i], false);
+    }
+    sn_output_print(output, "\n");
+}
+
+static sn_status allocate(sn_table *table, sn_error *error) {
+    size_t columns = (size_t)table->columns;
+    bool enough = (table->smoothers = SN_NEW(smoother, table->rounds)) && (table->passing = SN_NEW(double *, table->rounds));
+    for (int i = 0; enough && i < table->rounds; i++)
+        enough = (table->smoothers[i].before = SN_NEW(double, columns)) && (table->smoothers[i].here = SN_NEW(double, columns)) &&
+                 (table->passing[i] = SN_NEW(double, columns));
+    return enough ? SN_OK : sn_fail_memory(error, "a table");
+}
+
+sn_status sn_table_create(const char *path, const sn_table_params *params, sn_table **out, sn_error *error) {
+    sn_table *table = *out = SN_NEW(sn_table, 1);
+    if (table == NULL) return sn_fail_memory(error, "a table");
+    table->columns = params->columns;
+    table->smoothed_from = params->smoothed_from;
+    table->rounds = params->rounds;
+    sn_status status = allocate(table, error);
+    if (status == SN_OK) status = sn_output_open(path, false, &table->output, error);
+    if (status != SN_OK) {
+        sn_table_abort(table);
+        *out = NULL;
+        return status;
+    }
+    if (ends_with(path, ".sto") || ends_with(path, ".mot")) write_storage_head(table->output, params);
+    write_names(table->output, params);
+    return SN_OK;
+}
+
+/* ---- rows ------------------------------------------------------------------------------------------------------------------- */
+
+static sn_status write_row(sn_table *table, const double *row, sn_error *error) {
+    for (sn_index i = 0; i < table->columns; i++) sn_write_number(table->output, i > 0 ? '\t' : '\0', row[i]);
+    return sn_output_write(table->output, "\n", 1, error);
+}
+
+/* What round `round` gives for a new row, in `out`; false where it holds that row back. */
+static bool smooth(const sn_table *table, smoother *s, const double *row, double *out) {
+    size_t size = (size_t)table->columns * sizeof *row;
+    double *free_row = s->before;
+    s->seen++;
+    if (s->seen == 1) {
+        memcpy(out, row, size);
+    } else if (s->seen > 2) {
+        memcpy(out, s->here, size);
+        for (sn_index i = table->smoothed_from; i < table->columns; i++) out[i] = (s->before[i] + 4.0 * s->here[i] + row[i]) / 6.0;
+    }
+    memcpy(free_row, row, size);
+    s->before = s->here;
+    s->here = free_row;
+    return s->seen != 2;
+}
+
+static sn_status pass_on(sn_table *table, int round, const double *row, sn_error *error) {
+    for (; round < table->rounds; round++) {
+        if (!smooth(table, &table->smoothers[round], row, table->passing[round])) return SN_OK;
+        row = table->passing[round];
+    }
+    return write_row(table, row, error);
+}
+
+sn_status sn_table_append(sn_table *table, const double *row, sn_error *error) { return pass_on(table, 0, row, error); }
+
+/* The last row is still in each round, one after the other. */
+static sn_status release(sn_table *table, sn_error *error) {
+    sn_status status = SN_OK;
+    for (int round = 0; round < table->rounds && status == SN_OK; round++)
+        if (table->smoothers[round].seen > 1) status = pass_on(table, round + 1, table->smoothers[round].here, error);
+    return status;
+}
+
+sn_status sn_table_commit(sn_table *table, sn_error *error) {
+    sn_status status = release(table, error);
+    if (status == SN_OK) {
+        status = sn_output_commit(table->output, error);
+        table->output = NULL;
+    }
+    sn_table_abort(table);
+    return status;
+}
+
+void sn_table_abort(sn_table *table) {
+    if (table == NULL) return;
+    sn_output_abort(table->output);
+    for (int i = 0; i < table->rounds; i++) {
+        if (table->smoothers != NULL) free(table->smoothers[i].before);
+        if (table->smoothers != NULL) free(table->smoothers[i].here);
+        if (table->passing != NULL) free(table->passing[i]);
+    }
+    free(table->smoothers);
+    free(table->passing);
+    free(table);
+}

@@ -1,0 +1,174 @@
+/*
+ * membrane.c -- the surface as a neo-Hookean membrane, in place of springs along its edges; back end `qn` only.   numerics.md 9
+ *
+ * Per triangle F = [x1 - x0, x2 - x0] D, f1 and f2 its columns, D the inverse of the goal shape's edges, J = |d1 x d2| / (2 A), A the goal
+ * shape's area, mu = lambda = (sqrt 3 / 4) k:
+ *   E = A [ mu/2 (|f1|^2 + |f2|^2 - 2 - 2 ln J) + lambda/2 ln^2 J ]
+ *   g1 = A mu (f1 D00 + f2 D01) + c d2 x n,  g2 = A mu (f1 D10 + f2 D11) + c n x d1,  g0 = -g1 - g2,  c = (lambda ln J - mu) / (2J), |n| =
+ * 1 ln J keeps triangles from collapsing. The fibre law acts on the goal shape: rest edges times c f fT + s t tT in the triangle's plane, f
+ * along the fibre, t across it; c = (1 - a) / (1 - a0); s = 1 (projected) or sqrt(g / c) (isochoric).
+ */
+#include "rows.h"
+#include "wide_log.h"
+
+#include <stdlib.h>
+
+/* Below this J its logarithm goes on as a straight line: finite, and continuous with its slope. */
+static const double LOG_LINEAR = 1e-3;
+
+/* ---- building the rows ------------------------------------------------------------------------------------------------------ */
+
+/* The fibre axis of a triangle in its plane (unit), or any axis in it where there is none; false: none. */
+static bool triangle_axis(const sn_build *build, const sn_index *v, sn_vec3 edge, sn_vec3 normal, sn_vec3 *axis) {
+    const sn_vec3 *directions = build->source->rig.fibers.directions;
+    sn_vec3 sum = sn_v3(0, 0, 0);
+    for (int i = 0; directions != NULL && i < 3; i++) {
+        double sign = sn_dot(directions[v[i]], directions[v[0]]) < 0.0 ? -1.0 : 1.0; /* axes have no sign */
+        sum = sn_add_scaled(sum, directions[v[i]], sign);
+    }
+    sum = sn_add_scaled(sum, normal, -sn_dot(sum, normal));
+    *axis = sn_normalize(sum);
+    if (sn_norm2(sum) > 1e-12) return true;
+    *axis = sn_normalize(edge);
+    return false;
+}
+
+static double map_mean(const sn_build *build, const char *attribute, const sn_index *v) {
+    const double *values = sn_mesh_attribute(&build->source->rig.mesh, attribute)->values;
+    return (values[v[0]] + values[v[1]] + values[v[2]]) / 3.0;
+}
+
+static void add_triangle(const sn_build *build, const sn_index *v) {
+    sn_model_muscle *m = build->model;
+    sn_index row = m->membrane_count++;
+    sn_membrane_row *to = &m->membranes[row];
+    sn_vec3 e1 = sn_sub(m->rest[v[1]], m->rest[v[0]]), e2 = sn_sub(m->rest[v[2]], m->rest[v[0]]), axis;
+    sn_vec3 normal = sn_normalize(sn_cross(e1, e2));
+    bool along_fiber = triangle_axis(build, v, e1, normal, &axis);
+    sn_vec3 across = sn_cross(normal, axis);
+    m->membrane_points[row] = (sn_area_row){{v[0], v[1], v[2]}};
+    *to = (sn_membrane_row){.edge = {{sn_dot(e1, axis), sn_dot(e2, axis)}, {sn_dot(e1, across), sn_dot(e2, across)}}, .share = along_fiber};
+    if (build->source->activation_map != NULL) to->share *= map_mean(build, build->source->activation_map, v);
+    to->softness = build->source->stiffness_map != NULL ? 1.0 / map_mean(build, build->source->stiffness_map, v) : 1.0;
+}
+
+sn_status sn_membrane_build(const sn_build *build, sn_error *error) {
+    sn_model_muscle *m = build->model;
+    sn_plan_group *group = &build->plan->groups[SN_ROWS_MEMBRANE];
+    if (group->reason != SN_RUNS) return SN_OK;
+    m->membrane_points = SN_NEW(sn_area_row, m->triangle_count);
+    m->membranes = SN_NEW(sn_membrane_row, m->triangle_count);
+    if (m->membrane_points == NULL || m->membranes == NULL) return sn_fail_memory(error, "membrane rows");
+    for (sn_index t = 0; t < m->triangle_count; t++) {
+        const sn_index *v = m->triangles[t].v;
+        if (!(m->rest_area[t] > 1e-12 * m->mean_edge * m->mean_edge))
+            group->degenerate++;
+        else if (m->inverse_mass[v[0]] + m->inverse_mass[v[1]] + m->inverse_mass[v[2]] == 0.0)
+            group->kinematic++;
+        else
+            add_triangle(build, v);
+    }
+    group->rows = m->membrane_count;
+    return SN_OK;
+}
+
+/* ---- the goal shape ----------------------------------------------------------------------------------------------------------- */
+
+void sn_membrane_goals(const sn_model_muscle *m, sn_muscle_state *s) {
+    size_t n = (size_t)m->membrane_count;
+    double a0 = m->source->contraction * m->source->rest_activation, *goal = s->membrane_goals;
+    for (size_t r = 0; r < n; r++) {
+        const sn_membrane_row *row = &m->membranes[r];
+        double c = (1.0 - row->share * s->contraction) / (1.0 - row->share * a0);
+        double across = m->source->law == SN_LAW_ISOCHORIC ? sqrt(s->volume_goal / c) : 1.0;
+        double determinant = row->edge[0][0] * row->edge[1][1] - row->edge[0][1] * row->edge[1][0];
+        goal[r] = row->edge[1][1] / (c * determinant);
+        goal[n + r] = -row->edge[0][1] / (across * determinant);
+        goal[2 * n + r] = -row->edge[1][0] / (c * determinant);
+        goal[3 * n + r] = row->edge[0][0] / (across * determinant);
+        goal[4 * n + r] = 0.5 * c * across * fabs(determinant);
+        goal[5 * n + r] = goal[4 * n + r] * sqrt(3.0) / (4.0 * row->softness); /* A mu / k */
+    }
+}
+
+/* ---- energy ------------------------------------------------------------------------------------------------------------------- */
+
+typedef struct membranes {
+    const sn_point *points;
+    const sn_index *index; /* (3 x rows) */
+    const double *goals;   /* (SN_MEMBRANE_GOALS x rows) one after the other */
+    size_t rows;
+    double k;
+    sn_forces gradient;
+} membranes;
+
+/* ln x and its slope, straight below LOG_LINEAR. */
+SN_INLINE wide bounded_log(wide x, wide *slope) {
+    wide least = wide_splat(LOG_LINEAR), at = wide_select(wide_less(least, x), x, least);
+    *slope = wide_splat(1.0) / at;
+    return wide_log(at) + (x - at) * *slope;
+}
+
+/* Rows r .. r + lanes - 1, which may share points. */
+SN_INLINE void membrane_batch(const membranes *in, sn_index r, int lanes, wide_total *energy) {
+    const sn_index *index = in->index + 3 * (size_t)r;
+    const double *goal = in->goals + r;
+    wide_point p[3];
+    SN_UNROLL
+    for (int i = 0; i < 3; i++) p[i] = wide_gather(in->points, index + i, 3, lanes);
+    wide d00 = wide_load(goal, lanes), d01 = wide_load(goal + in->rows, lanes), d10 = wide_load(goal + 2 * in->rows, lanes);
+    wide d11 = wide_load(goal + 3 * in->rows, lanes), area = wide_load(goal + 4 * in->rows, lanes);
+    wide mu = wide_load(goal + 5 * in->rows, lanes) * wide_splat(in->k), half = wide_splat(0.5), slope; /* times A */
+    wide_vec3 d1 = wide_between(p[1], p[0]), d2 = wide_between(p[2], p[0]), n = wide_cross(d1, d2);
+    wide_vec3 f1 = wide_add(wide_scale(d1, d00), wide_scale(d2, d10)), f2 = wide_add(wide_scale(d1, d01), wide_scale(d2, d11));
+    wide size = wide_sqrt(wide_dot(n, n)), j = half * size / area, ln = bounded_log(j, &slope);
+    wide stretch = wide_dot(f1, f1) + wide_dot(f2, f2) - wide_splat(2.0);
+    wide_count_in(energy, r, mu * (half * stretch - ln + half * ln * ln), lanes);
+    if (in->gradient.values == NULL) return;
+    wide_mask open = wide_less(wide_splat(SN_AREA_GUARD), j * j); /* no plane, no push */
+    wide push = wide_or_nothing(open, half * mu / area * (ln - wide_splat(1.0)) * slope / size);
+    wide_vec3 g1 = wide_scale(wide_add(wide_scale(f1, d00), wide_scale(f2, d01)), mu);
+    wide_vec3 g2 = wide_scale(wide_add(wide_scale(f1, d10), wide_scale(f2, d11)), mu);
+    g1 = wide_add(g1, wide_scale(wide_cross(d2, n), push));
+    g2 = wide_add(g2, wide_scale(wide_cross(n, d1), push));
+    const wide_records forces[3] = {wide_records_of(-(g1.x + g2.x), -(g1.y + g2.y), -(g1.z + g2.z)), wide_records_of(g1.x, g1.y, g1.z),
+                                    wide_records_of(g2.x, g2.y, g2.z)};
+    wide_add_forces(in->gradient, index, 3, forces, lanes);
+}
+
+SN_WIDE_KERNEL static double energy_of_membranes(const membranes *in, sn_index end) {
+    wide_total energy = {{0}};
+    sn_index r = 0;
+    for (; r + WIDE_LANES <= end; r += WIDE_LANES) membrane_batch(in, r, WIDE_LANES, &energy);
+    for (; r < end; r++) membrane_batch(in, r, 1, &energy);
+    return wide_sum(&energy);
+}
+
+double sn_membrane_energy(const sn_model_muscle *m, const sn_muscle_state *s, double k, sn_forces gradient) {
+    if (m->membrane_count == 0 || !(k > 0.0)) return 0.0;
+    const membranes in = {s->points, m->membrane_points->point, s->membrane_goals, (size_t)m->membrane_count, k, gradient};
+    return energy_of_membranes(&in, m->membrane_count);
+}
+
+double sn_membrane_error(const sn_model_muscle *m, const sn_muscle_state *s, sn_index row) {
+    const sn_index *v = m->membrane_points[row].point;
+    const double *goal = s->membrane_goals + row;
+    size_t n = (size_t)m->membrane_count;
+    sn_vec3 origin = sn_point_position(&s->points[v[0]]);
+    sn_vec3 d1 = sn_sub(sn_point_position(&s->points[v[1]]), origin), d2 = sn_sub(sn_point_position(&s->points[v[2]]), origin);
+    sn_vec3 f1 = sn_add(sn_scale(d1, goal[0]), sn_scale(d2, goal[2 * n])), f2 = sn_add(sn_scale(d1, goal[n]), sn_scale(d2, goal[3 * n]));
+    double e1 = sn_norm2(f1) - 1.0, e2 = sn_norm2(f2) - 1.0, shear = sn_dot(f1, f2);
+    return 0.5 * sqrt(e1 * e1 + e2 * e2 + 2.0 * shear * shear);
+}
+
+sn_residual sn_membrane_residual(const sn_model_muscle *m, const sn_muscle_state *s) {
+    sn_residual residual = {.worst = SN_NONE};
+    double sum = 0.0;
+    for (sn_index r = 0; r < m->membrane_count; r++) {
+        double value = sn_membrane_error(m, s, r);
+        sum += value * value;
+        if (residual.worst == SN_NONE || value > residual.max) residual.max = value, residual.worst = r;
+    }
+    if (m->membrane_count > 0) residual.rms = sqrt(sum / m->membrane_count);
+    return residual;
+}

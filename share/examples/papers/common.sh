@@ -1,0 +1,133 @@
+# common.sh -- what the recipes share: options, the muscle, its rig, the scene, the charts. Sourced by a recipe, not run.
+# shellcheck shell=sh disable=SC2034
+#
+#   RECIPE [-o OUT] [-t TRIANGLES] [-f FRAMES] [-i ITERATIONS] [-u UNIT] [-j JOINT] [SURFACE ATTACH-OPTION...]
+#
+# Without SURFACE it is the biceps of the generated arm, between scapula and radius, and the forearm swings about the shoulder by a degree a
+# frame, which moves its end by 5 mm (in [K21] the hip bends by 2 degrees a step: 4 to 7 mm); in r18-* the elbow bends by 10 degrees a frame.
+# SURFACE is any closed surface, ATTACH-OPTIONs are those of attach-detect that say where it is attached (--bone NAME=FILE, --pin NAME=PLACE, ...), UNIT is
+# m, cm or mm, and JOINT says which bone turns: "BONE x,y,z ax,ay,az DEGREES", a point on its axis, its direction, and degrees a frame.
+# The tools are on the PATH; EXAMPLES is the folder of the built examples where they are not installed.
+set -eu
+LC_ALL=C
+export LC_ALL
+here=$(cd "$(dirname "$0")" && pwd)
+recipe=$(basename "$0" .sh)
+out=$recipe triangles='' frames='' iterations='' unit='' joint=''
+while getopts o:t:f:i:u:j:h option; do
+    case $option in
+    o) out=$OPTARG ;;
+    t) triangles=$OPTARG ;;
+    f) frames=$OPTARG ;;
+    i) iterations=$OPTARG ;;
+    u) unit=$OPTARG ;;
+    j) joint=$OPTARG ;;
+    *)
+        sed -n '4,11s/^#\( \|$\)//p' "$here/common.sh"
+        [ "$option" = h ] && exit 0
+        exit 2
+        ;;
+    esac
+done
+shift $((OPTIND - 1))
+mkdir -p "$out"
+
+say() { echo "$recipe: $*"; }
+
+# program NAME FOLDER: a built example, or an installed one
+program() {
+    if [ -n "${EXAMPLES:-}" ] && [ -x "$EXAMPLES/$2/$1" ]; then echo "$EXAMPLES/$2/$1"; else echo "$here/../../../../libexec/sinew/$1"; fi
+}
+
+# ---- the muscle: $surface, and the options of attach-detect in "$@" ------------------------------------------------------------
+
+case ${unit:-m} in
+m) meters=1 ;;
+cm) meters=0.01 ;;
+mm) meters=0.001 ;;
+*) say "-u $unit: write m, cm or mm" >&2; exit 2 ;;
+esac
+
+# The biceps of the arm with about N triangles: $surface.
+generate() {
+    "$(program arm arm)" --out "$out/arm" --triangles "$1" > "$out/arm.log"
+    surface=$out/arm/biceps.ply
+}
+
+given=$#
+surface=${1:-}
+if [ "$given" -gt 0 ]; then
+    shift
+    [ -n "$joint" ] || { say "a muscle of your own needs -j \"BONE x,y,z ax,ay,az DEGREES\"" >&2; exit 2; }
+else
+    set -- --bone "scapula=$out/arm/scapula.ply" --bone "radius=$out/arm/radius.ply"
+    joint=${joint:-${swing:-radius 0,0,0.3 0,-1,0 1}}
+fi
+
+# The scene's bones, as they are called in the attach options; a pin has no mesh of its own: the muscle's stands for it.
+bones_json() {
+    moving=${joint%% *} list='' first=$(cd "$(dirname "$surface")" && pwd)/$(basename "$surface")
+    for word; do
+        case $word in *=*) ;; *) continue ;; esac
+        name=${word%%=*} file=${word#*=}
+        if [ -e "$file" ]; then file=$(cd "$(dirname "$file")" && pwd)/$(basename "$file"); else file=$first; fi
+        case $list in *"\"$name\""*) continue ;; esac
+        with=''
+        [ "$name" != "$moving" ] || with=',"joint":"joint"'
+        list="$list${list:+,}{\"name\":\"$name\",\"mesh\":\"$file\"$with}"
+    done
+    echo "$list"
+}
+
+# rig NAME TRIANGLES ATTACH-OPTION...: OUT/NAME.muscle.json of $surface, decimated where TRIANGLES is not 0
+rig() {
+    name=$1 most=$2
+    shift 2
+    set -- "$@" -o "$out/$name.muscle.json"
+    decimate=''
+    [ "$most" -eq 0 ] || decimate="--triangles $most"
+    # shellcheck disable=SC2086
+    mesh-clean -q $decimate ${unit:+--units $unit} --report "$out/$name.clean.json" "$surface" |
+        root-select -q | build-structure -q | fiber-flow -q | attach-detect -q "$@"
+}
+
+# millimetres NAME: the mean edge of a rig; count NAME: its triangles
+millimetres() { awk -F '[:,]' '/"edgeMean"/ { x = $2 } END { print x * 1000 * '"$meters"' }' "$out/$1.clean.json"; }
+count() { awk -F '[:,]' '/"triangles"/ { x = $2 } END { print x + 0 }' "$out/$1.clean.json"; }
+
+# scene NAME LAST-FRAME MUSCLE-MEMBERS ATTACH-OPTION...: OUT/NAME.scene.json; the joint turns to frame $turned, or to the last
+scene() {
+    name=$1 last=$2 members=$3
+    shift 3
+    # shellcheck disable=SC2086
+    set -- "$(bones_json "$@")" $joint
+    cat > "$out/$name.scene.json" << END
+{ "format": "sinew-scene", "version": 1, "name": "$name", "metersPerUnit": $meters, "rate": 24, "frames": [0, $last],
+  "motion": { "joints": [ { "name": "joint", "type": "hinge", "point": [$3], "axis": [$4], "keys": [[0, 0], { "frame": ${turned:-$last}, "degrees": $(awk "BEGIN { print $5 * ${turned:-$last} }") }] } ] },
+  "bones": [ $1 ],
+  "muscles": [ { "name": "$name", "rig": "$name.muscle.json"$members } ] }
+END
+}
+
+# ---- the figures ----------------------------------------------------------------------------------------------------------------
+
+# member NAME: its value in every line of JSON
+member() { sed -n 's/.*"'"$1"'":\([^,}]*\).*/\1/p'; }
+
+# wild LOG: did the run end with edges that are off by more than 10 mean edges, or not finite? Plain position based dynamics can.
+wild() {
+    rms=$(tail -n 1 "$1" | sed -n 's/.*"mesh":{"rms":\([^,}]*\).*/\1/p')
+    awk -v x="$rms" 'BEGIN { exit x ~ /^[0-9]/ && x + 0 < 10 }'
+}
+
+# chart NAME: OUT/NAME.tsv by NAME.gp as OUT/NAME.svg and OUT/NAME.png
+chart() {
+    if ! command -v gnuplot > /dev/null; then
+        say "there is no gnuplot: $out/$1.tsv has the figures, and there is no chart"
+        return 0
+    fi
+    for kind in svg png; do
+        gnuplot -e "data = '$out/$1.tsv'; picture = '$out/$1.$kind'; kind = '$kind'" "$here/style.gp" "$here/$1.gp"
+    done
+    say "$out/$1.tsv, $out/$1.svg, $out/$1.png"
+}
