@@ -14,10 +14,14 @@
 /* ---- options -------------------------------------------------------------------------------------------------------------- */
 
 /* The settings of the default sweeps. */
-static const char *const QUICK = "xpbd substeps=1 iterations=16\nxpbd substeps=4 iterations=4\nxpbd substeps=16 iterations=1\n"
-                                 "xpbd substeps=16 iterations=2\nxpbd substeps=64 iterations=1\nxpbd substeps=256 iterations=1\n"
-                                 "qn substeps=1 iterations=3\nqn substeps=1 iterations=5\nqn substeps=1 iterations=10\n"
-                                 "qn substeps=2 iterations=5\nqn substeps=4 iterations=5\nqn substeps=8 iterations=5\n";
+static const char *const QUICK =
+    "xpbd substeps=1 iterations=16\nxpbd substeps=4 iterations=4\nxpbd substeps=16 iterations=1\n"
+    "xpbd substeps=16 iterations=2\nxpbd substeps=64 iterations=1\nxpbd substeps=256 iterations=1\n"
+    "qn substeps=1 iterations=3\nqn substeps=1 iterations=5\nqn substeps=1 iterations=10\n"
+    "qn substeps=2 iterations=5\nqn substeps=4 iterations=5\nqn substeps=8 iterations=5\n"
+    "qn substeps=1 iterations=3 preconditioner=corotated\nqn substeps=1 iterations=5 preconditioner=corotated\n"
+    "qn substeps=1 iterations=10 preconditioner=corotated\nqn substeps=2 iterations=5 preconditioner=corotated\n"
+    "qn substeps=4 iterations=5 preconditioner=corotated\n";
 static const char *const FULL =
     "xpbd substeps=1 iterations=4\nxpbd substeps=1 iterations=16\nxpbd substeps=1 iterations=64\nxpbd substeps=1 iterations=256\n"
     "xpbd substeps=4 iterations=1\nxpbd substeps=4 iterations=4\nxpbd substeps=4 iterations=16\nxpbd substeps=4 iterations=64\n"
@@ -29,21 +33,22 @@ static const char *const FULL =
     "qn substeps=2 iterations=20\nqn substeps=4 iterations=3\nqn substeps=4 iterations=5\nqn substeps=4 iterations=10\n"
     "qn substeps=8 iterations=3\nqn substeps=8 iterations=5\nqn substeps=8 iterations=10\nqn substeps=16 iterations=3\n"
     "qn substeps=16 iterations=5\nqn substeps=32 iterations=3\nqn substeps=32 iterations=5\n"
-    "qn substeps=1 iterations=3 preconditioner=scalar\nqn substeps=1 iterations=5 preconditioner=scalar\n"
-    "qn substeps=1 iterations=10 preconditioner=scalar\nqn substeps=2 iterations=5 preconditioner=scalar\n"
-    "qn substeps=4 iterations=5 preconditioner=scalar\n"
     "qn substeps=1 iterations=3 preconditioner=corotated\nqn substeps=1 iterations=5 preconditioner=corotated\n"
     "qn substeps=1 iterations=10 preconditioner=corotated\nqn substeps=2 iterations=5 preconditioner=corotated\n"
-    "qn substeps=4 iterations=5 preconditioner=corotated\n";
+    "qn substeps=4 iterations=5 preconditioner=corotated\n"
+    "xpbd substeps=16 iterations=1 precision=single\nxpbd substeps=16 iterations=4 precision=single\n"
+    "xpbd substeps=64 iterations=1 precision=single\nxpbd substeps=64 iterations=4 precision=single\n"
+    "xpbd substeps=256 iterations=1 precision=single\nxpbd substeps=256 iterations=2 precision=single\n";
 
 enum { SWEEP_QUICK, SWEEP_FULL };
 static const char *const SWEEPS[] = {"quick", "full", NULL};
+static const char *const STRETCHES[] = {"springs", "membrane", NULL}; /* in the order of sn_stretch */
 
 typedef struct choices {
     const char *settings, *frames, *title;
     int64_t runs, threads, reference, hold;
     double floor, most_seconds;
-    int sweep;
+    int sweep, stretch;
     bool equilibrium;
 } choices;
 
@@ -53,11 +58,13 @@ static const cli_option OPTIONS[] = {
     {0, NULL, NULL, CLI_HEADING, NULL, 0, 0, 0, NULL, "What is measured:"},
     {0, "settings", "FILE", CLI_TEXT, &given.settings, 0, 0, 0, NULL, "settings, one a line: \"qn substeps=2 iterations=5\""},
     {0, "sweep", "HOW", CLI_CHOICE, &given.sweep, 0, 0, 0, SWEEPS,
-     "the built-in settings instead: quick (default; 12 of them) or full (47)"},
+     "the built-in settings instead: quick (default; 17 of them) or full (48)"},
     {0, "static", NULL, CLI_FLAG, &given.equilibrium, 0, 0, 0, NULL,
      "hold the last frame until the muscles rest: distance to the equilibrium"},
     {0, "hold", "N", CLI_INTEGER, &given.hold, 0, 1, 1e6, NULL, "static: hold it so many frames at most (default 256)"},
     {0, "frames", "A:B", CLI_TEXT, &given.frames, 0, 0, 0, NULL, "frames A to B instead of the scene's"},
+    {0, "stretch", "MODEL", CLI_CHOICE, &given.stretch, 0, 0, 0, STRETCHES,
+     "what resists the stretching of all surfaces, for the settings and their reference: springs, or (qn) a membrane"},
     {0, NULL, NULL, CLI_HEADING, NULL, 0, 0, 0, NULL, "How it is measured:"},
     {0, "runs", "N", CLI_INTEGER, &given.runs, 0, 1, 1000, NULL, "run each setting so often, and take the median of the times (default 5)"},
     {0, "most-seconds", "S", CLI_NUMBER, &given.most_seconds, 0, 1e-3, 1e9, NULL,
@@ -122,6 +129,8 @@ static sn_status load_scene(job *j, sn_error *error) {
     if (status == SN_OK) {
         apply_frames(j);
         j->scene.solver.threads = (int)given.threads;
+        for (sn_index i = 0; cli_given(&j->c, "stretch") && i < j->scene.muscle_count; i++)
+            j->scene.muscles[i].stretch = (sn_stretch)given.stretch;
         if (j->scene.last_frame - j->scene.first_frame < 1)
             status = sn_fail(error, SN_ERROR_INPUT, "the scene has one frame: there is no motion to measure; give it more with \"frames\"");
     }
@@ -212,8 +221,10 @@ static sn_status make_reference(job *j, sn_error *error) {
     j->params = sn_reference_defaults();
     j->params.floor = given.floor;
     j->params.most_substeps = (sn_index)given.reference;
-    /* a step solved to a tolerance t is off by about t itself (measured: 5e-8 L for 1e-7), so that a hundredth of the floor is enough */
-    if (!given.equilibrium) j->params.tolerance = fmax(j->params.tolerance, fmin(1e-2 * given.floor, 1e-5));
+    /* a step solved to a tolerance t is off by about t itself (measured: 5e-8 L for 1e-7), so that a hundredth of the floor is enough;
+     * an equilibrium is crept up to by many steps */
+    j->params.tolerance = fmax(j->params.tolerance, fmin((given.equilibrium ? 1e-4 : 1e-2) * given.floor, 1e-5));
+    j->params.rest = fmax(j->params.rest, 1e-2 * j->params.tolerance);
     sn_status status = given.equilibrium ? sn_reference_rest(&j->scene, &j->yardstick, &j->request, &j->params, r, error)
                                          : sn_reference_motion(&j->scene, &j->yardstick, &j->request, &j->params, r, error);
     if (status == SN_OK) say_reference(j);

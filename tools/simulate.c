@@ -243,7 +243,7 @@ static void check_stop(const job *j, sn_index first, bool whole) {
 /* ---- --choose ------------------------------------------------------------------------------------------------------------- */
 
 static void check_choice(const job *j) {
-    static const char *const excluded[] = {"solver", "scheme", "substeps", "iterations", "tolerance"};
+    static const char *const excluded[] = {"solver", "scheme", "precision", "preconditioner", "substeps", "iterations", "tolerance"};
     if (cli_given(&j->c, "choose") != cli_given(&j->c, "target-error"))
         cli_usage_error(&j->c, "--choose REPORT and --target-error E go together");
     for (size_t i = 0; given.choose != NULL && i < sizeof excluded / sizeof *excluded; i++)

@@ -148,7 +148,7 @@ typedef struct sn_error_point {
     sn_difference solver; /* against the converged solve of the same steps; NaN = not measured */
     double cpu, wall;     /* s, median over the runs */
     bool claimed;         /* total.worst is at least SN_CLAIM_FLOORS floors */
-    bool front;           /* on the front of total.worst over cpu, among the claimed ones */
+    bool front;           /* on the front of total.worst over cpu, among the claimed ones, and none of the others surely better */
 } sn_error_point;
 
 typedef struct sn_error_time {

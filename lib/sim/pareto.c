@@ -20,6 +20,15 @@ void sn_pareto_front(sn_index count, const double *seconds, const double *errors
     }
 }
 
+/* Is there a point that claims nothing, yet is surely better? Its error is at most the floor above what was measured. */
+static bool is_surely_beaten(const sn_error_time *report, const sn_error_point *p) {
+    for (sn_index i = 0; i < report->point_count; i++) {
+        const sn_error_point *q = &report->points[i];
+        if (!q->claimed && q->cpu <= p->cpu && q->total.worst + report->reference.floor < p->total.worst) return true;
+    }
+    return false;
+}
+
 sn_status sn_error_time_judge(sn_error_time *report, sn_error *error) {
     sn_index count = report->point_count;
     double *seconds = SN_NEW(double, count), *errors = SN_NEW(double, count);
@@ -32,7 +41,8 @@ sn_status sn_error_time_judge(sn_error_time *report, sn_error *error) {
         errors[i] = p->claimed ? p->total.worst : INFINITY;
     }
     if (status == SN_OK) sn_pareto_front(count, seconds, errors, front);
-    for (sn_index i = 0; status == SN_OK && i < count; i++) report->points[i].front = front[i];
+    for (sn_index i = 0; status == SN_OK && i < count; i++)
+        report->points[i].front = front[i] && !is_surely_beaten(report, &report->points[i]);
     free(seconds);
     free(errors);
     free(front);

@@ -31,6 +31,7 @@ static void choose_solver(sn_scene *scene, const sn_reference_params *params, sn
     scene->solver.substeps = substeps;
     scene->solver.iterations = params->iterations;
     scene->solver.tolerance = params->tolerance;
+    scene->solver.preconditioner = SN_PRECONDITION_SCALAR; /* the one that converges on every muscle tried */
 }
 
 /* A run with so many substeps, appended to the rungs. */

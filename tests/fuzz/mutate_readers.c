@@ -92,8 +92,9 @@ static const char report_json[] =
     "scheme=kohout\",\"points\":[{\"held\":0,\"error\":1e-2,\"cpuSeconds\":0.5},{\"held\":1,\"error\":null}]},\n"
     "{\"setting\":\"qn "
     "tolerance=1e-4\",\"points\":[{\"held\":0,\"error\":1e-3,\"solverError\":1e-4,\"cpuSeconds\":0.1,\"wallSeconds\":1}]}]}\n";
-static const char settings_text[] = "# all keys\nxpbd substeps=4 iterations=2 scheme=romeo\n\nqn substeps=1\titerations=5 tolerance=1e-6 "
-                                    "preconditioner=scalar # fast\r\nqn\n";
+static const char settings_text[] =
+    "# all keys\nxpbd substeps=4 iterations=2 scheme=romeo precision=single\n\nqn substeps=1\titerations=5 tolerance=1e-6 "
+    "preconditioner=corotated # fast\r\nqn\n";
 
 static _Noreturn void give_up(const char *what) {
     fprintf(stderr, "mutate_readers: %s\n", what);

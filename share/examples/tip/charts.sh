@@ -23,10 +23,17 @@ measure() { # NAME SCENE TITLE OPTION...
     cp "$out/$name/error-time.png" "$out/$name.png"
 }
 
-# The muscle of tests/stability, its ankle turning as in tests/cli/simulate.bats, 24 of the 90 frames.
+# The moving tip of a case: edges, angles and volume alone, so that both solvers have the same energy.
+moving_tip() { # CASE OPTION...
+    folder=$out/$1.scene size=${1##*-}
+    shift
+    "$tip" --triangles "$size" "$@" "$folder"
+}
+
+# The muscle of tests/stability, its ankle turning by 30 degrees in a second. With least areas: without
+# them its triangles fold, and there are many equilibria. So both solvers differ by the barrier of qn, and xpbd by no less than that.
 tibialis() {
     leg=$data/leg-vhf/meshes/VHF_Left
-    [ -e "$out/rig/tibialis.scene.json" ] && return
     mkdir -p "$out/rig"
     mesh-clean -q --units mm "${leg}_Muscle_TibialisAnterior_smooth.ply" | root-select -q | build-structure -q | fiber-flow -q |
         attach-detect -q --bone tibia="${leg}_Bone_Tibia_smooth.ply" --pin talus=half:0,0,221.415,0,0,-1 \
@@ -38,13 +45,6 @@ tibialis() {
  "bones": [{"name": "tibia", "mesh": "tibia.ply"}, {"name": "talus", "mesh": "talus.ply", "joint": "ankle"}],
  "muscles": [{"name": "tibialis", "rig": "tibialis.muscle.json"}]}
 END
-}
-
-# The moving tip of a case; edges, angles and volume alone, so that both solvers have the same energy.
-moving_tip() { # CASE OPTION...
-    folder=$out/$1.scene size=${1##*-}
-    shift
-    "$tip" --triangles "$size" "$@" "$folder"
 }
 
 for case in "$@"; do
@@ -73,7 +73,7 @@ for case in "$@"; do
     tibialis)
         [ -n "$data" ] || continue
         tibialis
-        measure "$case" "$out/rig/tibialis.scene.json" "tibialis anterior, 12,420 triangles" --reference 32
+        measure "$case" "$out/rig/tibialis.scene.json" "tibialis anterior, 12,420 triangles" --reference 16 --floor 3e-5
         ;;
     tibialis-static)
         [ -n "$data" ] || continue
