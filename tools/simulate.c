@@ -194,6 +194,20 @@ typedef struct job {
     sn_index frames_done;
 } job;
 
+/* The method asked for, with its own defaults; a paper's scheme and single precision ask for xpbd. */
+static void choose_method(job *j) {
+    sn_solver_settings *solver = &j->scene.solver;
+    bool papers = (cli_given(&j->c, "scheme") && given.scheme != SN_SCHEME_GUARDED) ||
+                  (cli_given(&j->c, "precision") && given.precision != SN_PRECISION_DOUBLE);
+    sn_solver_method method = cli_given(&j->c, "solver") ? (sn_solver_method)given.solver : papers ? SN_SOLVER_XPBD : solver->method;
+    if (method == solver->method) return;
+    bool sleep = solver->sleep;
+    int threads = solver->threads;
+    *solver = sn_solver_defaults(method);
+    solver->sleep = sleep;
+    solver->threads = threads;
+}
+
 static void apply_options(job *j) {
     sn_scene *scene = &j->scene;
     sn_index range[2];
@@ -205,8 +219,7 @@ static void apply_options(job *j) {
     }
     if (cli_given(&j->c, "rate")) scene->rate = given.rate;
     if (cli_given(&j->c, "preroll")) scene->preroll = given.preroll;
-    if (cli_given(&j->c, "solver") && scene->solver.method != (sn_solver_method)given.solver)
-        scene->solver = sn_solver_defaults((sn_solver_method)given.solver);
+    choose_method(j);
     if (cli_given(&j->c, "tolerance")) scene->solver.tolerance = given.tolerance;
     if (cli_given(&j->c, "substeps")) scene->solver.substeps = (sn_index)given.substeps;
     if (cli_given(&j->c, "iterations")) scene->solver.iterations = (sn_index)given.iterations;
@@ -644,7 +657,9 @@ static double measure_cost(const job *j, sn_index muscle, sn_row_kind kind, int 
         spent = cli_seconds() - started;
         runs++;
     }
-    return 1e3 * spent / runs * sweeps * j->model->muscles[muscle].iterations * j->scene.solver.substeps;
+    bool newton = j->scene.solver.method == SN_SOLVER_QN; /* a row is evaluated once an iteration, and three times where a substep begins */
+    sn_index iterations = j->model->muscles[muscle].iterations, times = newton ? iterations + 3 : sweeps * iterations;
+    return 1e3 * spent / runs * times * j->scene.solver.substeps;
 }
 
 static void write_group(sn_json *json, sn_row_kind kind, const sn_plan_group *group, double milliseconds) {
@@ -696,7 +711,7 @@ static void write_muscle_plan(const job *j, sn_json *json, const sn_plan_muscle 
 static void write_plan_members(const job *j, sn_json *json, bool costs) {
     const sn_plan *plan = &j->model->plan;
     sn_index running = 0;
-    sn_json_text(json, "solver", "xpbd");
+    sn_json_text(json, "solver", SOLVERS[j->scene.solver.method]);
     sn_json_text(json, "scheme", sn_scheme_name(j->scene.solver.scheme));
     sn_json_number(json, "substepDuration", j->model->substep_duration);
     sn_json_array(json, "muscles");

@@ -60,6 +60,7 @@ typedef struct sn_scene_muscle {
     bool enabled;          /* false = left out */
 } sn_scene_muscle;
 
+/* QN is the default: the error for the time is less (error-time). */
 typedef enum sn_solver_method { SN_SOLVER_XPBD, SN_SOLVER_QN } sn_solver_method;
 
 /* How `xpbd` goes about it: guarded is sinew's own; the others are the papers', to the letter ([R18] alg. 1, [K21] alg. 2). */

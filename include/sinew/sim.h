@@ -315,7 +315,8 @@ SN_MUST_CHECK sn_status sn_hold(const sn_model *model, sn_state *state, const sn
  * bits of a run that was not stopped. SN_STOPPED: stopped on the way, by the options or the trace. options NULL = none. */
 SN_MUST_CHECK sn_status sn_step(const sn_model *model, sn_state *state, const sn_step_options *options, sn_error *error);
 
-/* Project the rows of one kind of a muscle once, as the first iteration of a substep does under `xpbd`: to measure what they cost. */
+/* Project the rows of one kind of a muscle once, as the first iteration of a substep does under `xpbd`; under `qn` evaluate their energy and
+ * its gradient: to measure what they cost. */
 void sn_project(const sn_model *model, sn_state *state, sn_index muscle, sn_row_kind kind);
 
 /* ---- errors row by row (errors.c): what sn_residual is the sum of --------------------------------------------------------- */

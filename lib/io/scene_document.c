@@ -52,6 +52,8 @@ static sn_status parse_solver(const sn_json_value *value, sn_solver_settings *ou
     if (status == SN_OK) status = sn_json_get_choice(&method, method_names, &choice, error);
     if (status == SN_OK) status = sn_json_get_choice(&scheme_name, scheme_names, &scheme, error);
     if (status == SN_OK) status = sn_json_get_choice(&precision_name, precision_names, &precision, error);
+    bool papers = scheme != SN_SCHEME_GUARDED || precision != SN_PRECISION_DOUBLE; /* which xpbd alone has */
+    if (papers && !sn_json_has(&method)) choice = SN_SOLVER_XPBD;
     *out = sn_solver_defaults((sn_solver_method)choice);
     if (status == SN_OK) status = sn_json_get_index(&substeps, 1, COUNT_LIMIT, &out->substeps, error);
     if (status == SN_OK) status = sn_json_get_index(&iterations, 1, COUNT_LIMIT, &out->iterations, error);

@@ -33,7 +33,7 @@ void sn_scene_defaults(sn_scene *scene) {
     *scene = (sn_scene){0};
     scene->meters_per_unit = 1.0;
     scene->rate = 24.0;
-    scene->solver = sn_solver_defaults(SN_SOLVER_XPBD);
+    scene->solver = sn_solver_defaults(SN_SOLVER_QN);
 }
 
 /* ---- the end ---------------------------------------------------------------------------------------------------------- */

@@ -102,6 +102,29 @@ static double areas(const sn_objective *o, const sn_point *points, sn_forces gra
 
 /* ---- all of it ------------------------------------------------------------------------------------------------------------ */
 
+/* Of one kind of rows, at the points of the state; added to the forces. */
+static double energy_of(const sn_objective *o, sn_muscle_state *at, sn_row_kind kind, sn_forces forces) {
+    const sn_model_muscle *m = o->model;
+    double k = sn_row_stiffness(m, at, kind);
+    switch (kind) {
+    case SN_ROWS_DIHEDRAL:
+        return sn_hinge_energy(m, at, k, forces);
+    case SN_ROWS_AREA:
+        return areas(o, at->points, forces);
+    case SN_ROWS_MEMBRANE:
+        return sn_membrane_energy(m, at, k, forces);
+    case SN_ROWS_VOLUME:
+        return m->keeps_volume ? sn_volume_energy(m, at, k, forces) : 0.0;
+    default:
+        return sn_distance_energy(m, at, kind, k, forces);
+    }
+}
+
+double sn_rows_evaluate(const sn_model_muscle *m, sn_muscle_state *s, sn_row_kind kind) {
+    const sn_objective objective = {.model = m, .state = s};
+    return energy_of(&objective, s, kind, (sn_forces){&s->qn->forces->x, 4});
+}
+
 double sn_objective_evaluate(const sn_objective *objective, sn_point *points, sn_vec3 *gradient) {
     const sn_model_muscle *m = objective->model;
     sn_muscle_state at = *objective->state; /* the same inputs at other points */
@@ -109,12 +132,7 @@ double sn_objective_evaluate(const sn_objective *objective, sn_point *points, sn
     const sn_forces forces = {&at.qn->forces->x, 4};
     const free_points free_ones = {points, at.target, 1.0 / (objective->h * objective->h), at.qn->forces};
     double energy = inertia(&free_ones, m->point_count);
-    for (int kind = 0; kind < SN_DISTANCE_KINDS; kind++)
-        energy += sn_distance_energy(m, &at, (sn_row_kind)kind, sn_row_stiffness(m, &at, (sn_row_kind)kind), forces);
-    energy += sn_membrane_energy(m, &at, sn_row_stiffness(m, &at, SN_ROWS_MEMBRANE), forces);
-    energy += sn_hinge_energy(m, &at, sn_row_stiffness(m, &at, SN_ROWS_DIHEDRAL), forces);
-    energy += areas(objective, points, forces);
-    if (m->keeps_volume) energy += sn_volume_energy(m, &at, sn_row_stiffness(m, &at, SN_ROWS_VOLUME), forces);
+    for (int kind = 0; kind < SN_ROW_KINDS; kind++) energy += energy_of(objective, &at, (sn_row_kind)kind, forces);
     for (sn_index i = 0; i < m->point_count; i++) gradient[i] = points[i].w == 0.0 ? sn_v3(0, 0, 0) : sn_point_position(&at.qn->forces[i]);
     return energy;
 }

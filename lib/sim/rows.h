@@ -55,6 +55,9 @@ typedef struct sn_forces {
     int stride;
 } sn_forces;
 
+/* Energy of one kind of rows at the state's points, J; its gradient goes to the scratch of back end `qn`. */
+double sn_rows_evaluate(const sn_model_muscle *m, sn_muscle_state *s, sn_row_kind kind);
+
 /* ---- the back ends: which of them steps is decided by sn_backend_of (step.c) and nowhere else ---- */
 
 /* One substep of one muscle, or a part of its iterations: those from `begin` to before `end`. The inputs are up to date. */

@@ -60,6 +60,10 @@ static void project(const sn_model_muscle *m, sn_muscle_state *s, const sn_subst
 }
 
 void sn_project(const sn_model *model, sn_state *state, sn_index muscle, sn_row_kind kind) {
+    if (model->scene->solver.method == SN_SOLVER_QN) {
+        sn_rows_evaluate(&model->muscles[muscle], &state->muscles[muscle], kind);
+        return;
+    }
     const sn_scheme_rules *rules = sn_scheme_rules_of(model->scene->solver.scheme);
     project_kind(&model->muscles[muscle], &state->muscles[muscle], kind, rules, model->substep_duration, true);
 }

@@ -137,6 +137,7 @@ static inline void set_keys(sn_channel *channel, double time0, double value0, do
 /* Bones "upper" (fixed) and "lower" (on hinge 0, about the x axis through the lower tip); one muscle. */
 static inline void make_scene(sn_scene *scene, const fusiform *f) {
     sn_scene_defaults(scene);
+    scene->solver = sn_solver_defaults(SN_SOLVER_XPBD); /* tests of qn say so */
     scene->name = sn_strdup("test");
     scene->bone_count = 2;
     scene->bones = SN_NEW(sn_scene_bone, 2);
