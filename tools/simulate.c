@@ -45,7 +45,7 @@ static const cli_option OPTIONS[] = {
      "what resists the stretching of all surfaces: springs, or (qn) a membrane"},
     {0, NULL, NULL, CLI_HEADING, NULL, 0, 0, 0, NULL, "Solver:"},
     {0, "scheme", "SCHEME", CLI_CHOICE, &given.scheme, 0, 0, 0, SCHEMES, "guarded, or a paper to the letter: romeo, kohout"},
-    {0, "solver", "METHOD", CLI_CHOICE, &given.solver, 0, 0, 0, SOLVERS, "xpbd or qn, with its own defaults, instead of the scene's"},
+    {0, "solver", "METHOD", CLI_CHOICE, &given.solver, 0, 0, 0, SOLVERS, "qn or xpbd, with its own defaults, instead of the scene's"},
     {0, "precision", "PRECISION", CLI_CHOICE, &given.precision, 0, 0, 0, PRECISIONS, "xpbd: project in double, or in single: faster"},
     {0, "substeps", "N", CLI_INTEGER, &given.substeps, 0, 1, 1e6, NULL, "substeps per frame instead of the scene's"},
     {0, "iterations", "N", CLI_INTEGER, &given.iterations, 0, 1, 1e6, NULL,
@@ -198,7 +198,8 @@ typedef struct job {
 static void choose_method(job *j) {
     sn_solver_settings *solver = &j->scene.solver;
     bool papers = (cli_given(&j->c, "scheme") && given.scheme != SN_SCHEME_GUARDED) ||
-                  (cli_given(&j->c, "precision") && given.precision != SN_PRECISION_DOUBLE);
+                  (cli_given(&j->c, "precision") && given.precision != SN_PRECISION_DOUBLE) ||
+                  (cli_given(&j->c, "anisotropy") && given.anisotropy == SN_ANISOTROPY_PBD);
     sn_solver_method method = cli_given(&j->c, "solver") ? (sn_solver_method)given.solver : papers ? SN_SOLVER_XPBD : solver->method;
     if (method == solver->method) return;
     bool sleep = solver->sleep;

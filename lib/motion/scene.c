@@ -182,6 +182,14 @@ static sn_status check_rig(const sn_scene *scene, const sn_scene_muscle *muscle,
     return status;
 }
 
+static sn_status check_anisotropy(const sn_scene *scene, const sn_scene_muscle *muscle, sn_error *error) {
+    if (muscle->anisotropy != SN_ANISOTROPY_PBD || scene->solver.method == SN_SOLVER_XPBD) return SN_OK;
+    return sn_fail(error, SN_ERROR_INPUT,
+                   "muscle \"%s\": the form pbd of anisotropy is a factor on corrections, which only the solver method xpbd makes; choose that, "
+                   "or the form xpbd",
+                   name_of(muscle->name));
+}
+
 static sn_status check_stretch(const sn_scene *scene, const sn_scene_muscle *muscle, sn_error *error) {
     if (muscle->stretch != SN_STRETCH_MEMBRANE) return SN_OK;
     if (scene->solver.method != SN_SOLVER_QN)
@@ -202,6 +210,7 @@ static sn_status check_muscle(const sn_scene *scene, sn_index i, sn_error *error
     if (muscle->law < SN_LAW_PROJECTED || muscle->law > SN_LAW_ISOCHORIC)
         return sn_fail(error, SN_ERROR_INPUT, "muscle \"%s\": its fibre law is not known", name_of(muscle->name));
     sn_status status = check_settings(muscle, error);
+    if (status == SN_OK) status = check_anisotropy(scene, muscle, error);
     if (status == SN_OK) status = check_stretch(scene, muscle, error);
     if (status == SN_OK) status = check_activation(muscle, error);
     if (status == SN_OK) status = check_curve(muscle, "volume ratio", &muscle->volume_ratio, error);

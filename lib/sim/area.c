@@ -92,15 +92,3 @@ double sn_area_error(const sn_model_muscle *m, const sn_muscle_state *s, sn_inde
     double ratio = sn_norm(sn_cross(sn_sub(x[1], x[0]), sn_sub(x[2], x[0]))) * m->area_scales[row];
     return fmax(m->source->least_area - ratio, 0.0);
 }
-
-sn_residual sn_area_residual(const sn_model_muscle *m, const sn_muscle_state *s) {
-    sn_residual residual = {.worst = SN_NONE};
-    double sum = 0.0;
-    for (sn_index r = 0; r < m->area_count; r++) {
-        double c = sn_area_error(m, s, r);
-        sum += c * c;
-        if (residual.worst == SN_NONE || c > residual.max) residual.max = c, residual.worst = r;
-    }
-    if (m->area_count > 0) residual.rms = sqrt(sum / m->area_count);
-    return residual;
-}

@@ -202,16 +202,3 @@ double sn_hinge_error(const sn_model_muscle *m, const sn_muscle_state *s, sn_ind
     load(s, &m->hinges[row], p);
     return sn_hinge_constraint(p, m->hinge_angles[row], &c, g) ? fabs(c) : NAN;
 }
-
-sn_residual sn_hinge_residual(const sn_model_muscle *m, const sn_muscle_state *s) {
-    sn_residual residual = {.worst = SN_NONE};
-    double sum = 0.0;
-    for (sn_index r = 0; r < m->hinge_count; r++) {
-        double c = sn_hinge_error(m, s, r);
-        if (isnan(c)) continue;
-        sum += c * c;
-        if (residual.worst == SN_NONE || c > residual.max) residual.max = c, residual.worst = r;
-    }
-    if (m->hinge_count > 0) residual.rms = sqrt(sum / m->hinge_count);
-    return residual;
-}

@@ -283,16 +283,3 @@ double sn_distance_error(const sn_model_muscle *m, const sn_muscle_state *s, sn_
     sn_vec3 d = sn_sub(sn_point_position(&s->points[point[0]]), sn_point_position(&s->points[point[1]]));
     return fabs(sn_norm(d) - s->goals[row]) / m->mean_edge;
 }
-
-sn_residual sn_distance_residual(const sn_model_muscle *m, const sn_muscle_state *s, sn_row_kind kind) {
-    sn_residual residual = {.worst = SN_NONE};
-    double sum = 0.0;
-    sn_index begin = m->distance_start[kind], end = m->distance_start[kind + 1];
-    for (sn_index r = begin; r < end; r++) {
-        double c = sn_distance_error(m, s, r);
-        sum += c * c;
-        if (residual.worst == SN_NONE || c > residual.max) residual.max = c, residual.worst = r - begin;
-    }
-    if (end > begin) residual.rms = sqrt(sum / (end - begin));
-    return residual;
-}

@@ -3,8 +3,7 @@
  */
 #include "rows.h"
 
-sn_index sn_row_count(const sn_model *model, sn_index muscle, sn_row_kind kind) {
-    const sn_model_muscle *m = &model->muscles[muscle];
+static sn_index row_count(const sn_model_muscle *m, sn_row_kind kind) {
     switch (kind) {
     case SN_ROWS_DIHEDRAL:
         return m->hinge_count;
@@ -18,6 +17,8 @@ sn_index sn_row_count(const sn_model *model, sn_index muscle, sn_row_kind kind) 
         return kind < SN_DISTANCE_KINDS ? m->distance_start[kind + 1] - m->distance_start[kind] : 0;
     }
 }
+
+sn_index sn_row_count(const sn_model *model, sn_index muscle, sn_row_kind kind) { return row_count(&model->muscles[muscle], kind); }
 
 static int copy_points(int count, const sn_index *from, sn_index *to) {
     for (int i = 0; i < count; i++) to[i] = from[i];
@@ -39,6 +40,20 @@ static double row_error(const sn_model_muscle *m, const sn_muscle_state *s, sn_r
     if (kind == SN_ROWS_AREA) return sn_area_error(m, s, row);
     if (kind == SN_ROWS_MEMBRANE) return sn_membrane_error(m, s, row);
     return fabs(sn_volume_ratio(m, s) - s->volume_goal);
+}
+
+sn_residual sn_rows_residual(const sn_model_muscle *m, const sn_muscle_state *s, sn_row_kind kind) {
+    sn_residual residual = {.worst = SN_NONE};
+    sn_index count = row_count(m, kind);
+    double sum = 0.0;
+    for (sn_index r = 0; r < count; r++) {
+        double c = row_error(m, s, kind, r);
+        if (kind == SN_ROWS_DIHEDRAL && isnan(c)) continue; /* it has no angle now */
+        sum += c * c;
+        if (residual.worst == SN_NONE || c > residual.max) residual.max = c, residual.worst = r;
+    }
+    if (count > 0) residual.rms = sqrt(sum / count);
+    return residual;
 }
 
 void sn_row_errors(const sn_model *model, const sn_state *state, sn_index muscle, sn_row_kind kind, double *errors) {

@@ -160,15 +160,3 @@ double sn_membrane_error(const sn_model_muscle *m, const sn_muscle_state *s, sn_
     double e1 = sn_norm2(f1) - 1.0, e2 = sn_norm2(f2) - 1.0, shear = sn_dot(f1, f2);
     return 0.5 * sqrt(e1 * e1 + e2 * e2 + 2.0 * shear * shear);
 }
-
-sn_residual sn_membrane_residual(const sn_model_muscle *m, const sn_muscle_state *s) {
-    sn_residual residual = {.worst = SN_NONE};
-    double sum = 0.0;
-    for (sn_index r = 0; r < m->membrane_count; r++) {
-        double value = sn_membrane_error(m, s, r);
-        sum += value * value;
-        if (residual.worst == SN_NONE || value > residual.max) residual.max = value, residual.worst = r;
-    }
-    if (m->membrane_count > 0) residual.rms = sqrt(sum / m->membrane_count);
-    return residual;
-}

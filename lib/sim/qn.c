@@ -294,7 +294,7 @@ static sn_index guard_triangles(const sn_model_muscle *m, sn_muscle_state *s) {
 
 /* How far the surface is from its goal shape: edges over the mean edge, or strains. */
 static sn_residual stretch(const sn_model_muscle *m, const sn_muscle_state *s) {
-    return m->membrane_count > 0 ? sn_membrane_residual(m, s) : sn_distance_residual(m, s, SN_ROWS_MESH);
+    return sn_rows_residual(m, s, m->membrane_count > 0 ? SN_ROWS_MEMBRANE : SN_ROWS_MESH);
 }
 
 /* May this be no shape that the muscle came to by moving: a tenth of it collapsed, half a mean edge off in the mean, or half of its volume

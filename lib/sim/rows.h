@@ -120,20 +120,17 @@ void sn_distance_sweep(const sn_model_muscle *m, sn_muscle_state *s, sn_row_kind
 double sn_distance_energy(const sn_model_muscle *m, const sn_muscle_state *s, sn_row_kind kind, double k, sn_forces gradient);
 /* |C| of one row over the mean edge; row: among those of all distance kinds. */
 double sn_distance_error(const sn_model_muscle *m, const sn_muscle_state *s, sn_index row);
-sn_residual sn_distance_residual(const sn_model_muscle *m, const sn_muscle_state *s, sn_row_kind kind);
 
 /* ---- dihedral.c ---- */
 SN_MUST_CHECK sn_status sn_hinge_build(const sn_build *build, sn_error *error);
 void sn_hinge_sweep(const sn_model_muscle *m, sn_muscle_state *s, const sn_sweep *sweep);
 double sn_hinge_energy(const sn_model_muscle *m, const sn_muscle_state *s, double k, sn_forces gradient);
 double sn_hinge_error(const sn_model_muscle *m, const sn_muscle_state *s, sn_index row); /* |C|, rad; NaN: it has no angle */
-sn_residual sn_hinge_residual(const sn_model_muscle *m, const sn_muscle_state *s);
 
 /* ---- area.c ---- */
 SN_MUST_CHECK sn_status sn_area_build(const sn_build *build, sn_error *error);
 void sn_area_sweep(const sn_model_muscle *m, sn_muscle_state *s);
 double sn_area_error(const sn_model_muscle *m, const sn_muscle_state *s, sn_index row); /* what it lacks of its least area, over A0 */
-sn_residual sn_area_residual(const sn_model_muscle *m, const sn_muscle_state *s);
 
 /* ---- membrane.c ---- */
 SN_MUST_CHECK sn_status sn_membrane_build(const sn_build *build, sn_error *error);
@@ -141,7 +138,6 @@ SN_MUST_CHECK sn_status sn_membrane_build(const sn_build *build, sn_error *error
 void sn_membrane_goals(const sn_model_muscle *m, sn_muscle_state *s);
 double sn_membrane_energy(const sn_model_muscle *m, const sn_muscle_state *s, double k, sn_forces gradient);
 double sn_membrane_error(const sn_model_muscle *m, const sn_muscle_state *s, sn_index row); /* |1/2 (FT F - I)|, Green's strain */
-sn_residual sn_membrane_residual(const sn_model_muscle *m, const sn_muscle_state *s);
 
 /* ---- volume.c ---- */
 void sn_volume_build(const sn_build *build);
@@ -160,6 +156,10 @@ void sn_single_sweep(const sn_model_muscle *m, sn_muscle_state *s, sn_row_kind k
 void sn_inputs_update(const sn_model_muscle *m, sn_muscle_state *s, double time);
 /* Stiffness of one kind of rows now, before the factors of single rows; 0 = none. */
 double sn_row_stiffness(const sn_model_muscle *m, const sn_muscle_state *s, sn_row_kind kind);
+
+/* ---- errors.c ---- */
+/* Of the errors of all rows of a kind but the volume. */
+sn_residual sn_rows_residual(const sn_model_muscle *m, const sn_muscle_state *s, sn_row_kind kind);
 
 /* ---- statistics.c ---- */
 /* |dPhi/dx| / (k L) from inertia's share of the gradient, inertia (point_count), N: m (v - v predicted) / h. It is overwritten. */

@@ -62,9 +62,6 @@ void sn_statistics_measure(const sn_model_muscle *m, sn_muscle_state *s) {
     measure_points(m, s, out);
     measure_triangles(m, s, out);
     measure_volume(m, s, out);
-    for (int kind = 0; kind < SN_DISTANCE_KINDS; kind++) out->residuals[kind] = sn_distance_residual(m, s, (sn_row_kind)kind);
-    out->residuals[SN_ROWS_DIHEDRAL] = sn_hinge_residual(m, s);
-    out->residuals[SN_ROWS_AREA] = sn_area_residual(m, s);
-    out->residuals[SN_ROWS_MEMBRANE] = sn_membrane_residual(m, s);
+    for (int kind = 0; kind < SN_ROWS_VOLUME; kind++) out->residuals[kind] = sn_rows_residual(m, s, (sn_row_kind)kind);
     out->elastic_energy = elastic_energy(m, s, (sn_forces){NULL, 3});
 }

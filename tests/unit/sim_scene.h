@@ -150,6 +150,21 @@ static inline void make_scene(sn_scene *scene, const fusiform *f) {
     add_muscle(scene, "fusiform", f);
 }
 
+/* Turn and move the whole scene of one muscle. */
+static inline void turn_and_move(sn_scene *scene, sn_rigid by) {
+    sn_muscle *rig = &scene->muscles[0].rig;
+    for (sn_index i = 0; i < rig->mesh.vertex_count; i++) {
+        rig->mesh.positions[i] = sn_rigid_apply(by, rig->mesh.positions[i]);
+        rig->fibers.directions[i] = sn_quat_rotate(by.rotation, rig->fibers.directions[i]);
+    }
+    for (sn_index i = 0; i < rig->structure.sample_count; i++) {
+        rig->structure.positions[i] = sn_rigid_apply(by, rig->structure.positions[i]);
+        rig->structure.axes[i] = sn_quat_rotate(by.rotation, rig->structure.axes[i]);
+    }
+    scene->motion.joints[0].axis = sn_quat_rotate(by.rotation, scene->motion.joints[0].axis);
+    scene->motion.joints[0].point = sn_rigid_apply(by, scene->motion.joints[0].point);
+}
+
 /* A model and its state. */
 typedef struct simulation {
     sn_scene *scene;

@@ -57,21 +57,6 @@ static void momentum_is_conserved_without_attachments(void **state) {
     finish(&s);
 }
 
-/* Turn and move the whole scene. */
-static void transform(sn_scene *scene, sn_rigid by) {
-    sn_muscle *rig = &scene->muscles[0].rig;
-    for (sn_index i = 0; i < rig->mesh.vertex_count; i++) {
-        rig->mesh.positions[i] = sn_rigid_apply(by, rig->mesh.positions[i]);
-        rig->fibers.directions[i] = sn_quat_rotate(by.rotation, rig->fibers.directions[i]);
-    }
-    for (sn_index i = 0; i < rig->structure.sample_count; i++) {
-        rig->structure.positions[i] = sn_rigid_apply(by, rig->structure.positions[i]);
-        rig->structure.axes[i] = sn_quat_rotate(by.rotation, rig->structure.axes[i]);
-    }
-    scene->motion.joints[0].axis = sn_quat_rotate(by.rotation, scene->motion.joints[0].axis);
-    scene->motion.joints[0].point = sn_rigid_apply(by, scene->motion.joints[0].point);
-}
-
 /* numerics.md 5: a scene turned and moved 1 km away gives the same to 1e-7 L. */
 static void a_scene_turned_and_a_kilometre_away_gives_the_same(void **state) {
     (void)state;
@@ -82,7 +67,7 @@ static void a_scene_turned_and_a_kilometre_away_gives_the_same(void **state) {
         make_usual(&here, &FUSIFORM);
         make_usual(&there, &FUSIFORM);
         here.muscles[0].law = there.muscles[0].law = laws[k];
-        transform(&there, by);
+        turn_and_move(&there, by);
         simulation a = start(&here), b = start(&there);
         step_frames(&a, 24, NULL);
         step_frames(&b, 24, NULL);
