@@ -11,6 +11,9 @@
 
 /* ---- options ---------------------------------------------------------------------------------------------------------------- */
 
+static const char *const PRECISIONS[] = {"double", "single", NULL};
+static const char *const STRETCHES[] = {"springs", "membrane", NULL};
+static const char *const PRECONDITIONERS[] = {"scalar", "corotated", NULL};
 static const char *const SOLVERS[] = {"xpbd", "qn", NULL}; /* in the order of sn_solver_method, and so on */
 static const char *const LAWS[] = {"projected", "paper", "isochoric", NULL};
 static const char *const SCHEMES[] = {"guarded", "romeo", "kohout", NULL};
@@ -19,7 +22,7 @@ static struct {
     const char *size, *camera, *show, *views, *background, *title, *frames, *frame, *error;
     double zoom, range, rate;
     int64_t samples, columns, substeps;
-    int law, scheme, solver;
+    int law, scheme, solver, precision, stretch, preconditioner;
     bool legend;
     cli_list bones, bone_lists, states;
 } given = {.camera = "auto", .zoom = 1.0, .samples = 9, .legend = true};
@@ -44,6 +47,10 @@ static const cli_option options[] = {
      "end of the colours (default: a round number that few rows exceed, the same for all states)"},
     {0, "scheme", "SCHEME", CLI_CHOICE, &given.scheme, 0, 0, 0, SCHEMES, "as simulate was told: guarded, romeo or kohout"},
     {0, "solver", "METHOD", CLI_CHOICE, &given.solver, 0, 0, 0, SOLVERS, "as simulate was told: xpbd or qn"},
+    {0, "precision", "PRECISION", CLI_CHOICE, &given.precision, 0, 0, 0, PRECISIONS, "as simulate was told: double or single"},
+    {0, "stretch", "MODEL", CLI_CHOICE, &given.stretch, 0, 0, 0, STRETCHES, "as simulate was told: springs or membrane"},
+    {0, "preconditioner", "MATRIX", CLI_CHOICE, &given.preconditioner, 0, 0, 0, PRECONDITIONERS,
+     "as simulate was told: scalar or corotated"},
     {0, "law", "LAW", CLI_CHOICE, &given.law, 0, 0, 0, LAWS, "as simulate was told: projected, paper or isochoric"},
     {0, "substeps", "N", CLI_INTEGER, &given.substeps, 0, 1, 1e6, NULL, "as simulate was told"},
     {0, "rate", "N", CLI_NUMBER, &given.rate, 0, 1e-6, 1e6, NULL, "as simulate was told"},
@@ -497,8 +504,14 @@ static void stills_free(stills *s) {
 
 /* What changes the rows or the time, as simulate has it. */
 static void apply_settings(const cli *c, sn_scene *scene) {
-    if (cli_given(c, "solver") && scene->solver.method != (sn_solver_method)given.solver)
-        scene->solver = sn_solver_defaults((sn_solver_method)given.solver);
+    if (cli_given(c, "solver"))
+        sn_solver_change(&scene->solver, (sn_solver_method)given.solver);
+    else if ((cli_given(c, "scheme") && given.scheme != SN_SCHEME_GUARDED) ||
+             (cli_given(c, "precision") && given.precision != SN_PRECISION_DOUBLE))
+        sn_solver_change(&scene->solver, SN_SOLVER_XPBD);
+    if (cli_given(c, "precision")) scene->solver.precision = (sn_precision)given.precision;
+    if (cli_given(c, "preconditioner")) scene->solver.preconditioner = (sn_preconditioning)given.preconditioner;
+    for (sn_index i = 0; cli_given(c, "stretch") && i < scene->muscle_count; i++) scene->muscles[i].stretch = (sn_stretch)given.stretch;
     if (cli_given(c, "scheme")) scene->solver.scheme = (sn_scheme)given.scheme;
     if (cli_given(c, "substeps")) scene->solver.substeps = (sn_index)given.substeps;
     if (cli_given(c, "rate")) scene->rate = given.rate;
@@ -733,7 +746,8 @@ static sn_view_options picture_options(const cli *c, bool sheet) {
 
 /* Options that mean nothing together. */
 static void check_state_options(const cli *c) {
-    static const char *const names[] = {"error", "range", "scheme", "solver", "law", "substeps", "rate"};
+    static const char *const names[] = {"error",   "range",          "scheme", "solver",   "precision",
+                                        "stretch", "preconditioner", "law",    "substeps", "rate"};
     if (given.states.count > 0 && (given.frames || given.frame))
         cli_usage_error(c, "--state shows its own frame: leave out --frames and --frame");
     for (size_t i = 0; i < sizeof names / sizeof *names && given.states.count == 0; i++)

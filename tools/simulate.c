@@ -200,13 +200,10 @@ static void choose_method(job *j) {
     bool papers = (cli_given(&j->c, "scheme") && given.scheme != SN_SCHEME_GUARDED) ||
                   (cli_given(&j->c, "precision") && given.precision != SN_PRECISION_DOUBLE) ||
                   (cli_given(&j->c, "anisotropy") && given.anisotropy == SN_ANISOTROPY_PBD);
-    sn_solver_method method = cli_given(&j->c, "solver") ? (sn_solver_method)given.solver : papers ? SN_SOLVER_XPBD : solver->method;
-    if (method == solver->method) return;
-    bool sleep = solver->sleep;
-    int threads = solver->threads;
-    *solver = sn_solver_defaults(method);
-    solver->sleep = sleep;
-    solver->threads = threads;
+    if (cli_given(&j->c, "solver"))
+        sn_solver_change(solver, (sn_solver_method)given.solver);
+    else if (papers)
+        sn_solver_change(solver, SN_SOLVER_XPBD);
 }
 
 static void apply_options(job *j) {

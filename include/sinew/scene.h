@@ -104,6 +104,8 @@ void sn_scene_free(sn_scene *scene);
 void sn_scene_muscle_defaults(sn_scene_muscle *muscle); /* fills every default of an otherwise zeroed muscle */
 void sn_scene_defaults(sn_scene *scene);
 sn_solver_settings sn_solver_defaults(sn_solver_method method);
+/* To that method, with its defaults but the threads and the sleep there are; nothing where it is that method already. */
+void sn_solver_change(sn_solver_settings *settings, sn_solver_method method);
 /* Ranges, indices, names: SN_ERROR_INPUT naming bone or muscle and the value; attachments to bones the scene lacks are an error. */
 SN_MUST_CHECK sn_status sn_scene_validate(const sn_scene *scene, sn_error *error);
 

@@ -29,6 +29,14 @@ sn_solver_settings sn_solver_defaults(sn_solver_method method) {
         .method = method, .substeps = newton ? 1 : 16, .iterations = newton ? 10 : 2, .tolerance = 1e-5, .sleep = true};
 }
 
+void sn_solver_change(sn_solver_settings *settings, sn_solver_method method) {
+    const sn_solver_settings before = *settings;
+    if (method == before.method) return;
+    *settings = sn_solver_defaults(method);
+    settings->threads = before.threads;
+    settings->sleep = before.sleep;
+}
+
 void sn_scene_defaults(sn_scene *scene) {
     *scene = (sn_scene){0};
     scene->meters_per_unit = 1.0;

@@ -110,7 +110,7 @@ cache() {
 state_of_turning_scene() {
     "$BIN/attach-detect" tetra.muscle.json --pin bone=sphere:0,0,0.1,0.01 --no-history -q -o bound.muscle.json
     cat > turn.scene.json << 'END'
-{ "format": "sinew-scene", "version": 1, "name": "turn", "frames": [0, 4],
+{ "format": "sinew-scene", "version": 1, "name": "turn", "frames": [0, 4], "solver": { "method": "xpbd" },
   "motion": { "joints": [ { "name": "j", "type": "hinge", "axis": [1, 0, 0], "point": [0, 0, 0], "keys": [[0, 0], [0.15, 40]] } ] },
   "bones": [ { "name": "bone", "mesh": "tetra.off", "joint": "j" } ],
   "muscles": [ { "name": "tetra", "rig": "bound.muscle.json", "activation": 0.5 } ] }
@@ -160,7 +160,7 @@ END
     python3 - << 'END'
 import hashlib, struct
 data = bytearray(open("half.state", "rb").read())
-head, points = 12 + 4 + 72, 72 + 16 + 9 * 8 + 8 * 8 + 16
+head, points = 12 + 4 + 72, 72 + 16 + 9 * 8 + 8 * 8 + 18
 data[head + points:head + points + 8] = struct.pack("d", float("nan"))
 data[16:88] = b"sha256:" + hashlib.sha256(data[88:]).hexdigest().encode() + b"\0"
 open("nan.state", "wb").write(data)

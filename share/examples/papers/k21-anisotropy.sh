@@ -14,7 +14,7 @@ scene muscle "$frames" '' "$@"
 # run SCHEME FORM ITERATIONS: false where it blew up
 run() {
     run=$out/$1-$2-$3
-    simulate "$out/muscle.scene.json" --scheme "$1" --anisotropy "$2" --substeps 1 --iterations "$3" --state "$run.state" -o "$run.pc2" \
+    simulate "$out/muscle.scene.json" --solver xpbd --scheme "$1" --anisotropy "$2" --substeps 1 --iterations "$3" --state "$run.state" -o "$run.pc2" \
         --log "$out/log.jsonl" -q || return 1
     ! wild "$out/log.jsonl" && return 0
     return 1
@@ -39,7 +39,7 @@ for pair in kohout:pbd guarded:xpbd; do
     [ -n "$drawn" ] || continue
     set --
     for kind in none "$form"; do for i in $drawn; do set -- "$@" --state "$out/$scheme-$kind-$i.state"; done; done
-    rig-view "$out/muscle.scene.json" --scheme "$scheme" --substeps 1 "$@" --columns $(($# / 4)) --size 300x440 --camera front -q \
+    rig-view "$out/muscle.scene.json" --solver xpbd --scheme "$scheme" --substeps 1 "$@" --columns $(($# / 4)) --size 300x440 --camera front -q \
         --title "$scheme: anisotropy off (above) and on (below), iterations:$drawn" -o "$out/$recipe-$scheme.png"
     say "$out/$recipe-$scheme.png"
 done

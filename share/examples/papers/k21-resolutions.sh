@@ -30,7 +30,7 @@ for n in $triangles; do
     # the picture is that with the same iterations at all levels: the last to be run
     for i in $([ "$level" -lt 2 ] || echo $((10 * iterations))) $iterations; do
         printf 'L%s\t%s\t%s\t%s\t%s\n' "$level" "$(count "L$level")" "$i" "$(run kohout "L$level" --scheme kohout --substeps 1 --iterations "$i")" \
-            "$(run guarded "L$level" --substeps 1 --iterations "$i")" >> "$out/$recipe.tsv"
+            "$(run guarded "L$level" --solver xpbd --substeps 1 --iterations "$i")" >> "$out/$recipe.tsv"
     done
     level=$((level + 1))
 done

@@ -15,7 +15,7 @@ run() { # NAME OPTION...
     member volume_ratio < "$out/$name.jsonl" > "$out/$name.ratios"
 }
 run kohout --scheme kohout --substeps 1 --iterations "$iterations"
-run guarded --substeps 1 --iterations "$iterations"
+run guarded --solver xpbd --substeps 1 --iterations "$iterations"
 run default
 {
     printf 'frame\tdegrees\tkohout\tguarded\tdefault\n'
