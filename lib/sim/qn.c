@@ -425,7 +425,8 @@ static void qn_substep(const sn_model_muscle *m, sn_muscle_state *s, const sn_su
     double force = sqrt(dot(m->point_count, s->qn->gradient, s->qn->gradient));
     s->statistics.residual = s->stiffness > 0.0 ? force / (s->stiffness * m->diagonal) : NAN;
     set_velocities(m, s, 1.0 / substep->h);
-    if (substep->end == m->iterations) sn_kinematics_limit_speed(m, s, substep->rules->most_speed * m->diagonal);
+    /* nor farther than once its length in a step */
+    if (substep->end == m->iterations) sn_kinematics_limit_speed(m, s, fmin(substep->rules->most_speed, 1.0 / substep->h) * m->diagonal);
 }
 
 static void qn_destroy(sn_muscle_state *s) {

@@ -571,6 +571,7 @@ static void a_kilometre_away(void) {
         set_keys(&scenes[i].muscles[0].activation, 0.0, 0.0, 1.0, 0.7);
         scenes[i].gravity = sn_v3(0, -9.81, 0);
         if (i == 1) transform(&scenes[i], by);
+        if (solver == SN_SOLVER_QN) converge(&scenes[i]), scenes[i].solver.tolerance = 1e-9, scenes[i].solver.iterations = 2000;
         s[i] = start(&scenes[i]);
         far = fmax(far, run(&s[i], 24));
     }

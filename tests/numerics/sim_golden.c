@@ -33,7 +33,7 @@ static void make_everything(sn_scene *scene) {
     if (SOLVERS[solver].method == SN_SOLVER_QN) scene->solver.substeps = 2;
     add_muscle(scene, "isochoric", &small);
     add_muscle(scene, "paper", &FUSIFORM);
-    scene->muscles[0].anisotropy = SN_ANISOTROPY_PBD;
+    scene->muscles[0].anisotropy = SOLVERS[solver].method == SN_SOLVER_XPBD ? SN_ANISOTROPY_PBD : SN_ANISOTROPY_XPBD;
     scene->muscles[1].law = SN_LAW_ISOCHORIC;
     scene->muscles[1].anisotropy = SN_ANISOTROPY_XPBD;
     scene->muscles[0].stretch = scene->muscles[1].stretch = SOLVERS[solver].stretch;
