@@ -4,13 +4,15 @@
  *   scalar     A = M/h^2 + k sum scale K KT, one n x n matrix for x, y and z: blind to rotations, and safe at any shape
  *   corotated  A = R (M/h^2 + k sum scale g gT) RT, 3n x 3n: the Hessian of the rest shape, turned with the muscle by the frames of its
  *              sections. It knows directions, and is no good where triangles have collapsed or edges are far from their length
+ *   two-level  A^-1 + Z (ZT H Z)^-1 ZT with the scalar A: rigid motions of sections are solved for where the muscle is (two_level.c)
  *
- * Which of the two a substep goes by is decided at its start; a matrix that is never asked for is never made.
+ * Which of them a substep goes by is decided at its start; a matrix that is never asked for is never made.
  */
 #include "blocks.h"
 #include "frames.h"
 #include "qn.h"
 #include "rest_rows.h"
+#include "two_level.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -34,6 +36,8 @@ struct sn_preconditioner {
     rest_matrix scalar, corotated;
     sn_frames frames;         /* none until they are asked for */
     sn_quat *turns;           /* (point_count) frames of the points; NULL = this substep goes by the scalar matrix */
+    sn_two_level coarse;      /* none but under the two-level matrix */
+    bool corrects;            /* this substep goes by it */
     double *right, *solution; /* (6 free_count) of the volume row behind those of the caller */
     sn_vec3 *volume_gradient; /* (point_count) g on free points, zero elsewhere */
     sn_vec3 *volume_solved;   /* (point_count) A^-1 g */
@@ -136,7 +140,7 @@ sn_status sn_preconditioner_create(const sn_model_muscle *m, sn_preconditioner *
     sn_preconditioner *p = SN_NEW(sn_preconditioner, 1);
     if (p == NULL) return sn_fail_memory(error, "the preconditioner");
     *p = (sn_preconditioner){.model = m, .point_count = m->point_count, .vertex_count = m->vertex_count};
-    if (!number_points(p, m) || !make_scratch(p)) {
+    if (!number_points(p, m) || !make_scratch(p) || (m->two_level && !sn_two_level_create(m, &p->coarse))) {
         sn_preconditioner_destroy(p);
         return sn_fail_memory(error, "the preconditioner");
     }
@@ -154,6 +158,7 @@ void sn_preconditioner_destroy(sn_preconditioner *p) {
     free_matrix(&p->scalar);
     free_matrix(&p->corotated);
     sn_frames_free(&p->frames);
+    sn_two_level_free(&p->coarse);
     free(p->number_of);
     free(p->point_of);
     free(p->mass);
@@ -181,6 +186,11 @@ bool sn_preconditioner_update(sn_preconditioner *p, double h, double stiffness, 
     if (*changed) *factored_for = stiffness;
     if (turns != NULL && !make_frames(p)) return false;
     return build_matrix(p, matrix, turns != NULL ? 3 : 1) && factor(p, matrix, h, *factored_for);
+}
+
+void sn_preconditioner_correct(sn_preconditioner *p, const sn_vec3 *positions, double h, double stiffness) {
+    p->corrects = positions != NULL && p->coarse.model != NULL;
+    if (p->corrects) sn_two_level_update(&p->coarse, positions, h, stiffness);
 }
 
 void sn_preconditioner_turn(sn_preconditioner *p, const sn_point *points) {
@@ -226,7 +236,9 @@ void sn_preconditioner_set_volume(sn_preconditioner *p, const sn_vec3 *volume_gr
 /* A^-1 g has come: with it the row's scale. */
 static void take_volume(sn_preconditioner *p, const double *solution) {
     double product = 0.0;
+    if (p->corrects) sn_two_level_solve(&p->coarse, p->volume_gradient);
     scatter(p, solution, p->volume_solved);
+    if (p->corrects) sn_two_level_add(&p->coarse, p->volume_solved);
     for (sn_index i = 0; i < p->vertex_count; i++) product += sn_dot(p->volume_gradient[i], p->volume_solved[i]);
     p->volume_scale = p->volume_stiffness / (1.0 + p->volume_stiffness * product);
     p->volume_stiffness = 0.0;
@@ -244,7 +256,9 @@ bool sn_preconditioner_apply(sn_preconditioner *p, const sn_vec3 *in, sn_vec3 *o
     if (both) take_volume(p, p->solution + numbers);
     double along = 0.0;
     for (sn_index i = 0; p->volume_scale > 0.0 && i < p->vertex_count; i++) along += sn_dot(p->volume_solved[i], in[i]);
+    if (p->corrects) sn_two_level_solve(&p->coarse, in);
     scatter(p, p->solution, out);
+    if (p->corrects) sn_two_level_add(&p->coarse, out);
     double scale = -p->volume_scale * along;
     for (sn_index i = 0; p->volume_scale > 0.0 && i < p->point_count; i++) out[i] = sn_add_scaled(out[i], p->volume_solved[i], scale);
     return true;

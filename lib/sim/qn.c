@@ -370,26 +370,36 @@ static void try_carried(const sn_model_muscle *m, sn_muscle_state *s, const sn_s
     sn_objective_evaluate(&objective, s->points, qn->gradient); /* for the gradient of the volume there */
 }
 
-/* The corotated matrix is of use near the rest shape only: no collapsed triangle, no edge that is half a mean edge off (numerics.md 7). */
+/* The corotated and the two-level matrix are of use near the rest shape only: no collapsed triangle, no edge that is half a mean edge off
+ * (numerics.md 7). */
 static bool may_turn(const sn_model_muscle *m, const sn_muscle_state *s, sn_index collapsed) {
-    return m->corotated && collapsed == 0 && stretch(m, s).max <= 0.5;
+    return (m->corotated || m->two_level) && collapsed == 0 && stretch(m, s).max <= 0.5;
 }
 
 /* The matrix that the substep goes by. */
-static bool go_by(sn_muscle_state *s, double h, bool *changed) {
-    return sn_preconditioner_update(s->qn->preconditioner, h, s->stiffness, s->turned ? s->turns : NULL, &s->factor_stiffness, changed);
+static bool go_by(const sn_model_muscle *m, sn_muscle_state *s, double h, bool *changed) {
+    sn_quat *turns = s->turned && m->corotated ? s->turns : NULL;
+    return sn_preconditioner_update(s->qn->preconditioner, h, s->stiffness, turns, &s->factor_stiffness, changed);
+}
+
+/* The coarse space of the two-level matrix, at these points from here to the end of the substep. */
+static void place_sections(const sn_model_muscle *m, sn_muscle_state *s, double h) {
+    if (!m->two_level) return;
+    for (sn_index i = 0; i < m->point_count; i++) s->section_points[i] = sn_point_position(&s->points[i]);
+    sn_preconditioner_correct(s->qn->preconditioner, s->turned ? s->section_points : NULL, h, s->stiffness);
 }
 
 static void begin(const sn_model_muscle *m, sn_muscle_state *s, const sn_substep *substep) {
     bool changed = false;
     stop(s, SN_STOP_ITERATIONS);
+    sn_preconditioner_correct(s->qn->preconditioner, NULL, substep->h, s->stiffness); /* the predictor goes by the scalar matrix */
     if (is_wrecked(m, s, guard_triangles(m, s))) restart(m, s, substep);
     s->turned = may_turn(m, s, guard_triangles(m, s));
     aim(m, s, substep->gravity, substep->h);
     double jump = place_carried(m, s, substep->poses);
-    if (s->turned && !go_by(s, substep->h, &changed)) s->turned = false; /* free and stiff: to rounding it is singular */
-    if (!s->turned && !go_by(s, substep->h, &changed)) stop(s, SN_STOP_FAILED);
-    if (changed || s->turned) forget_pairs(s); /* pairs from other frames mislead the corotated matrix */
+    if (s->turned && !go_by(m, s, substep->h, &changed)) s->turned = false; /* free and stiff: to rounding it is singular */
+    if (!s->turned && !go_by(m, s, substep->h, &changed)) stop(s, SN_STOP_FAILED);
+    if (changed || (s->turned && (m->corotated))) forget_pairs(s); /* pairs from other frames mislead the corotated matrix */
     s->statistics.refactorisations += changed;
     /* how far the weight alone moves a free point: h^2 g e^(-c h) */
     sn_vec3 weight = sn_scale(substep->gravity, substep->h * substep->h * exp(-m->source->damping * substep->h));
@@ -400,6 +410,7 @@ static void begin(const sn_model_muscle *m, sn_muscle_state *s, const sn_substep
     if (jump > FAR * m->diagonal) try_carried(m, s, substep);
     s->torn = jump > FAR * m->diagonal || stretch(m, s).max > FAR_STRETCHED;
     sn_preconditioner_turn(s->qn->preconditioner, s->points);
+    place_sections(m, s, substep->h);
     take_volume_gradient(m, s);
 }
 
@@ -408,7 +419,8 @@ static void resume(const sn_model_muscle *m, sn_muscle_state *s, double h) {
     sn_objective objective = objective_of(m, s, h);
     bool changed;
     if (s->stopped != SN_STOP_ITERATIONS) return;
-    if (!go_by(s, h, &changed)) stop(s, SN_STOP_FAILED);
+    if (!go_by(m, s, h, &changed)) stop(s, SN_STOP_FAILED);
+    if (m->two_level) sn_preconditioner_correct(s->qn->preconditioner, s->turned ? s->section_points : NULL, h, s->stiffness);
     sn_preconditioner_set_volume(s->qn->preconditioner, s->row_gradient, volume_stiffness(m, s));
     s->energy = sn_objective_evaluate(&objective, s->points, s->qn->gradient);
 }

@@ -25,7 +25,7 @@ double sn_objective_evaluate(const sn_objective *objective, sn_point *points, sn
 
 /* ---- precondition.c ---- */
 
-/* An approximate Hessian of Phi without the volume row, scalar or corotated (precondition.c); the volume row enters as k_V g gT
+/* An approximate Hessian of Phi without the volume row, scalar, corotated or two-level (precondition.c); the volume row enters as k_V g gT
  * (Sherman-Morrison). */
 typedef struct sn_preconditioner sn_preconditioner;
 SN_MUST_CHECK sn_status sn_preconditioner_create(const sn_model_muscle *m, sn_preconditioner **out, sn_error *error);
@@ -36,6 +36,9 @@ void sn_preconditioner_destroy(sn_preconditioner *p); /* NULL is fine */
 bool sn_preconditioner_update(sn_preconditioner *p, double h, double stiffness, sn_quat *turns, double *factored_for, bool *changed);
 /* Turn the corotated matrix with the muscle at these points (point_count); nothing for the scalar one. */
 void sn_preconditioner_turn(sn_preconditioner *p, const sn_point *points);
+/* From the next solve on, where there is a coarse space: correct with its Hessian at positions (point_count) for (h, k); NULL: do not. The
+ * volume row is then to be set anew. */
+void sn_preconditioner_correct(sn_preconditioner *p, const sn_vec3 *positions, double h, double stiffness);
 /* From the next solve on: the volume row at volume_gradient g (vertex_count; copied) with stiffness k_V; k_V = 0: without it. */
 void sn_preconditioner_set_volume(sn_preconditioner *p, const sn_vec3 *volume_gradient, double volume_stiffness);
 /* out = (A + k_V g gT)^-1 in, on free points; zero on carried ones. Both (point_count); out may be in. */
