@@ -399,7 +399,7 @@ static void begin(const sn_model_muscle *m, sn_muscle_state *s, const sn_substep
     double jump = place_carried(m, s, substep->poses);
     if (s->turned && !go_by(m, s, substep->h, &changed)) s->turned = false; /* free and stiff: to rounding it is singular */
     if (!s->turned && !go_by(m, s, substep->h, &changed)) stop(s, SN_STOP_FAILED);
-    if (changed || (s->turned && (m->corotated))) forget_pairs(s); /* pairs from other frames mislead the corotated matrix */
+    if (changed || (s->turned && m->corotated)) forget_pairs(s); /* pairs from other frames mislead the corotated matrix */
     s->statistics.refactorisations += changed;
     /* how far the weight alone moves a free point: h^2 g e^(-c h) */
     sn_vec3 weight = sn_scale(substep->gravity, substep->h * substep->h * exp(-m->source->damping * substep->h));

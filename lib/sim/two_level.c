@@ -214,14 +214,14 @@ void sn_two_level_solve(sn_two_level *t, const sn_vec3 *in) {
     }
 }
 
-void sn_two_level_add(const sn_two_level *t, sn_vec3 *out) {
+void sn_two_level_add(const sn_two_level *t, double share, sn_vec3 *out) {
     for (sn_index i = 0; i < t->model->point_count; i++) {
         for (int k = 0; k < SN_COARSE_OVERLAP; k++) {
             if (!(t->weight[i][k] > 0.0)) continue;
             const double *a = t->amount + SN_COARSE_MODES * t->member[i][k];
             sn_vec3 arm = sn_sub(t->at[i], t->middle[t->member[i][k]]);
             sn_vec3 move = sn_add(sn_v3(a[0], a[1], a[2]), sn_cross(sn_v3(a[3], a[4], a[5]), arm));
-            out[i] = sn_add_scaled(out[i], move, t->weight[i][k]);
+            out[i] = sn_add_scaled(out[i], move, share * t->weight[i][k]);
         }
     }
 }

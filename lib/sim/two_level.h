@@ -31,7 +31,7 @@ void sn_two_level_free(sn_two_level *t);
 void sn_two_level_update(sn_two_level *t, const sn_vec3 *positions, double h, double stiffness);
 /* amount = (ZT H Z)^-1 ZT in; in (points). */
 void sn_two_level_solve(sn_two_level *t, const sn_vec3 *in);
-/* out (points) += Z amount. */
-void sn_two_level_add(const sn_two_level *t, sn_vec3 *out);
+/* out (points) += share Z amount. */
+void sn_two_level_add(const sn_two_level *t, double share, sn_vec3 *out);
 
 #endif
