@@ -20,6 +20,20 @@ static bool visit_distances(const sn_model_muscle *m, const sn_vec3 *at, bool (*
     return true;
 }
 
+/* The gradients of sn_hinge_constraint, bit for bit, without its angle: the matrices need none. */
+static bool hinge_gradients(const sn_vec3 p[4], sn_vec3 gradient[4]) {
+    sn_vec3 e = sn_sub(p[1], p[0]), ac = sn_sub(p[0], p[2]), bc = sn_sub(p[1], p[2]), ad = sn_sub(p[0], p[3]), bd = sn_sub(p[1], p[3]);
+    sn_vec3 n1 = sn_cross(ac, bc), n2 = sn_cross(bd, ad);
+    double e2 = sn_norm2(e), q1 = sn_norm2(n1), q2 = sn_norm2(n2), least = SN_HINGE_GUARD * e2 * e2, length = sqrt(e2);
+    if (e2 < SN_EDGE_GUARD || !(q1 > least && q2 > least) || !isfinite(q1) || !isfinite(q2)) return false;
+    sn_vec3 unit = sn_scale(e, 1.0 / length), m1 = sn_scale(n1, 1.0 / q1), m2 = sn_scale(n2, 1.0 / q2);
+    gradient[0] = sn_add(sn_scale(m1, sn_dot(bc, unit)), sn_scale(m2, sn_dot(bd, unit)));
+    gradient[1] = sn_add(sn_scale(m1, -sn_dot(ac, unit)), sn_scale(m2, -sn_dot(ad, unit)));
+    gradient[2] = sn_scale(m1, -length);
+    gradient[3] = sn_scale(m2, -length);
+    return true;
+}
+
 /* The weights of a hinge at rest; the rows were built from hinges that have them. */
 static void hinge_weights(const sn_vec3 p[4], double weight[4]) {
     sn_vec3 e = sn_sub(p[1], p[0]), ac = sn_sub(p[0], p[2]), bc = sn_sub(p[1], p[2]), ad = sn_sub(p[0], p[3]), bd = sn_sub(p[1], p[3]);
@@ -35,9 +49,8 @@ static bool visit_hinges(const sn_model_muscle *m, const sn_vec3 *at, bool (*vis
     for (sn_index r = 0; r < m->hinge_count; r++) {
         sn_rest_row row = {.count = 4, .point = m->hinges[r].point, .scale = m->source->stiffness_dihedral};
         sn_vec3 p[4];
-        double angle;
         for (int i = 0; i < 4; i++) p[i] = at[row.point[i]];
-        if (!sn_hinge_constraint(p, 0.0, &angle, row.gradient)) continue;
+        if (!hinge_gradients(p, row.gradient)) continue;
         hinge_weights(p, row.weight);
         if (m->hinge_softness != NULL) row.scale /= m->hinge_softness[r];
         if (!visit(user, &row)) return false;

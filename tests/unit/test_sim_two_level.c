@@ -87,6 +87,30 @@ static double largest(sn_index count, const sn_vec3 *a) {
     return most;
 }
 
+/* Gradients of hinges are those of the constraint bit for bit, those of springs to rounding, also where the muscle is not at rest. */
+static bool compare_with_constraint(void *user, const sn_rest_row *row) {
+    const coarse *c = user;
+    sn_vec3 p[4], g[4];
+    double value;
+    for (int i = 0; i < row->count; i++) p[i] = c->at[row->point[i]];
+    if (row->count == 4) {
+        assert_true(sn_hinge_constraint(p, 0.0, &value, g));
+        assert_memory_equal(g, row->gradient, sizeof g);
+    } else {
+        assert_true(sn_distance_constraint(p[0], p[1], 0.0, &value, g));
+        assert_true(sn_distance(g[0], row->gradient[0]) < 1e-14 && sn_distance(g[1], row->gradient[1]) < 1e-14);
+    }
+    return true;
+}
+
+static void rows_have_the_gradients_of_constraints(void **state) {
+    (void)state;
+    coarse c;
+    make_coarse(&c);
+    assert_true(sn_rows_at(c.m, c.at, compare_with_constraint, &c));
+    free_coarse(&c);
+}
+
 /* All sections turned alike about one centre move the free points as one rigid body, and the others not at all. */
 static void modes_hold_rigid_motions(void **state) {
     (void)state;
@@ -272,10 +296,15 @@ static void wrecks_recover(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(modes_hold_rigid_motions),       cmocka_unit_test(what_sections_can_do_is_solved_exactly),
-        cmocka_unit_test(dependent_modes_are_left_out),   cmocka_unit_test(the_solution_does_not_change),
-        cmocka_unit_test(a_twist_takes_fewer_iterations), cmocka_unit_test(a_stop_changes_no_bit),
-        cmocka_unit_test(a_free_muscle_has_no_sections),  cmocka_unit_test(wrecks_recover),
+        cmocka_unit_test(rows_have_the_gradients_of_constraints),
+        cmocka_unit_test(modes_hold_rigid_motions),
+        cmocka_unit_test(what_sections_can_do_is_solved_exactly),
+        cmocka_unit_test(dependent_modes_are_left_out),
+        cmocka_unit_test(the_solution_does_not_change),
+        cmocka_unit_test(a_twist_takes_fewer_iterations),
+        cmocka_unit_test(a_stop_changes_no_bit),
+        cmocka_unit_test(a_free_muscle_has_no_sections),
+        cmocka_unit_test(wrecks_recover),
     };
     return cmocka_run_group_tests_name("two-level", tests, NULL, NULL);
 }
