@@ -16,7 +16,7 @@
 enum { FORMAT_PC2, FORMAT_PLY };
 static const char *const FORMATS[] = {"pc2", "ply", NULL};
 static const char *const SOLVERS[] = {"xpbd", "qn", NULL}; /* in the order of sn_solver_method */
-static const char *const PRECONDITIONERS[] = {"scalar", "corotated", NULL};
+static const char *const PRECONDITIONERS[] = {"scalar", "corotated", "two-level", NULL};
 static const char *const STRETCHES[] = {"springs", "membrane", NULL};
 static const char *const LAWS[] = {"projected", "paper", "isochoric", NULL};
 static const char *const SCHEMES[] = {"guarded", "romeo", "kohout", NULL};
@@ -53,7 +53,7 @@ static const cli_option OPTIONS[] = {
     {0, "no-sleep", NULL, CLI_FLAG, &given.no_sleep, 0, 0, 0, NULL, "step muscles at rest too"},
     {0, "tolerance", "SHARE", CLI_NUMBER, &given.tolerance, 0, 0, 1, NULL,
      "qn: a substep ends when a whole step moves no point by more than this share of the diagonal"},
-    {0, "preconditioner", "MATRIX", CLI_CHOICE, &given.preconditioner, 0, 0, 0, PRECONDITIONERS, "qn: scalar or corotated"},
+    {0, "preconditioner", "MATRIX", CLI_CHOICE, &given.preconditioner, 0, 0, 0, PRECONDITIONERS, "qn: scalar, corotated or two-level"},
     {0, "target-error", "E", CLI_NUMBER, &given.target_error, 0, 1e-12, 10, NULL,
      "with --choose: stay within this RMS distance to the true motion, as a share of the diagonal"},
     {0, "choose", "REPORT", CLI_TEXT, &given.choose, 0, 0, 0, NULL,

@@ -66,9 +66,9 @@ typedef enum sn_solver_method { SN_SOLVER_XPBD, SN_SOLVER_QN } sn_solver_method;
 /* How `xpbd` goes about it: guarded is sinew's own; the others are the papers', to the letter ([R18] alg. 1, [K21] alg. 2). */
 typedef enum sn_scheme { SN_SCHEME_GUARDED, SN_SCHEME_ROMEO, SN_SCHEME_KOHOUT } sn_scheme;
 
-/* The matrix that `qn` goes by (numerics.md 2, 7): one number for x, y and z of two points; or the Hessian of the rest shape, turned with
- * the muscle. */
-typedef enum sn_preconditioning { SN_PRECONDITION_SCALAR, SN_PRECONDITION_COROTATED } sn_preconditioning;
+/* The matrix that `qn` goes by (numerics.md 2, 7): one number for x, y and z of two points; the Hessian of the rest shape, turned with
+ * the muscle; or the first and, beside it, the rigid motions of sections. */
+typedef enum sn_preconditioning { SN_PRECONDITION_SCALAR, SN_PRECONDITION_COROTATED, SN_PRECONDITION_TWO_LEVEL } sn_preconditioning;
 /* Of the projections under `xpbd`: single keeps points and inputs in double and projects in floats near the muscle's middle. */
 typedef enum sn_precision { SN_PRECISION_DOUBLE, SN_PRECISION_SINGLE } sn_precision;
 

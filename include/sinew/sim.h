@@ -157,6 +157,7 @@ typedef struct sn_model_muscle {
     bool *distance_pairs[SN_DISTANCE_KINDS], *hinge_pairs, *area_pairs; /* (batched / 4) this four and the next share no point */
     bool quasi_newton;                                                  /* the back end is `qn` */
     bool corotated;   /* qn: by the rest shape's Hessian, turned with the muscle, where the shape allows it */
+    bool two_level;   /* qn: the scalar matrix and a coarse space of sections, where the shape allows it */
     double tolerance; /* qn: stop when a whole step moves no point by more than this share of the diagonal */
 } sn_model_muscle;
 
@@ -248,6 +249,7 @@ static inline sn_vec3 sn_point_position(const sn_point *p) { return sn_v3(p->x, 
     X(double, pair_products, m->quasi_newton ? 8 : 0, true)                                                                                \
     X(bool, guarded, m->quasi_newton ? m->area_count : 0, true)                                                                            \
     X(sn_quat, turns, m->corotated ? m->point_count : 0, true)                                                                             \
+    X(sn_vec3, section_points, m->two_level ? m->point_count : 0, true)                                                                    \
     X(sn_vec3, row_gradient, m->quasi_newton && m->keeps_volume ? m->vertex_count : 0, true)                                               \
     /* single precision: the points during a substep, relative to an origin (one), and 6 dV/dx */                                          \
     X(sn_single_point, single_points, m->single ? m->point_count : 0, true)                                                                \
@@ -265,7 +267,7 @@ typedef struct sn_muscle_state {
     sn_index pair_count, pair_next; /* qn: pairs at hand, and the slot of the next */
     sn_stop_reason stopped;         /* qn: why the substep needs no further iteration; SN_STOP_ITERATIONS = it may */
     bool torn;                      /* qn: the substep began far from any shape of rest: more effort */
-    bool turned;                    /* qn: the substep goes by the corotated matrix */
+    bool turned;                    /* qn: the substep goes by the corotated or the two-level matrix */
     double energy;                  /* qn: Phi at the points, J */
     double factor_stiffness;        /* qn: k that the matrix is factored for, N/m; NaN = none yet */
     struct sn_qn *qn;               /* qn: factor and scratch, remade from the model; NULL under xpbd */

@@ -40,16 +40,17 @@ bool sn_blocks_close(sn_blocks *b) {
     return b->entries != NULL;
 }
 
-void sn_blocks_entries(sn_blocks *b, double stiffness, const double *masses) {
+void sn_blocks_entries(sn_blocks *b, sn_index count, const sn_index *first, const double *stiffness, const double *masses) {
     sn_index size = b->size;
     sn_entry *next = b->entries;
     for (sn_index i = 0; i < b->count; i++) {
         const sn_block *block = &b->blocks[i];
         if (block->column >= b->rows) continue;
+        double k = sn_blocks_stiffness(count, first, stiffness, block->row);
         for (sn_index r = 0; r < size; r++) {
             for (sn_index c = 0; c < (i < b->rows ? r + 1 : size); c++) {
-                double mass = i < b->rows && r == c ? masses[i] : 0.0;
-                *next++ = (sn_entry){size * block->row + r, size * block->column + c, stiffness * block->value[size * r + c] + mass};
+                double mass = masses != NULL && i < b->rows && r == c ? masses[i] : 0.0;
+                *next++ = (sn_entry){size * block->row + r, size * block->column + c, k * block->value[size * r + c] + mass};
             }
         }
     }

@@ -134,6 +134,7 @@ static sn_status build_muscle(const sn_build *build, sn_error *error) {
     if ((status = sn_kinematics_build(build, error)) != SN_OK) return status;
     /* of a free muscle the rest shape's Hessian is singular to rounding: nothing but its mass holds it */
     m->corotated = m->quasi_newton && m->kinematic_count > 0 && build->scene->solver.preconditioner == SN_PRECONDITION_COROTATED;
+    m->two_level = m->quasi_newton && m->kinematic_count > 0 && build->scene->solver.preconditioner == SN_PRECONDITION_TWO_LEVEL;
     if ((status = sn_distance_build(build, error)) != SN_OK) return status;
     if ((status = sn_hinge_build(build, error)) != SN_OK) return status;
     if ((status = sn_area_build(build, error)) != SN_OK) return status;

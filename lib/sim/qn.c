@@ -107,6 +107,12 @@ static double volume_stiffness(const sn_model_muscle *m, const sn_muscle_state *
     return m->keeps_volume ? sn_row_stiffness(m, s, SN_ROWS_VOLUME) : 0.0;
 }
 
+/* From here on the matrix has the volume row with this gradient (vertex_count). */
+static void set_volume_row(const sn_model_muscle *m, sn_muscle_state *s, const sn_vec3 *gradient) {
+    double k = volume_stiffness(m, s);
+    sn_preconditioner_set_volume(s->qn->preconditioner, gradient, &k);
+}
+
 static double double_area(const sn_point *points, const sn_index *v) {
     sn_vec3 a = sn_point_position(&points[v[0]]), b = sn_point_position(&points[v[1]]), c = sn_point_position(&points[v[2]]);
     return sn_norm(sn_area_vector(a, b, c));
@@ -170,10 +176,10 @@ static double make_direction(const sn_model_muscle *m, sn_muscle_state *s, doubl
         *slope = dot(m->point_count, s->qn->gradient, d);
         if (*slope <= 0.0) break;
         forget_pairs(s); /* pairs from elsewhere mislead; and of a gradient that is all pressure the volume row leaves rounding */
-        if (attempt == 1) sn_preconditioner_set_volume(s->qn->preconditioner, NULL, 0.0);
+        if (attempt == 1) sn_preconditioner_set_volume(s->qn->preconditioner, NULL, NULL);
         with_volume = attempt == 0;
     }
-    if (!with_volume) sn_preconditioner_set_volume(s->qn->preconditioner, s->row_gradient, volume_stiffness(m, s));
+    if (!with_volume) set_volume_row(m, s, s->row_gradient);
     double most = longest(m->point_count, d), cap = STEP_CAP * size_of(m, s);
     if (!isfinite(most) || !(*slope <= 0.0)) return -1.0;
     if (most > cap) {
@@ -194,7 +200,7 @@ static void stop(sn_muscle_state *s, sn_stop_reason reason) { s->statistics.stop
 /* From here on the matrix has the volume row of these points. */
 static void take_volume_gradient(const sn_model_muscle *m, sn_muscle_state *s) {
     if (m->keeps_volume) memcpy(s->row_gradient, s->volume_gradient, (size_t)m->vertex_count * sizeof *s->row_gradient);
-    sn_preconditioner_set_volume(s->qn->preconditioner, s->row_gradient, volume_stiffness(m, s));
+    set_volume_row(m, s, s->row_gradient);
 }
 
 /* The gradient is up to date before and after. */
@@ -272,8 +278,8 @@ static bool predict(const sn_model_muscle *m, sn_muscle_state *s, double h, sn_v
     choose_base(m, s, weight);
     sn_objective_evaluate(&objective, qn->trial, qn->gradient);
     sn_preconditioner_turn(qn->preconditioner, qn->trial);
-    sn_preconditioner_add_jump(qn->preconditioner, qn->jump, s->volume_gradient, k_volume, qn->gradient);
-    sn_preconditioner_set_volume(qn->preconditioner, s->volume_gradient, k_volume);
+    sn_preconditioner_add_jump(qn->preconditioner, qn->jump, s->volume_gradient, &k_volume, qn->gradient);
+    set_volume_row(m, s, s->volume_gradient);
     if (!sn_preconditioner_apply(qn->preconditioner, qn->gradient, qn->direction)) return false;
     for (sn_index i = 0; i < m->point_count; i++) {
         sn_vec3 base = sn_point_position(&qn->trial[i]);
@@ -370,26 +376,36 @@ static void try_carried(const sn_model_muscle *m, sn_muscle_state *s, const sn_s
     sn_objective_evaluate(&objective, s->points, qn->gradient); /* for the gradient of the volume there */
 }
 
-/* The corotated matrix is of use near the rest shape only: no collapsed triangle, no edge that is half a mean edge off (numerics.md 7). */
+/* The corotated and the two-level matrix are of use near the rest shape only: no collapsed triangle, no edge that is half a mean edge off
+ * (numerics.md 7). */
 static bool may_turn(const sn_model_muscle *m, const sn_muscle_state *s, sn_index collapsed) {
-    return m->corotated && collapsed == 0 && stretch(m, s).max <= 0.5;
+    return (m->corotated || m->two_level) && collapsed == 0 && stretch(m, s).max <= 0.5;
 }
 
 /* The matrix that the substep goes by. */
-static bool go_by(sn_muscle_state *s, double h, bool *changed) {
-    return sn_preconditioner_update(s->qn->preconditioner, h, s->stiffness, s->turned ? s->turns : NULL, &s->factor_stiffness, changed);
+static bool go_by(const sn_model_muscle *m, sn_muscle_state *s, double h, bool *changed) {
+    sn_quat *turns = s->turned && m->corotated ? s->turns : NULL;
+    return sn_preconditioner_update(s->qn->preconditioner, h, &s->stiffness, turns, &s->factor_stiffness, changed);
+}
+
+/* The coarse space of the two-level matrix, at these points from here to the end of the substep. */
+static void place_sections(const sn_model_muscle *m, sn_muscle_state *s, double h) {
+    if (!m->two_level) return;
+    for (sn_index i = 0; i < m->point_count; i++) s->section_points[i] = sn_point_position(&s->points[i]);
+    sn_preconditioner_correct(s->qn->preconditioner, s->turned ? s->section_points : NULL, h, &s->stiffness);
 }
 
 static void begin(const sn_model_muscle *m, sn_muscle_state *s, const sn_substep *substep) {
     bool changed = false;
     stop(s, SN_STOP_ITERATIONS);
+    sn_preconditioner_correct(s->qn->preconditioner, NULL, substep->h, &s->stiffness); /* the predictor goes by the scalar matrix */
     if (is_wrecked(m, s, guard_triangles(m, s))) restart(m, s, substep);
     s->turned = may_turn(m, s, guard_triangles(m, s));
     aim(m, s, substep->gravity, substep->h);
     double jump = place_carried(m, s, substep->poses);
-    if (s->turned && !go_by(s, substep->h, &changed)) s->turned = false; /* free and stiff: to rounding it is singular */
-    if (!s->turned && !go_by(s, substep->h, &changed)) stop(s, SN_STOP_FAILED);
-    if (changed || s->turned) forget_pairs(s); /* pairs from other frames mislead the corotated matrix */
+    if (s->turned && !go_by(m, s, substep->h, &changed)) s->turned = false; /* free and stiff: to rounding it is singular */
+    if (!s->turned && !go_by(m, s, substep->h, &changed)) stop(s, SN_STOP_FAILED);
+    if (changed || (s->turned && m->corotated)) forget_pairs(s); /* pairs from other frames mislead the corotated matrix */
     s->statistics.refactorisations += changed;
     /* how far the weight alone moves a free point: h^2 g e^(-c h) */
     sn_vec3 weight = sn_scale(substep->gravity, substep->h * substep->h * exp(-m->source->damping * substep->h));
@@ -400,6 +416,7 @@ static void begin(const sn_model_muscle *m, sn_muscle_state *s, const sn_substep
     if (jump > FAR * m->diagonal) try_carried(m, s, substep);
     s->torn = jump > FAR * m->diagonal || stretch(m, s).max > FAR_STRETCHED;
     sn_preconditioner_turn(s->qn->preconditioner, s->points);
+    place_sections(m, s, substep->h);
     take_volume_gradient(m, s);
 }
 
@@ -408,8 +425,9 @@ static void resume(const sn_model_muscle *m, sn_muscle_state *s, double h) {
     sn_objective objective = objective_of(m, s, h);
     bool changed;
     if (s->stopped != SN_STOP_ITERATIONS) return;
-    if (!go_by(s, h, &changed)) stop(s, SN_STOP_FAILED);
-    sn_preconditioner_set_volume(s->qn->preconditioner, s->row_gradient, volume_stiffness(m, s));
+    if (!go_by(m, s, h, &changed)) stop(s, SN_STOP_FAILED);
+    if (m->two_level) sn_preconditioner_correct(s->qn->preconditioner, s->turned ? s->section_points : NULL, h, &s->stiffness);
+    set_volume_row(m, s, s->row_gradient);
     s->energy = sn_objective_evaluate(&objective, s->points, s->qn->gradient);
 }
 
@@ -453,7 +471,7 @@ static sn_status qn_create(const sn_model_muscle *m, sn_muscle_state *s, sn_erro
     qn->jump = SN_NEW(sn_vec3, m->point_count);
     bool made = qn->trial != NULL && qn->gradient != NULL && qn->trial_gradient != NULL && qn->direction != NULL && qn->jump != NULL;
     made = made && qn->forces != NULL;
-    return made ? sn_preconditioner_create(m, &qn->preconditioner, error) : sn_fail_memory(error, "the quasi-Newton solver");
+    return made ? sn_preconditioner_create(1, &m, &qn->preconditioner, error) : sn_fail_memory(error, "the quasi-Newton solver");
 }
 
 const sn_backend sn_backend_qn = {.name = "qn", .substep = qn_substep, .create = qn_create, .destroy = qn_destroy};

@@ -1,5 +1,6 @@
 /*
- * rest_rows.h -- inside lib/sim: every elastic row of a muscle linearised at its rest shape, for the matrices of the quasi-Newton back end.
+ * rest_rows.h -- inside lib/sim: every elastic row of a muscle linearised at its rest shape, or at another one, for the matrices of the
+ * quasi-Newton back end.
  */
 #ifndef SN_SIM_REST_ROWS_H
 #define SN_SIM_REST_ROWS_H
@@ -15,7 +16,9 @@ typedef struct sn_rest_row {
     double scale;        /* stiffness over k */
 } sn_rest_row;
 
-/* Calls visit for each row, in the order of the table; false: visit returned false. */
+/* Calls visit for each row at positions (points), in the order of the table; false: visit returned false. */
+bool sn_rows_at(const sn_model_muscle *m, const sn_vec3 *positions, bool (*visit)(void *user, const sn_rest_row *row), void *user);
+/* The same at the rest shape. */
 bool sn_rest_rows(const sn_model_muscle *m, bool (*visit)(void *user, const sn_rest_row *row), void *user);
 
 #endif

@@ -37,6 +37,8 @@ static const setting SETTINGS[] = {
     {"qn corotated 2", SN_SOLVER_QN, 1, 2, SN_PRECONDITION_COROTATED},
     {"qn corotated 3", SN_SOLVER_QN, 1, 3, SN_PRECONDITION_COROTATED},
     {"qn corotated 5", SN_SOLVER_QN, 1, 5, SN_PRECONDITION_COROTATED},
+    {"qn two-level 3", SN_SOLVER_QN, 1, 3, SN_PRECONDITION_TWO_LEVEL},
+    {"qn two-level 5", SN_SOLVER_QN, 1, 5, SN_PRECONDITION_TWO_LEVEL},
 };
 
 static void use_setting(sn_scene *scene, const setting *at) {

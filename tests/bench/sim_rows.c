@@ -141,7 +141,8 @@ static void evaluate(const job *j) {
 
 static void solve(const job *j) {
     sn_qn *qn = j->s->state->muscles[0].qn;
-    sn_preconditioner_set_volume(qn->preconditioner, j->s->state->muscles[0].volume_gradient, 1.0);
+    static const double STIFFNESS = 1.0;
+    sn_preconditioner_set_volume(qn->preconditioner, j->s->state->muscles[0].volume_gradient, &STIFFNESS);
     assert_true(sn_preconditioner_apply(qn->preconditioner, qn->gradient, qn->direction));
 }
 

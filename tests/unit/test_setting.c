@@ -32,6 +32,7 @@ static void text_has_one_canonical_form(void **state) {
     check_canonical("xpbd scheme=kohout iterations=10", "xpbd iterations=10 scheme=kohout", "xpbd scheme=kohout");
     check_canonical("qn preconditioner=scalar tolerance=0", "qn tolerance=0 preconditioner=scalar", "qn");
     check_canonical("qn preconditioner=corotated", "qn preconditioner=corotated", "qn preconditioner=corotated");
+    check_canonical("qn preconditioner=two-level", "qn preconditioner=two-level", "qn preconditioner=two-level");
     check_canonical("xpbd scheme=guarded", "xpbd scheme=guarded", "xpbd"); /* the default is no family of its own */
 }
 
