@@ -13,7 +13,7 @@
 
 static const char *const PRECISIONS[] = {"double", "single", NULL};
 static const char *const STRETCHES[] = {"springs", "membrane", NULL};
-static const char *const PRECONDITIONERS[] = {"scalar", "corotated", NULL};
+static const char *const PRECONDITIONERS[] = {"scalar", "corotated", "two-level", NULL};
 static const char *const SOLVERS[] = {"xpbd", "qn", NULL}; /* in the order of sn_solver_method, and so on */
 static const char *const LAWS[] = {"projected", "paper", "isochoric", NULL};
 static const char *const SCHEMES[] = {"guarded", "romeo", "kohout", NULL};
@@ -50,7 +50,7 @@ static const cli_option options[] = {
     {0, "precision", "PRECISION", CLI_CHOICE, &given.precision, 0, 0, 0, PRECISIONS, "as simulate was told: double or single"},
     {0, "stretch", "MODEL", CLI_CHOICE, &given.stretch, 0, 0, 0, STRETCHES, "as simulate was told: springs or membrane"},
     {0, "preconditioner", "MATRIX", CLI_CHOICE, &given.preconditioner, 0, 0, 0, PRECONDITIONERS,
-     "as simulate was told: scalar or corotated"},
+     "as simulate was told: scalar, corotated or two-level"},
     {0, "law", "LAW", CLI_CHOICE, &given.law, 0, 0, 0, LAWS, "as simulate was told: projected, paper or isochoric"},
     {0, "substeps", "N", CLI_INTEGER, &given.substeps, 0, 1, 1e6, NULL, "as simulate was told"},
     {0, "rate", "N", CLI_NUMBER, &given.rate, 0, 1e-6, 1e6, NULL, "as simulate was told"},
