@@ -31,14 +31,16 @@ static void make_vectors(group *g) {
     g->volume = SN_NEW(sn_vec3, n);
     for (sn_index i = 0; i < n; i++) {
         g->in[i] = random_vector(&g->random);
-        g->volume[i] = sn_scale(random_vector(&g->random), 1e-4);
+        int member = i >= g->first[1];
+        sn_vec3 gradient = sn_scale(random_vector(&g->random), 1e-4);
+        g->volume[i] = i - g->first[member] < g->members[member]->vertex_count ? gradient : sn_v3(0, 0, 0);
         g->turns[i] = sn_quat_axis_angle(sn_normalize(random_vector(&g->random)), 2.0 * sn_random(&g->random));
     }
 }
 
 static void make_group(group *g, sn_preconditioning preconditioner) {
     fusiform small = FUSIFORM, other = FUSIFORM;
-    small.rings = 8, small.sectors = 6, small.structure = false;
+    small.rings = 8, small.sectors = 6; /* with samples, which the volume's row reaches through A^-1 */
     other.rings = 7, other.sectors = 5, other.structure = false;
     *g = (group){.stiffness = {500.0, 3000.0}, .volume_stiffness = {2e12, 5e11}, .random = 29};
     make_scene(&g->scene, &small);
@@ -49,7 +51,6 @@ static void make_group(group *g, sn_preconditioning preconditioner) {
     for (int i = 0; i < 2; i++) {
         g->members[i] = &g->s.model->muscles[i];
         g->first[i + 1] = g->first[i] + g->members[i]->point_count;
-        assert_int_equal(g->members[i]->point_count, g->members[i]->vertex_count);
     }
     make_vectors(g);
     assert_int_equal(sn_preconditioner_create(2, g->members, &g->joint, NULL), SN_OK);
