@@ -32,6 +32,8 @@ static void sweep_rows(const sn_model_muscle *m, sn_muscle_state *s, sn_row_kind
     case SN_ROWS_AREA:
         sn_area_sweep(m, s);
         break;
+    case SN_ROWS_MEMBRANE: /* of `qn` alone */
+        break;
     case SN_ROWS_VOLUME:
         if (m->keeps_volume) sn_volume_sweep(m, s, sweep);
         break;
