@@ -7,7 +7,7 @@
 #define FORMAT "sinew-scene"
 enum { NEWEST_VERSION = 1, FRAME_LIMIT = 100000000, COUNT_LIMIT = 1000000 };
 
-static const char *const stretch_names[] = {"springs", "membrane", NULL};        /* of sn_stretch */
+static const char *const stretch_names[] = {"springs", "membrane", NULL};                     /* of sn_stretch */
 static const char *const preconditioner_names[] = {"scalar", "corotated", "two-level", NULL}; /* of sn_preconditioning */
 static const char *const precision_names[] = {"double", "single", NULL};
 static const char *const law_names[] = {"projected", "paper", "isochoric", NULL};      /* in the order of sn_fiber_law */

@@ -192,10 +192,11 @@ static sn_status check_rig(const sn_scene *scene, const sn_scene_muscle *muscle,
 
 static sn_status check_anisotropy(const sn_scene *scene, const sn_scene_muscle *muscle, sn_error *error) {
     if (muscle->anisotropy != SN_ANISOTROPY_PBD || scene->solver.method == SN_SOLVER_XPBD) return SN_OK;
-    return sn_fail(error, SN_ERROR_INPUT,
-                   "muscle \"%s\": the form pbd of anisotropy is a factor on corrections, which only the solver method xpbd makes; choose that, "
-                   "or the form xpbd",
-                   name_of(muscle->name));
+    return sn_fail(
+        error, SN_ERROR_INPUT,
+        "muscle \"%s\": the form pbd of anisotropy is a factor on corrections, which only the solver method xpbd makes; choose that, "
+        "or the form xpbd",
+        name_of(muscle->name));
 }
 
 static sn_status check_stretch(const sn_scene *scene, const sn_scene_muscle *muscle, sn_error *error) {

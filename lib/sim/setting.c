@@ -25,7 +25,7 @@ typedef struct setting_key {
 
 static const char *const METHODS[] = {"xpbd", "qn", NULL}; /* in the order of sn_solver_method */
 static const char *const SCHEMES[] = {"guarded", "romeo", "kohout", NULL};
-static const char *const PRECISIONS[] = {"double", "single", NULL};         /* in the order of sn_precision */
+static const char *const PRECISIONS[] = {"double", "single", NULL};                      /* in the order of sn_precision */
 static const char *const PRECONDITIONERS[] = {"scalar", "corotated", "two-level", NULL}; /* in the order of sn_preconditioning */
 
 static const setting_key KEYS[] = {
