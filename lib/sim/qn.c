@@ -1,8 +1,8 @@
 /*
  * qn.c -- back end `qn`: implicit Euler by quasi-Newton.   Liu, Bouaziz, Kavan 2017; numerics.md 2, 7
  *
- * A substep minimises Phi(x) (energy.c) from a predictor: L-BFGS on top of a constant factored matrix (precondition.c) gives a direction,
- * Armijo's rule its length. Pairs are kept from substep to substep. A substep ends when a whole step would move no point by more than the
+ * A substep minimises Phi(x) (energy.c) from a predictor: L-BFGS on top of a factored matrix of the rest shape (precondition.c) gives a
+ * direction, Armijo's rule its length. Pairs are kept from substep to substep, but not under the corotated matrix. A substep ends when a whole step would move no point by more than the
  * tolerance, when no step lowers the energy any more, or after its iterations.
  */
 #include "qn.h"

@@ -66,7 +66,6 @@ struct sn_qn {
     sn_vec3 *trial_gradient;  /* (point_count) */
     sn_vec3 *direction;       /* (point_count) */
     sn_vec3 *jump;            /* (point_count) */
-    sn_vec3 *volume_gradient; /* (vertex_count) */
 };
 
 #endif
