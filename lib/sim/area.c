@@ -86,9 +86,11 @@ void sn_area_sweep(const sn_model_muscle *m, sn_muscle_state *s) {
     }
 }
 
-double sn_area_error(const sn_model_muscle *m, const sn_muscle_state *s, sn_index row) {
-    sn_vec3 x[3];
-    for (int i = 0; i < 3; i++) x[i] = sn_point_position(&s->points[m->areas[row].point[i]]);
-    double ratio = sn_norm(sn_cross(sn_sub(x[1], x[0]), sn_sub(x[2], x[0]))) * m->area_scales[row];
-    return fmax(m->source->least_area - ratio, 0.0);
+void sn_area_errors(const sn_model_muscle *m, const sn_muscle_state *s, sn_index begin, sn_index end, double *errors) {
+    for (sn_index r = begin; r < end; r++) {
+        sn_vec3 x[3];
+        for (int i = 0; i < 3; i++) x[i] = sn_point_position(&s->points[m->areas[r].point[i]]);
+        double ratio = sn_norm(sn_cross(sn_sub(x[1], x[0]), sn_sub(x[2], x[0]))) * m->area_scales[r];
+        *errors++ = fmax(m->source->least_area - ratio, 0.0);
+    }
 }

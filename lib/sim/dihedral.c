@@ -192,13 +192,26 @@ double sn_hinge_energy(const sn_model_muscle *m, const sn_muscle_state *s, doubl
     return energy_of_rows(&in, m->hinge_count);
 }
 
-static inline void load(const sn_muscle_state *s, const sn_hinge_row *row, sn_vec3 p[4]) {
-    for (int i = 0; i < 4; i++) p[i] = sn_point_position(&s->points[row->point[i]]);
+/* ---- errors --------------------------------------------------------------------------------------------------------------- */
+
+/* Rows r .. r + lanes - 1. */
+SN_INLINE void error_batch(const hinges *in, sn_index r, int lanes, double *error) {
+    wide_point p[4];
+    wide_vec3 g[4];
+    wide c;
+    SN_UNROLL
+    for (int i = 0; i < 4; i++) p[i] = wide_gather(in->points, in->index + 4 * (size_t)r + i, 4, lanes);
+    wide_mask good = hinge(p, wide_load(in->angles + r, lanes), &c, g);
+    wide_store(error, wide_select(good, wide_abs(c), wide_splat(NAN)), lanes);
 }
 
-double sn_hinge_error(const sn_model_muscle *m, const sn_muscle_state *s, sn_index row) {
-    sn_vec3 p[4], g[4];
-    double c;
-    load(s, &m->hinges[row], p);
-    return sn_hinge_constraint(p, m->hinge_angles[row], &c, g) ? fabs(c) : NAN;
+SN_WIDE_KERNEL static void errors_of_rows(const hinges *in, sn_index begin, sn_index end, double *errors) {
+    sn_index r = begin;
+    for (; r + WIDE_LANES <= end; r += WIDE_LANES) error_batch(in, r, WIDE_LANES, errors + (r - begin));
+    for (; r < end; r++) error_batch(in, r, 1, errors + (r - begin));
+}
+
+void sn_hinge_errors(const sn_model_muscle *m, const sn_muscle_state *s, sn_index begin, sn_index end, double *errors) {
+    const hinges in = {.points = s->points, .index = m->hinges->point, .angles = m->hinge_angles};
+    errors_of_rows(&in, begin, end, errors);
 }

@@ -130,14 +130,13 @@ static void add_row(const sn_build *build, sn_row_kind kind, sn_index p0, sn_ind
     sn_law_terms(build->source->law, sn_sub(m->rest[p0], m->rest[p1]), f0, f1, a0, m->distance_terms[row]);
 }
 
-/* Samples to their parents. */
+/* Samples to the samples above them. */
 static void add_internal(const sn_build *build) {
-    const sn_structure *structure = &build->source->rig.structure;
-    sn_index first = build->model->vertex_count;
-    for (sn_index i = 0; i < structure->sample_count; i++) {
-        sn_index parent = structure->parents[i];
+    const sn_index *points = build->sample_points;
+    for (sn_index i = 0; i < build->source->rig.structure.sample_count; i++) {
+        sn_index parent = build->sample_parents[i];
         if (parent != SN_NONE)
-            add_row(build, SN_ROWS_INTERNAL, first + parent, first + i, sample_axis(build, parent), sample_axis(build, i), 0.0);
+            add_row(build, SN_ROWS_INTERNAL, points[parent], points[i], sample_axis(build, parent), sample_axis(build, i), 0.0);
     }
 }
 
@@ -151,7 +150,7 @@ static void add_radial(const sn_build *build) {
         for (sn_index place = 0; place < PLACES; place++) {
             sn_index v = place * run + i, sample = v < first ? structure->vertex_sample[v] : SN_NONE;
             if (sample != SN_NONE)
-                add_row(build, SN_ROWS_RADIAL, first + sample, v, sample_axis(build, sample), vertex_axis(build, v), 0.0);
+                add_row(build, SN_ROWS_RADIAL, build->sample_points[sample], v, sample_axis(build, sample), vertex_axis(build, v), 0.0);
         }
     }
 }
@@ -278,8 +277,23 @@ bool sn_distance_constraint(sn_vec3 p0, sn_vec3 p1, double goal, double *value, 
     return true;
 }
 
-double sn_distance_error(const sn_model_muscle *m, const sn_muscle_state *s, sn_index row) {
-    const sn_index *point = m->distances[row].point;
-    sn_vec3 d = sn_sub(sn_point_position(&s->points[point[0]]), sn_point_position(&s->points[point[1]]));
-    return fabs(sn_norm(d) - s->goals[row]) / m->mean_edge;
+/* ---- errors --------------------------------------------------------------------------------------------------------------- */
+
+/* Rows r .. r + lanes - 1, over the unit of length. */
+SN_INLINE void error_batch(const springs *in, sn_index r, double unit, int lanes, double *error) {
+    const sn_index *index = in->index + 2 * (size_t)r;
+    wide_vec3 d = wide_between(wide_gather(in->points, index, 2, lanes), wide_gather(in->points, index + 1, 2, lanes));
+    wide c = wide_sqrt(wide_dot(d, d)) - wide_load(in->goals + r, lanes);
+    wide_store(error, wide_abs(c) / wide_splat(unit), lanes);
+}
+
+SN_WIDE_KERNEL static void errors_of_rows(const springs *in, sn_index begin, sn_index end, double unit, double *errors) {
+    sn_index r = begin;
+    for (; r + WIDE_LANES <= end; r += WIDE_LANES) error_batch(in, r, unit, WIDE_LANES, errors + (r - begin));
+    for (; r < end; r++) error_batch(in, r, unit, 1, errors + (r - begin));
+}
+
+void sn_distance_errors(const sn_model_muscle *m, const sn_muscle_state *s, sn_index begin, sn_index end, double *errors) {
+    const springs in = {.points = s->points, .index = m->distances->point, .goals = s->goals};
+    errors_of_rows(&in, begin, end, m->mean_edge, errors);
 }

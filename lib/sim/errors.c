@@ -34,31 +34,50 @@ int sn_row_points(const sn_model *model, sn_index muscle, sn_row_kind kind, sn_i
     return 0;
 }
 
-static double row_error(const sn_model_muscle *m, const sn_muscle_state *s, sn_row_kind kind, sn_index row) {
-    if (kind < SN_DISTANCE_KINDS) return sn_distance_error(m, s, m->distance_start[kind] + row);
-    if (kind == SN_ROWS_DIHEDRAL) return sn_hinge_error(m, s, row);
-    if (kind == SN_ROWS_AREA) return sn_area_error(m, s, row);
-    if (kind == SN_ROWS_MEMBRANE) return sn_membrane_error(m, s, row);
-    return fabs(sn_volume_ratio(m, s) - s->volume_goal);
+/* Of rows begin to end - 1 of a kind. */
+static void errors_of(const sn_model_muscle *m, const sn_muscle_state *s, sn_row_kind kind, sn_index begin, sn_index end, double *errors) {
+    switch (kind) {
+    case SN_ROWS_DIHEDRAL:
+        sn_hinge_errors(m, s, begin, end, errors);
+        break;
+    case SN_ROWS_AREA:
+        sn_area_errors(m, s, begin, end, errors);
+        break;
+    case SN_ROWS_MEMBRANE:
+        sn_membrane_errors(m, s, begin, end, errors);
+        break;
+    case SN_ROWS_VOLUME:
+        if (begin < end) *errors = fabs(sn_volume_ratio(m, s) - s->volume_goal);
+        break;
+    default:
+        sn_distance_errors(m, s, m->distance_start[kind] + begin, m->distance_start[kind] + end, errors);
+    }
+}
+
+static void count_error(sn_residual *residual, sn_index row, double error) {
+    if (residual->worst == SN_NONE || error > residual->max) residual->max = error, residual->worst = row;
 }
 
 sn_residual sn_rows_residual(const sn_model_muscle *m, const sn_muscle_state *s, sn_row_kind kind) {
+    enum { BLOCK = 256 };
+    double errors[BLOCK], sum = 0.0;
     sn_residual residual = {.worst = SN_NONE};
     sn_index count = row_count(m, kind);
-    double sum = 0.0;
-    for (sn_index r = 0; r < count; r++) {
-        double c = row_error(m, s, kind, r);
-        if (kind == SN_ROWS_DIHEDRAL && isnan(c)) continue; /* it has no angle now */
-        sum += c * c;
-        if (residual.worst == SN_NONE || c > residual.max) residual.max = c, residual.worst = r;
+    for (sn_index begin = 0; begin < count; begin += BLOCK) {
+        sn_index rows = count - begin < BLOCK ? count - begin : BLOCK;
+        errors_of(m, s, kind, begin, begin + rows, errors);
+        for (sn_index i = 0; i < rows; i++) {
+            if (kind == SN_ROWS_DIHEDRAL && isnan(errors[i])) continue; /* it has no angle now */
+            sum += errors[i] * errors[i];
+            count_error(&residual, begin + i, errors[i]);
+        }
     }
     if (count > 0) residual.rms = sqrt(sum / count);
     return residual;
 }
 
 void sn_row_errors(const sn_model *model, const sn_state *state, sn_index muscle, sn_row_kind kind, double *errors) {
-    sn_index count = sn_row_count(model, muscle, kind);
-    for (sn_index r = 0; r < count; r++) errors[r] = row_error(&model->muscles[muscle], &state->muscles[muscle], kind, r);
+    errors_of(&model->muscles[muscle], &state->muscles[muscle], kind, 0, sn_row_count(model, muscle, kind), errors);
 }
 
 void sn_volume_moves(const sn_model *model, const sn_state *state, sn_index muscle, sn_vec3 *gradients, double *moves) {

@@ -150,7 +150,8 @@ double sn_membrane_energy(const sn_model_muscle *m, const sn_muscle_state *s, do
     return energy_of_membranes(&in, m->membrane_count);
 }
 
-double sn_membrane_error(const sn_model_muscle *m, const sn_muscle_state *s, sn_index row) {
+/* |1/2 (FT F - I)| of one triangle. */
+static double strain(const sn_model_muscle *m, const sn_muscle_state *s, sn_index row) {
     const sn_index *v = m->membrane_points[row].point;
     const double *goal = s->membrane_goals + row;
     size_t n = (size_t)m->membrane_count;
@@ -159,4 +160,8 @@ double sn_membrane_error(const sn_model_muscle *m, const sn_muscle_state *s, sn_
     sn_vec3 f1 = sn_add(sn_scale(d1, goal[0]), sn_scale(d2, goal[2 * n])), f2 = sn_add(sn_scale(d1, goal[n]), sn_scale(d2, goal[3 * n]));
     double e1 = sn_norm2(f1) - 1.0, e2 = sn_norm2(f2) - 1.0, shear = sn_dot(f1, f2);
     return 0.5 * sqrt(e1 * e1 + e2 * e2 + 2.0 * shear * shear);
+}
+
+void sn_membrane_errors(const sn_model_muscle *m, const sn_muscle_state *s, sn_index begin, sn_index end, double *errors) {
+    for (sn_index r = begin; r < end; r++) *errors++ = strain(m, s, r);
 }

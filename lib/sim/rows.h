@@ -13,6 +13,8 @@ typedef struct sn_build {
     const sn_topology *topology;
     sn_model_muscle *model;
     sn_plan_muscle *plan;
+    sn_index *sample_points;  /* (samples of the structure) its point; SN_NONE: it is left out */
+    sn_index *sample_parents; /* (the same) the sample that it is joined to; SN_NONE: none, or it is left out */
     bool scaled;              /* stiffness by area */
     sn_anisotropy anisotropy; /* as it runs: NONE, PBD or XPBD */
 } sn_build;
@@ -110,6 +112,11 @@ void sn_kinematics_carry(const sn_model_muscle *m, sn_muscle_state *s, const sn_
  * velocities in the state by `most`, m/s; 0 = not at all. */
 void sn_kinematics_limit_speed(const sn_model_muscle *m, sn_muscle_state *s, double most);
 
+/* ---- samples.c ---- */
+/* Points for the samples of the structure: those on which a vertex hangs, where the plan has any. */
+SN_MUST_CHECK sn_status sn_samples_build(sn_build *build, sn_error *error);
+void sn_samples_release(sn_build *build); /* what only the builders need */
+
 /* ---- distance.c ---- */
 SN_MUST_CHECK sn_status sn_distance_build(const sn_build *build, sn_error *error);
 /* Goal lengths for the contraction and volume goal in the state; nothing is done where those have not changed. */
@@ -118,26 +125,29 @@ void sn_distance_goals(const sn_model_muscle *m, sn_muscle_state *s);
 void sn_distance_sweep(const sn_model_muscle *m, sn_muscle_state *s, sn_row_kind kind, const sn_sweep *sweep);
 /* Sum of k C^2 / 2, J; its gradient is added to gradient (point_count), N. */
 double sn_distance_energy(const sn_model_muscle *m, const sn_muscle_state *s, sn_row_kind kind, double k, sn_forces gradient);
-/* |C| of one row over the mean edge; row: among those of all distance kinds. */
-double sn_distance_error(const sn_model_muscle *m, const sn_muscle_state *s, sn_index row);
+/* |C| of rows begin to end - 1, among those of all distance kinds, over the mean edge. */
+void sn_distance_errors(const sn_model_muscle *m, const sn_muscle_state *s, sn_index begin, sn_index end, double *errors);
 
 /* ---- dihedral.c ---- */
 SN_MUST_CHECK sn_status sn_hinge_build(const sn_build *build, sn_error *error);
 void sn_hinge_sweep(const sn_model_muscle *m, sn_muscle_state *s, const sn_sweep *sweep);
 double sn_hinge_energy(const sn_model_muscle *m, const sn_muscle_state *s, double k, sn_forces gradient);
-double sn_hinge_error(const sn_model_muscle *m, const sn_muscle_state *s, sn_index row); /* |C|, rad; NaN: it has no angle */
+/* |C| of rows begin to end - 1, rad; NaN: it has no angle. */
+void sn_hinge_errors(const sn_model_muscle *m, const sn_muscle_state *s, sn_index begin, sn_index end, double *errors);
 
 /* ---- area.c ---- */
 SN_MUST_CHECK sn_status sn_area_build(const sn_build *build, sn_error *error);
 void sn_area_sweep(const sn_model_muscle *m, sn_muscle_state *s);
-double sn_area_error(const sn_model_muscle *m, const sn_muscle_state *s, sn_index row); /* what it lacks of its least area, over A0 */
+/* What rows begin to end - 1 lack of their least area, over A0. */
+void sn_area_errors(const sn_model_muscle *m, const sn_muscle_state *s, sn_index begin, sn_index end, double *errors);
 
 /* ---- membrane.c ---- */
 SN_MUST_CHECK sn_status sn_membrane_build(const sn_build *build, sn_error *error);
 /* Goal shapes for the contraction and volume goal in the state. */
 void sn_membrane_goals(const sn_model_muscle *m, sn_muscle_state *s);
 double sn_membrane_energy(const sn_model_muscle *m, const sn_muscle_state *s, double k, sn_forces gradient);
-double sn_membrane_error(const sn_model_muscle *m, const sn_muscle_state *s, sn_index row); /* |1/2 (FT F - I)|, Green's strain */
+/* |1/2 (FT F - I)|, Green's strain, of rows begin to end - 1. */
+void sn_membrane_errors(const sn_model_muscle *m, const sn_muscle_state *s, sn_index begin, sn_index end, double *errors);
 
 /* ---- volume.c ---- */
 void sn_volume_build(const sn_build *build);
