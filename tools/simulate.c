@@ -695,6 +695,7 @@ static void write_muscle_plan(const job *j, sn_json *json, const sn_plan_muscle 
     sn_json_integer(json, "vertices", plan->vertices);
     sn_json_integer(json, "triangles", plan->triangles);
     sn_json_integer(json, "samples", plan->samples);
+    if (plan->bare_samples > 0) sn_json_integer(json, "samplesLeftOut", plan->bare_samples); /* no vertex hangs on them */
     sn_json_integer(json, "carriedByBones", plan->kinematic);
     sn_json_integer(json, "iterations", plan->iterations);
     if (!plan->fibers)

@@ -65,6 +65,7 @@ typedef struct sn_plan_muscle {
     bool enabled;     /* false: nothing of it is in the model */
     bool fibers;      /* false: no fibre directions, so that it does not contract */
     sn_index vertices, samples, triangles;
+    sn_index bare_samples; /* of the structure, left out: no vertex hangs on them */
     sn_index kinematic;  /* vertices carried by bones */
     sn_index iterations; /* per substep */
     sn_plan_group groups[SN_ROW_KINDS];
@@ -116,10 +117,11 @@ typedef struct sn_site {
     sn_vec3 centre; /* mean rest position, m */
 } sn_site;
 
-/* One muscle, immutable. Points are the surface vertices in document order, then the samples. */
+/* One muscle, immutable. Points are the surface vertices in document order, then the samples on which a vertex hangs. */
 typedef struct sn_model_muscle {
     const sn_scene_muscle *source;
     sn_index vertex_count, point_count, triangle_count;
+    sn_index *samples;      /* (point_count - vertex_count) which of the structure's a point stands for */
     sn_vec3 *rest;          /* (point_count) m */
     double *inverse_mass;   /* (point_count) 1/kg; 0 = carried by a bone */
     sn_triangle *triangles; /* (triangle_count) */

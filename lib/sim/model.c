@@ -16,7 +16,7 @@ static sn_status copy_points(const sn_build *build, sn_error *error) {
     if (m->rest == NULL || m->inverse_mass == NULL) return sn_fail_memory(error, "points");
     for (sn_index i = 0; i < m->vertex_count; i++) m->rest[i] = sn_scale(rig->mesh.positions[i], rig->meters_per_unit);
     for (sn_index i = m->vertex_count; i < m->point_count; i++)
-        m->rest[i] = sn_scale(rig->structure.positions[i - m->vertex_count], rig->meters_per_unit);
+        m->rest[i] = sn_scale(rig->structure.positions[m->samples[i - m->vertex_count]], rig->meters_per_unit);
     return SN_OK;
 }
 
@@ -58,7 +58,9 @@ static double total_mass(const sn_model_muscle *m, double density) {
 
 /* The mass is lumped on the vertices, each by a third of its triangles' area. A vertex that hangs on a sample keeps half of its mass and
  * gives the other half to the sample: it stands for the flesh between the two. Leaves 1/m in inverse_mass. */
-static void lump_masses(sn_model_muscle *m, const sn_scene_muscle *source) {
+static void lump_masses(const sn_build *build) {
+    sn_model_muscle *m = build->model;
+    const sn_scene_muscle *source = build->source;
     double *mass = m->inverse_mass, area = 0.0, sum = 0.0;
     for (sn_index t = 0; t < m->triangle_count; t++) {
         area += m->rest_area[t];
@@ -70,7 +72,7 @@ static void lump_masses(sn_model_muscle *m, const sn_scene_muscle *source) {
         mass[v] = fmax(mass[v], least);
         if (sample == SN_NONE) continue;
         mass[v] *= 0.5;
-        mass[m->vertex_count + sample] += mass[v];
+        mass[build->sample_points[sample]] += mass[v];
     }
     for (sn_index i = 0; i < m->point_count; i++) sum += mass[i] = fmax(mass[i], 0.5 * least);
     m->mass = total_mass(m, source->density);
@@ -108,7 +110,7 @@ static sn_status make_stiffness_curve(const sn_build *build, sn_error *error) {
     return status;
 }
 
-static sn_status build_muscle(const sn_build *build, sn_error *error) {
+static sn_status build_muscle(sn_build *build, sn_error *error) {
     sn_model_muscle *m = build->model;
     const sn_scheme_rules *rules = sn_scheme_rules_of(build->scene->solver.scheme);
     sn_status status;
@@ -121,6 +123,7 @@ static sn_status build_muscle(const sn_build *build, sn_error *error) {
     m->iterations = build->source->iterations > 0 ? build->source->iterations : build->scene->solver.iterations;
     measure_size(build);
     sn_plan_decide(build);
+    if ((status = sn_samples_build(build, error)) != SN_OK) return status;
     if ((status = copy_points(build, error)) != SN_OK) return status;
     if ((status = copy_triangles(build, error)) != SN_OK) return status;
     if (!(m->mean_edge > 0.0) || !isfinite(m->mean_edge))
@@ -128,7 +131,7 @@ static sn_status build_muscle(const sn_build *build, sn_error *error) {
     if (build->source->unit_mass || rules->unit_mass)
         give_unit_masses(m);
     else
-        lump_masses(m, build->source);
+        lump_masses(build);
     if ((status = make_volume_ratio(build, error)) != SN_OK) return status;
     if ((status = make_stiffness_curve(build, error)) != SN_OK) return status;
     if ((status = sn_kinematics_build(build, error)) != SN_OK) return status;
@@ -168,6 +171,7 @@ static sn_status add_muscle(sn_model *model, const sn_scene_muscle *source, sn_p
     sn_status status = sn_topology_build(&source->rig.mesh, &topology, error);
     if (status == SN_OK) status = build_muscle(&build, error);
     plan->iterations = build.model->iterations;
+    sn_samples_release(&build);
     sn_topology_free(&topology);
     return status;
 }
@@ -201,6 +205,7 @@ sn_status sn_model_create(const sn_scene *scene, sn_model **out, sn_error *error
 }
 
 static void free_muscle(sn_model_muscle *m) {
+    free(m->samples);
     free(m->rest);
     free(m->inverse_mass);
     free(m->triangles);

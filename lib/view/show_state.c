@@ -248,7 +248,8 @@ static const char *scale_text(sn_row_kind kind) {
 
 /* "vertices 3, 17", "samples 4, 5" or "sample 4, vertex 17": the points of the worst row. */
 static void worst_points(const scene_view *s, char *text, size_t room) {
-    sn_index points[4], vertices = s->model->muscles[s->worst_muscle].vertex_count;
+    const sn_model_muscle *muscle = &s->model->muscles[s->worst_muscle];
+    sn_index points[4], vertices = muscle->vertex_count;
     int count = field_points(s->model, s->worst_muscle, s->kind, s->worst_row, points), length = 0;
     bool mixed = s->kind == SN_ROWS_RADIAL;
     for (int i = 0; i < count && length < (int)room; i++) {
@@ -258,7 +259,7 @@ static void worst_points(const scene_view *s, char *text, size_t room) {
                            mixed || count == 1 ? one
                            : i == 0            ? many
                                                : "",
-                           sample ? points[i] - vertices : points[i]);
+                           sample ? muscle->samples[points[i] - vertices] : points[i]);
     }
 }
 

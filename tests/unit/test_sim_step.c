@@ -239,6 +239,49 @@ static void off_equals_absent(void **state) {
     finish(&b);
 }
 
+/* Three samples on which no vertex hangs: a root above the root, one between samples 1 and 2, and a leaf. */
+static void add_bare_samples(sn_structure *s) {
+    sn_index n = s->sample_count, next = 0, place[64];
+    sn_structure with = {.sample_count = n + 3, .positions = SN_NEW(sn_vec3, n + 3), .parents = SN_NEW(sn_index, n + 3)};
+    with.axes = SN_NEW(sn_vec3, n + 3);
+    assert_true(n > 2 && n < 64 && s->parents[2] == 1);
+    with.positions[next] = sn_v3(1, 2, 3), with.parents[next++] = SN_NONE;
+    for (sn_index i = 0; i < n; i++) {
+        if (i == 2) with.positions[next] = sn_v3(0, 0, 0.5), with.parents[next] = place[1], next++;
+        with.positions[next] = s->positions[i], with.axes[next] = s->axes[i];
+        with.parents[next] = i == 0 ? 0 : i == 2 ? next - 1 : place[s->parents[i]];
+        place[i] = next++;
+    }
+    with.positions[next] = sn_v3(1, 1, 1), with.parents[next] = place[n - 1];
+    free(s->positions), free(s->parents), free(s->axes);
+    s->sample_count = with.sample_count, s->positions = with.positions, s->parents = with.parents, s->axes = with.axes;
+    s->branches = sn_realloc(s->branches, (size_t)n + 3, sizeof *s->branches);
+    for (sn_index i = n; i < n + 3; i++) s->branches[i] = 0;
+}
+
+/* Samples that carry nothing are left out, and their neighbours joined: the same bits as from a structure that never had them. */
+static void bare_samples_equal_absent(void **state) {
+    (void)state;
+    sn_scene with, without;
+    make_usual(&with, &FUSIFORM);
+    make_usual(&without, &FUSIFORM);
+    sn_structure *structure = &with.muscles[0].rig.structure;
+    sn_index n = structure->sample_count;
+    add_bare_samples(structure);
+    for (sn_index v = 0; v < with.muscles[0].rig.mesh.vertex_count; v++)
+        structure->vertex_sample[v] += structure->vertex_sample[v] < 2 ? 1 : 2;
+    simulation a = start(&with), b = start(&without);
+    step_frames(&a, 8, NULL);
+    step_frames(&b, 8, NULL);
+    assert_true(same_points(&a, &b, 0));
+    assert_int_equal(a.model->plan.muscles[0].samples, n);
+    assert_int_equal(a.model->plan.muscles[0].bare_samples, 3);
+    assert_int_equal(a.model->plan.muscles[0].groups[SN_ROWS_INTERNAL].rows, n - 1);
+    assert_int_equal(a.model->muscles[0].samples[2], 4);
+    finish(&a);
+    finish(&b);
+}
+
 /* A disabled muscle beside the others changes no bit of theirs. */
 static void disabled_equals_absent(void **state) {
     (void)state;
@@ -526,6 +569,7 @@ int main(void) {
         cmocka_unit_test(an_open_surface_keeps_no_volume),
         cmocka_unit_test(the_plan_tells_where_a_stiffness_is_felt),
         cmocka_unit_test(rows_between_bones_are_left_out),
+        cmocka_unit_test(bare_samples_equal_absent),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
