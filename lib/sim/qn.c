@@ -18,10 +18,11 @@ static const double ENERGY_NOISE = 1e-13;
 static const double STEP_NOISE = 1e-14;
 /* No point moves further than this share of the muscle's size in one iteration: of its diagonal, or of how far its bones are apart. */
 static const double STEP_CAP = 0.1;
-/* An edge as far as this from its goal, in mean edges (or such a strain), or a bone that has jumped: the matrix of the rest shape says
- * little then, and each iteration that the scene allows stands for several. */
-static const double FAR_STRETCHED = 3.0;
-enum { TORN_EFFORT = 10 };
+/* An edge as far as the first from its goal, in mean edges (or such a strain), all of them as far as the second in the mean, or a bone that
+ * has jumped: the matrix of the rest shape says little then, and each iteration that the scene allows stands for several, up to so many in
+ * all. */
+static const double FAR_STRETCHED = 3.0, FAR_IN_THE_MEAN = 0.5;
+enum { TORN_EFFORT = 10, TORN_ITERATIONS = 400 };
 /* A bone that moves a point farther than this share of the diagonal in one substep has jumped. */
 static const double FAR = 0.2;
 /* No triangle shrinks below this share of its area in one step: hinges have no barrier against collapse. */
@@ -306,7 +307,7 @@ static sn_residual stretch(const sn_model_muscle *m, const sn_muscle_state *s) {
 /* May this be no shape that the muscle came to by moving: a tenth of it collapsed, half a mean edge off in the mean, or half of its volume
  * gone? */
 static bool is_wrecked(const sn_model_muscle *m, const sn_muscle_state *s, sn_index collapsed) {
-    if (collapsed > m->area_count / 10 || stretch(m, s).rms > 0.5) return true;
+    if (collapsed > m->area_count / 10 || stretch(m, s).rms > FAR_IN_THE_MEAN) return true;
     if (!m->keeps_volume) return false;
     double volume = sn_volume_constraint(m->vertex_count, s->points, m->triangle_count, m->triangles, NULL);
     return !(fabs(volume / (s->volume_goal * m->rest_volume) - 1.0) <= 0.5);
@@ -395,6 +396,14 @@ static void place_sections(const sn_model_muscle *m, sn_muscle_state *s, double 
     sn_preconditioner_correct(s->qn->preconditioner, s->turned ? s->section_points : NULL, h, &s->stiffness);
 }
 
+static bool is_torn(sn_residual stretch) { return stretch.max > FAR_STRETCHED || stretch.rms > FAR_IN_THE_MEAN; }
+
+/* How many each iteration of the scene's stands for. */
+static sn_index effort(const sn_model_muscle *m, const sn_muscle_state *s) {
+    sn_index room = s->torn ? TORN_ITERATIONS / m->iterations : 1;
+    return room < 1 ? 1 : room > TORN_EFFORT ? TORN_EFFORT : room;
+}
+
 static void begin(const sn_model_muscle *m, sn_muscle_state *s, const sn_substep *substep) {
     bool changed = false;
     stop(s, SN_STOP_ITERATIONS);
@@ -414,7 +423,7 @@ static void begin(const sn_model_muscle *m, sn_muscle_state *s, const sn_substep
     if (jump == 0.0) memset(s->last_jump, 0, (size_t)m->point_count * sizeof *s->last_jump);
     choose_start(m, s, substep->h, predicted);
     if (jump > FAR * m->diagonal) try_carried(m, s, substep);
-    s->torn = jump > FAR * m->diagonal || stretch(m, s).max > FAR_STRETCHED;
+    s->torn = jump > FAR * m->diagonal || is_torn(stretch(m, s));
     sn_preconditioner_turn(s->qn->preconditioner, s->points);
     place_sections(m, s, substep->h);
     take_volume_gradient(m, s);
@@ -438,7 +447,7 @@ static void qn_substep(const sn_model_muscle *m, sn_muscle_state *s, const sn_su
         begin(m, s, substep);
     else
         resume(m, s, substep->h);
-    sn_index each = s->torn ? TORN_EFFORT : 1;
+    sn_index each = effort(m, s);
     for (sn_index i = each * substep->begin; i < each * substep->end && s->stopped == SN_STOP_ITERATIONS; i++) iterate(m, s, substep->h, i);
     double force = sqrt(dot(m->point_count, s->qn->gradient, s->qn->gradient));
     s->statistics.residual = s->stiffness > 0.0 ? force / (s->stiffness * m->diagonal) : NAN;
