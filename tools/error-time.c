@@ -21,13 +21,16 @@ static const char *const QUICK =
     "qn substeps=2 iterations=5\nqn substeps=4 iterations=5\nqn substeps=8 iterations=5\n"
     "qn substeps=1 iterations=3 preconditioner=corotated\nqn substeps=1 iterations=5 preconditioner=corotated\n"
     "qn substeps=1 iterations=10 preconditioner=corotated\nqn substeps=2 iterations=5 preconditioner=corotated\n"
-    "qn substeps=4 iterations=5 preconditioner=corotated\n";
+    "qn substeps=4 iterations=5 preconditioner=corotated\n"
+    "qn substeps=1 iterations=3 preconditioner=two-level\nqn substeps=1 iterations=5 preconditioner=two-level\n"
+    "qn substeps=1 iterations=10 preconditioner=two-level\nqn substeps=2 iterations=5 preconditioner=two-level\n";
 static const char *const FULL =
     "xpbd substeps=1 iterations=4\nxpbd substeps=1 iterations=16\nxpbd substeps=1 iterations=64\nxpbd substeps=1 iterations=256\n"
     "xpbd substeps=4 iterations=1\nxpbd substeps=4 iterations=4\nxpbd substeps=4 iterations=16\nxpbd substeps=4 iterations=64\n"
     "xpbd substeps=16 iterations=1\nxpbd substeps=16 iterations=2\nxpbd substeps=16 iterations=4\nxpbd substeps=16 iterations=16\n"
     "xpbd substeps=64 iterations=1\nxpbd substeps=64 iterations=2\nxpbd substeps=64 iterations=4\n"
-    "xpbd substeps=256 iterations=1\nxpbd substeps=256 iterations=2\nxpbd substeps=1024 iterations=1\n"
+    "xpbd substeps=256 iterations=1\nxpbd substeps=320 iterations=1\nxpbd substeps=256 iterations=2\n"
+    "xpbd substeps=512 iterations=1\nxpbd substeps=1024 iterations=1\n"
     "qn substeps=1 iterations=2\nqn substeps=1 iterations=3\nqn substeps=1 iterations=5\nqn substeps=1 iterations=10\n"
     "qn substeps=1 iterations=20\nqn substeps=2 iterations=3\nqn substeps=2 iterations=5\nqn substeps=2 iterations=10\n"
     "qn substeps=2 iterations=20\nqn substeps=4 iterations=3\nqn substeps=4 iterations=5\nqn substeps=4 iterations=10\n"
@@ -36,9 +39,12 @@ static const char *const FULL =
     "qn substeps=1 iterations=3 preconditioner=corotated\nqn substeps=1 iterations=5 preconditioner=corotated\n"
     "qn substeps=1 iterations=10 preconditioner=corotated\nqn substeps=2 iterations=5 preconditioner=corotated\n"
     "qn substeps=4 iterations=5 preconditioner=corotated\n"
+    "qn substeps=1 iterations=3 preconditioner=two-level\nqn substeps=1 iterations=5 preconditioner=two-level\n"
+    "qn substeps=1 iterations=10 preconditioner=two-level\nqn substeps=2 iterations=5 preconditioner=two-level\n"
+    "qn substeps=4 iterations=5 preconditioner=two-level\n"
     "xpbd substeps=16 iterations=1 precision=single\nxpbd substeps=16 iterations=4 precision=single\n"
     "xpbd substeps=64 iterations=1 precision=single\nxpbd substeps=64 iterations=4 precision=single\n"
-    "xpbd substeps=256 iterations=1 precision=single\nxpbd substeps=256 iterations=2 precision=single\n";
+    "xpbd substeps=256 iterations=1 precision=single\nxpbd substeps=320 iterations=1 precision=single\nxpbd substeps=256 iterations=2 precision=single\n";
 
 enum { SWEEP_QUICK, SWEEP_FULL };
 static const char *const SWEEPS[] = {"quick", "full", NULL};
@@ -58,7 +64,7 @@ static const cli_option OPTIONS[] = {
     {0, NULL, NULL, CLI_HEADING, NULL, 0, 0, 0, NULL, "What is measured:"},
     {0, "settings", "FILE", CLI_TEXT, &given.settings, 0, 0, 0, NULL, "settings, one a line: \"qn substeps=2 iterations=5\""},
     {0, "sweep", "HOW", CLI_CHOICE, &given.sweep, 0, 0, 0, SWEEPS,
-     "the built-in settings instead: quick (default; 17 of them) or full (48)"},
+     "the built-in settings instead: quick (default; 21 of them) or full (56)"},
     {0, "static", NULL, CLI_FLAG, &given.equilibrium, 0, 0, 0, NULL,
      "hold the last frame until the muscles rest: distance to the equilibrium"},
     {0, "hold", "N", CLI_INTEGER, &given.hold, 0, 1, 1e6, NULL, "static: hold it so many frames at most (default 256)"},
@@ -325,6 +331,7 @@ static sn_status add_motion_point(job *j, const repeated *r, sn_index setting, s
                                               &j->report.reference, &rung, error);
         if (status != SN_OK) return status;
         p.solver = sn_difference_between(&j->yardstick, moments, track->positions, rung->track.positions, NULL);
+        s->solved_strain = rung->strain;
     }
     return add_point(j, &p, error);
 }
@@ -359,6 +366,8 @@ static void keep_figures(sn_measured_setting *s, repeated *r) {
     s->nan_points = r->first.nan_points;
     s->residual = r->first.residual;
     s->elastic_energy = r->first.elastic_energy;
+    s->strain = r->first.strain;
+    s->solved_strain = NAN;
 }
 
 static void say_setting(const job *j, sn_index setting) {

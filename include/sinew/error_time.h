@@ -63,6 +63,7 @@ typedef struct sn_run_result {
     sn_index nan_points;  /* at the last moment */
     double residual;      /* |dPhi/dx| / (k L) of the worst muscle at the end; NaN = none has one */
     double elastic_energy; /* J, at the end, over all muscles */
+    double strain;         /* greatest of any surface edge, |l / l0 - 1| against its length at rest, at the end of any frame */
 } sn_run_result;
 /* The scene from its first frame under its solver settings. A run that is no longer finite, or over time, is a result, not an error. */
 SN_MUST_CHECK sn_status sn_run_timed(const sn_scene *scene, const sn_run_request *request, sn_run_result *out, sn_error *error);
@@ -76,6 +77,7 @@ typedef struct sn_rung {
     sn_track track;
     double seconds;       /* processor time */
     sn_index unconverged; /* as in sn_run_result */
+    double strain;        /* as in sn_run_result */
     double step;          /* difference (worst) to the rung of half as many substeps; NaN = that is not there */
     double error;         /* and to the reference */
 } sn_rung;
@@ -136,7 +138,8 @@ typedef struct sn_measured_setting {
     sn_index frames;
     int64_t iterations, rejected_steps, refactorisations, restarts;
     sn_index unconverged, nan_points;
-    double residual, elastic_energy;
+    double residual, elastic_energy, strain;
+    double solved_strain;  /* that of the converged solve of the same steps; NaN = not measured */
     double *muscle_errors; /* (muscle_count) total RMS over L at its last point; NULL = no point */
 } sn_measured_setting;
 

@@ -27,14 +27,14 @@ static void write_row(const sn_error_time *report, const sn_error_point *p, sn_o
     sn_output_print(output, "%s\t%s\t%d\t%.4g\t%.4g\t%.4g\t%.4g\t", setting, family, (int)p->held, p->total.worst, p->total.scene,
                     p->total.most, p->solver.worst);
     sn_output_print(output, "%.4g\t%.4g\t%.4g\t%.4g\t%d\t", p->cpu, p->wall, 1e3 * p->cpu / frames, s->setup, (int)s->runs);
-    sn_output_print(output, "%.2f\t%.3g\t%.4g\t%s\n", (double)s->iterations / (s->frames > 0 ? s->frames : 1), s->residual,
-                    s->elastic_energy, verdict_of(p));
+    sn_output_print(output, "%.2f\t%.3g\t%.4g\t%.4g\t%.4g\t%s\n", (double)s->iterations / (s->frames > 0 ? s->frames : 1), s->residual,
+                    s->elastic_energy, s->strain, s->solved_strain, verdict_of(p));
 }
 
 sn_status sn_error_time_write_table(const sn_error_time *report, sn_output *output) {
     sn_status status =
         sn_output_print(output, "setting\tfamily\theld\ttotal_error\tscene_error\tfarthest_error\tsolver_error\tcpu_s\twall_s\t"
-                                "cpu_ms_per_frame\tsetup_s\truns\titerations_per_frame\tresidual\telastic_J\tverdict\n");
+                                "cpu_ms_per_frame\tsetup_s\truns\titerations_per_frame\tresidual\telastic_J\tlargest_strain\tsolved_strain\tverdict\n");
     for (sn_index i = 0; i < report->point_count; i++) write_row(report, &report->points[i], output);
     return status;
 }
@@ -159,6 +159,7 @@ static void write_reference(const sn_reference *reference, sn_json *json) {
         sn_json_integer(json, "substeps", rung->substeps);
         sn_json_number(json, "cpuSeconds", rung->seconds);
         sn_json_integer(json, "unconverged", rung->unconverged);
+        sn_json_number(json, "largestStrain", rung->strain);
         sn_json_number(json, "step", rung->step);
         sn_json_number(json, "error", rung->error);
         sn_json_close(json);
@@ -201,6 +202,8 @@ static void write_setting(const sn_error_time *report, sn_index i, sn_json *json
     sn_json_integer(json, "nan", s->nan_points);
     sn_json_number(json, "residual", s->residual);
     sn_json_number(json, "elasticEnergy", s->elastic_energy);
+    sn_json_number(json, "largestStrain", s->strain);
+    sn_json_number(json, "solvedStrain", s->solved_strain);
     if (s->muscle_errors != NULL) sn_json_numbers(json, "muscleErrors", s->muscle_errors, (size_t)report->muscle_count);
     sn_json_array(json, "points");
     for (sn_index k = 0; k < report->point_count; k++)

@@ -76,6 +76,19 @@ sn_residual sn_rows_residual(const sn_model_muscle *m, const sn_muscle_state *s,
     return residual;
 }
 
+double sn_largest_strain(const sn_model_muscle *m, const sn_muscle_state *s) {
+    double most = 0.0;
+    for (sn_index t = 0; t < m->triangle_count; t++) {
+        for (int i = 0; i < 3; i++) {
+            sn_index a = m->triangles[t].v[i], b = m->triangles[t].v[(i + 1) % 3];
+            double rest = sn_distance(m->rest[a], m->rest[b]);
+            double length = sn_distance(sn_point_position(&s->points[a]), sn_point_position(&s->points[b]));
+            if (rest > 0.0) most = fmax(most, fabs(length / rest - 1.0));
+        }
+    }
+    return most;
+}
+
 void sn_row_errors(const sn_model *model, const sn_state *state, sn_index muscle, sn_row_kind kind, double *errors) {
     errors_of(&model->muscles[muscle], &state->muscles[muscle], kind, 0, sn_row_count(model, muscle, kind), errors);
 }

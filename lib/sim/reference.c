@@ -49,6 +49,7 @@ static sn_status add_rung(sn_scene *scene, const sn_run_request *request, const 
                                                .track = run.track,
                                                .seconds = last >= 0 ? run.cpu[last] : 0.0,
                                                .unconverged = run.unconverged,
+                                               .strain = run.strain,
                                                .step = NAN,
                                                .error = NAN};
     run.track = (sn_track){0};

@@ -170,6 +170,8 @@ double sn_row_stiffness(const sn_model_muscle *m, const sn_muscle_state *s, sn_r
 /* ---- errors.c ---- */
 /* Of the errors of all rows of a kind but the volume. */
 sn_residual sn_rows_residual(const sn_model_muscle *m, const sn_muscle_state *s, sn_row_kind kind);
+/* Greatest |l / l0 - 1| of any edge of the surface against its length at rest. */
+double sn_largest_strain(const sn_model_muscle *m, const sn_muscle_state *s);
 
 /* ---- statistics.c ---- */
 /* |dPhi/dx| / (k L) from inertia's share of the gradient, inertia (point_count), N: m (v - v predicted) / h. It is overwritten. */

@@ -1,6 +1,7 @@
 /*
  * timed_run.c -- one run of a scene, timed, with its points at some moments.
  */
+#include "rows.h"
 #include "sinew/error_time.h"
 
 #include <stdlib.h>
@@ -69,6 +70,8 @@ static void count_frame(timed_run *r) {
     sn_run_result *out = r->result;
     bool quasi_newton = r->scene->solver.method == SN_SOLVER_QN;
     out->frames++;
+    for (sn_index i = 0; i < r->model->muscle_count; i++)
+        out->strain = fmax(out->strain, sn_largest_strain(&r->model->muscles[i], &r->state->muscles[i]));
     for (sn_index i = 0; quasi_newton && i < r->model->muscle_count; i++) {
         const sn_statistics *s = &r->state->muscles[i].statistics;
         if (s->asleep) continue;

@@ -93,6 +93,20 @@ for f in (2, 4, 6, 8):
         m += w
 found = report["settings"][0]["points"][0]["error"]
 assert abs(math.sqrt(e / m) / L - found) < 1e-3 * found, (math.sqrt(e / m) / L, found)
+def strain(track):
+    most = 0.0
+    for f in range(1, 9):
+        at = [track[f][i:i + 3] for i in range(0, len(v), 3)]
+        for k in range(0, len(t), 3):
+            for a, b in ((t[k], t[k + 1]), (t[k + 1], t[k + 2]), (t[k + 2], t[k])):
+                most = max(most, abs(math.dist(at[a], at[b]) / math.dist(points[a], points[b]) - 1))
+    return most
+settings = report["settings"]
+assert settings[0]["solvedStrain"] is None
+assert abs(settings[0]["largestStrain"] - strain(x)) < 1e-4, (settings[0]["largestStrain"], strain(x))
+rungs = {r["substeps"]: r["largestStrain"] for r in report["reference"]["rungs"]}
+assert abs(rungs[8] - strain(coarse)) < 1e-4 and abs(rungs[16] - strain(fine)) < 1e-4, (rungs, strain(coarse), strain(fine))
+assert [s["solvedStrain"] for s in settings[1:]] == [rungs[1], rungs[4], rungs[3]]
 END
 }
 
