@@ -4,6 +4,7 @@
 #include "blocks.h"
 
 #include <stdlib.h>
+#include <string.h>
 
 double *sn_blocks_at(sn_blocks *b, sn_index row, sn_index column) {
     for (sn_index i = b->last[row]; i != SN_NONE; i = b->blocks[i].next)
@@ -21,6 +22,10 @@ bool sn_blocks_create(sn_blocks *b, int size, sn_index rows) {
     for (sn_index i = 0; i < rows; i++)
         if (sn_blocks_at(b, i, i) == NULL) return false;
     return true;
+}
+
+void sn_blocks_clear(sn_blocks *b) {
+    for (sn_index i = 0; i < b->count; i++) memset(b->blocks[i].value, 0, sizeof b->blocks[i].value);
 }
 
 void sn_blocks_free(sn_blocks *b) {

@@ -25,6 +25,7 @@ typedef struct sn_blocks {
 
 /* A matrix of zeros; false: no memory. */
 bool sn_blocks_create(sn_blocks *b, int size, sn_index rows);
+void sn_blocks_clear(sn_blocks *b); /* the blocks stay, as zeros */
 void sn_blocks_free(sn_blocks *b);
 /* Where the block (row, column) is, made where it is missing; NULL: no memory. The next call may move it. */
 double *sn_blocks_at(sn_blocks *b, sn_index row, sn_index column);

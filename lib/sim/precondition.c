@@ -29,6 +29,7 @@ typedef struct rest_matrix {
     sn_entry *entries;           /* both, where there are couplings */
     sn_sparse *factor;           /* NULL = none yet */
     double factor_h;             /* 0 = none that holds */
+    bool elsewhere;              /* the blocks are those of another shape than the rest shape */
     double *factor_stiffness;    /* (count) */
 } rest_matrix;
 
@@ -48,6 +49,7 @@ struct sn_preconditioner {
     sn_quat *turns;           /* (point_count) frames of the points; NULL = this substep goes by the scalar matrix */
     sn_two_level *coarse;     /* (count) NULL but under the two-level matrix */
     bool corrects;            /* this substep goes by it */
+    sn_vec3 *positions;       /* (point_count) where the scalar matrix was made last, if ever elsewhere than at rest */
     double *right, *solution; /* (6 free_count) of a volume row behind those of the caller */
     sn_vec3 *volume_gradient; /* (point_count) g of each member's volume on its free points, zero elsewhere */
     sn_vec3 *volume_solved;   /* (count x point_count) A^-1 g of each member, A with the volume rows of those before it */
@@ -98,13 +100,26 @@ static bool add_row(void *user, const sn_rest_row *row) {
     return true;
 }
 
-static bool build_members(sn_preconditioner *p, sn_blocks *blocks, int size) {
-    bool made = sn_blocks_create(blocks, size, p->free_count);
+/* The rows of all members at positions (point_count); NULL: at rest. */
+static bool add_members(const sn_preconditioner *p, sn_blocks *blocks, const sn_vec3 *positions) {
+    bool made = true;
     for (sn_index i = 0; i < p->count && made; i++) {
         builder to = {p, blocks, p->first[i]};
-        made = sn_rest_rows(p->members[i], add_row, &to);
+        made = sn_rows_at(p->members[i], positions != NULL ? positions + p->first[i] : p->members[i]->rest, add_row, &to);
     }
-    return made && sn_blocks_close(blocks);
+    return made;
+}
+
+/* What is at hand is made anew elsewhere, or again at rest (NULL). */
+static bool move_matrix(sn_preconditioner *p, rest_matrix *matrix, const sn_vec3 *positions) {
+    matrix->factor_h = 0.0;
+    matrix->elsewhere = positions != NULL;
+    sn_blocks_clear(&matrix->blocks);
+    return add_members(p, &matrix->blocks, positions);
+}
+
+static bool build_members(sn_preconditioner *p, sn_blocks *blocks, int size) {
+    return sn_blocks_create(blocks, size, p->free_count) && add_members(p, blocks, NULL) && sn_blocks_close(blocks);
 }
 
 static bool build_couplings(sn_preconditioner *p, rest_matrix *matrix, int size) {
@@ -127,7 +142,7 @@ static void free_matrix(rest_matrix *matrix) {
 }
 
 static bool build_matrix(sn_preconditioner *p, rest_matrix *matrix, int size) {
-    if (matrix->blocks.last != NULL) return true;
+    if (matrix->blocks.last != NULL) return !matrix->elsewhere || move_matrix(p, matrix, NULL);
     matrix->factor_stiffness = SN_NEW(double, p->count);
     bool made = matrix->factor_stiffness != NULL && build_members(p, &matrix->blocks, size) && build_couplings(p, matrix, size);
     if (!made) free_matrix(matrix);
@@ -273,6 +288,7 @@ void sn_preconditioner_destroy(sn_preconditioner *p) {
     free(p->coupling_points);
     free(p->number_of);
     free(p->point_of);
+    free(p->positions);
     free(p->mass);
     free(p->right);
     free(p->solution);
@@ -315,6 +331,16 @@ void sn_preconditioner_correct(sn_preconditioner *p, const sn_vec3 *positions, d
     p->corrects = positions != NULL && p->coarse != NULL;
     for (sn_index i = 0; i < p->count && p->corrects; i++)
         if (p->coarse[i].model != NULL) sn_two_level_update(&p->coarse[i], positions + p->first[i], h, stiffness[i]);
+}
+
+bool sn_preconditioner_stand(sn_preconditioner *p, const sn_point *points, double h, const double *stiffness) {
+    p->turns = NULL;
+    p->corrects = false;
+    if (p->free_count == 0) return true;
+    if (p->positions == NULL && (p->positions = SN_NEW(sn_vec3, p->point_count)) == NULL) return false;
+    for (sn_index i = 0; i < p->point_count; i++) p->positions[i] = sn_point_position(&points[i]);
+    if (move_matrix(p, &p->scalar, p->positions) && factor(p, &p->scalar, h, stiffness)) return true;
+    return move_matrix(p, &p->scalar, NULL) && factor(p, &p->scalar, h, stiffness);
 }
 
 void sn_preconditioner_turn(sn_preconditioner *p, const sn_point *points) {

@@ -19,16 +19,17 @@ static const double STEP_NOISE = 1e-14;
 /* No point moves further than this share of the muscle's size in one iteration: of its diagonal, or of how far its bones are apart. */
 static const double STEP_CAP = 0.1;
 /* An edge as far as the first from its goal, in mean edges (or such a strain), all of them as far as the second in the mean, or a bone that
- * has jumped: the matrix of the rest shape says little then, and each iteration that the scene allows stands for several, up to so many in
- * all. */
+ * has jumped: the matrix of the rest shape says little then, and each iteration that the scene allows stands for several. */
 static const double FAR_STRETCHED = 3.0, FAR_IN_THE_MEAN = 0.5;
-enum { TORN_EFFORT = 10, TORN_ITERATIONS = 400 };
+enum { TORN_EFFORT = 10 };
 /* A bone that moves a point farther than this share of the diagonal in one substep has jumped. */
 static const double FAR = 0.2;
 /* No triangle shrinks below this share of its area in one step: hinges have no barrier against collapse. */
 static const double AREA_LIMIT = 0.3;
 /* A triangle that starts a substep below this share of its rest area goes through it without barrier and area limit (numerics.md 7). */
 static const double UNGUARDED = 0.05;
+/* One that the barrier held in the last substep is given up later: where much else presses on it, it comes as low as this. */
+static const double STILL_GUARDED = 1e-3;
 /* Iterations after which the volume row of the matrix is made for the points at hand: L-BFGS learns how it turns, up to a point. */
 enum { VOLUME_REFRESH = 8 };
 /* One iteration alone may fall into a wrong basin. */
@@ -204,6 +205,14 @@ static void take_volume_gradient(const sn_model_muscle *m, sn_muscle_state *s) {
     set_volume_row(m, s, s->row_gradient);
 }
 
+/* From here on the matrix is that of the muscle as it is torn: near a collapsed triangle the rest shape's is too soft by orders of magnitude,
+ * and a step that is too long for one hinge is cut short for all of the muscle. */
+static void take_matrix_here(const sn_model_muscle *m, sn_muscle_state *s, double h) {
+    if (!sn_preconditioner_stand(s->qn->preconditioner, s->points, h, &s->stiffness)) stop(s, SN_STOP_FAILED);
+    s->statistics.refactorisations++;
+    take_volume_gradient(m, s);
+}
+
 /* The gradient is up to date before and after. */
 static void iterate(const sn_model_muscle *m, sn_muscle_state *s, double h, sn_index iteration) {
     double slope = 0.0;
@@ -289,12 +298,14 @@ static bool predict(const sn_model_muscle *m, sn_muscle_state *s, double h, sn_v
     return true;
 }
 
-/* Marks the triangles that are not collapsed; returns how many are. */
+/* Marks the triangles that have a barrier: those that are not collapsed, and those whose barrier has held them so far. Returns how many are
+ * collapsed. */
 static sn_index guard_triangles(const sn_model_muscle *m, sn_muscle_state *s) {
     sn_index collapsed = 0;
     for (sn_index r = 0; r < m->area_count; r++) {
-        s->guarded[r] = double_area(s->points, m->areas[r].point) * m->area_scales[r] >= UNGUARDED;
-        collapsed += !s->guarded[r];
+        double ratio = double_area(s->points, m->areas[r].point) * m->area_scales[r];
+        s->guarded[r] = ratio >= (s->guarded[r] ? STILL_GUARDED : UNGUARDED);
+        collapsed += !(ratio >= UNGUARDED);
     }
     return collapsed;
 }
@@ -341,15 +352,10 @@ static void restart(const sn_model_muscle *m, sn_muscle_state *s, const sn_subst
     }
 }
 
-/* Begin at the predictor (in trial) or where inertia takes the points, whichever has the lower energy: energy and gradients are those of
- * the state's points then. */
-static void choose_start(const sn_model_muscle *m, sn_muscle_state *s, double h, bool predicted) {
+/* Begin at the trial's points instead where the energy is lower there: energy and gradients are those of the state's points then. */
+static void prefer_trial(const sn_model_muscle *m, sn_muscle_state *s, double h) {
     sn_qn *qn = s->qn;
     sn_objective objective = objective_of(m, s, h);
-    for (sn_index i = 0; i < m->point_count; i++)
-        if (s->points[i].w > 0.0) set_position(&s->points[i], s->target[i]);
-    s->energy = sn_objective_evaluate(&objective, s->points, qn->gradient);
-    if (!predicted) return;
     double energy = sn_objective_evaluate(&objective, qn->trial, qn->trial_gradient);
     if (energy <= s->energy) {
         s->energy = energy;
@@ -360,21 +366,42 @@ static void choose_start(const sn_model_muscle *m, sn_muscle_state *s, double h,
     }
 }
 
-/* Bones that have gone far in one substep leave both starts torn: the rest pose carried along with them may be the better one. */
-static void try_carried(const sn_model_muscle *m, sn_muscle_state *s, const sn_substep *substep) {
-    sn_qn *qn = s->qn;
-    size_t bytes = (size_t)m->point_count * sizeof *s->points;
-    sn_objective objective = objective_of(m, s, substep->h);
-    memcpy(qn->trial, s->points, bytes);
-    sn_kinematics_carry(m, s, substep->poses);
-    double energy = sn_objective_evaluate(&objective, s->points, qn->trial_gradient);
-    if (energy < s->energy) {
-        s->energy = energy;
-        memcpy(qn->gradient, qn->trial_gradient, (size_t)m->point_count * sizeof *qn->gradient);
-        return;
+/* Begin where inertia takes the points, or at the predictor (in trial). */
+static void choose_start(const sn_model_muscle *m, sn_muscle_state *s, double h, bool predicted) {
+    sn_objective objective = objective_of(m, s, h);
+    for (sn_index i = 0; i < m->point_count; i++)
+        if (s->points[i].w > 0.0) set_position(&s->points[i], s->target[i]);
+    s->energy = sn_objective_evaluate(&objective, s->points, s->qn->gradient);
+    if (predicted) prefer_trial(m, s, h);
+}
+
+/* Of a muscle that is torn, inertia and the predictor may make a worse wreck: where it was may be better. */
+static void try_staying(const sn_model_muscle *m, sn_muscle_state *s, double h) {
+    for (sn_index i = 0; i < m->point_count; i++) {
+        s->qn->trial[i] = s->points[i];
+        if (s->points[i].w > 0.0) set_position(&s->qn->trial[i], s->previous[i]);
     }
-    memcpy(s->points, qn->trial, bytes);
-    sn_objective_evaluate(&objective, s->points, qn->gradient); /* for the gradient of the volume there */
+    prefer_trial(m, s, h);
+}
+
+/* Bones that have gone far in one substep leave all of them torn: the rest pose carried along with them may be better. */
+static void try_carried(const sn_model_muscle *m, sn_muscle_state *s, const sn_substep *substep) {
+    sn_point *points = s->points;
+    memcpy(s->qn->trial, points, (size_t)m->point_count * sizeof *points);
+    s->points = s->qn->trial;
+    sn_kinematics_carry(m, s, substep->poses);
+    s->points = points;
+    prefer_trial(m, s, substep->h);
+}
+
+static bool is_torn(sn_residual stretch) { return stretch.max > FAR_STRETCHED || stretch.rms > FAR_IN_THE_MEAN; }
+
+/* Is the muscle torn at its start, or has a bone jumped? Then other starts are tried. */
+static bool mend_start(const sn_model_muscle *m, sn_muscle_state *s, const sn_substep *substep, double jump) {
+    bool jumped = jump > FAR * m->diagonal, torn = is_torn(stretch(m, s));
+    if (torn || jumped) try_staying(m, s, substep->h);
+    if (jumped) try_carried(m, s, substep);
+    return jumped || (torn && is_torn(stretch(m, s)));
 }
 
 /* The corotated and the two-level matrix are of use near the rest shape only: no collapsed triangle, no edge that is half a mean edge off
@@ -396,14 +423,6 @@ static void place_sections(const sn_model_muscle *m, sn_muscle_state *s, double 
     sn_preconditioner_correct(s->qn->preconditioner, s->turned ? s->section_points : NULL, h, &s->stiffness);
 }
 
-static bool is_torn(sn_residual stretch) { return stretch.max > FAR_STRETCHED || stretch.rms > FAR_IN_THE_MEAN; }
-
-/* How many each iteration of the scene's stands for. */
-static sn_index effort(const sn_model_muscle *m, const sn_muscle_state *s) {
-    sn_index room = s->torn ? TORN_ITERATIONS / m->iterations : 1;
-    return room < 1 ? 1 : room > TORN_EFFORT ? TORN_EFFORT : room;
-}
-
 static void begin(const sn_model_muscle *m, sn_muscle_state *s, const sn_substep *substep) {
     bool changed = false;
     stop(s, SN_STOP_ITERATIONS);
@@ -422,8 +441,8 @@ static void begin(const sn_model_muscle *m, sn_muscle_state *s, const sn_substep
     bool predicted = pushed && s->stopped != SN_STOP_FAILED && predict(m, s, substep->h, weight);
     if (jump == 0.0) memset(s->last_jump, 0, (size_t)m->point_count * sizeof *s->last_jump);
     choose_start(m, s, substep->h, predicted);
-    if (jump > FAR * m->diagonal) try_carried(m, s, substep);
-    s->torn = jump > FAR * m->diagonal || is_torn(stretch(m, s));
+    s->torn = mend_start(m, s, substep, jump);
+    s->turned = s->turned && !s->torn;
     sn_preconditioner_turn(s->qn->preconditioner, s->points);
     place_sections(m, s, substep->h);
     take_volume_gradient(m, s);
@@ -447,8 +466,11 @@ static void qn_substep(const sn_model_muscle *m, sn_muscle_state *s, const sn_su
         begin(m, s, substep);
     else
         resume(m, s, substep->h);
-    sn_index each = effort(m, s);
-    for (sn_index i = each * substep->begin; i < each * substep->end && s->stopped == SN_STOP_ITERATIONS; i++) iterate(m, s, substep->h, i);
+    sn_index each = s->torn ? TORN_EFFORT : 1;
+    for (sn_index i = each * substep->begin; i < each * substep->end && s->stopped == SN_STOP_ITERATIONS; i++) {
+        if (s->torn && i % TORN_EFFORT == 0) take_matrix_here(m, s, substep->h);
+        if (s->stopped == SN_STOP_ITERATIONS) iterate(m, s, substep->h, i);
+    }
     double force = sqrt(dot(m->point_count, s->qn->gradient, s->qn->gradient));
     s->statistics.residual = s->stiffness > 0.0 ? force / (s->stiffness * m->diagonal) : NAN;
     set_velocities(m, s, 1.0 / substep->h);

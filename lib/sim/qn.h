@@ -43,6 +43,9 @@ void sn_preconditioner_destroy(sn_preconditioner *p); /* NULL is fine */
  * within a factor of 2 of k: then for that one, if it is not at hand (a run that goes on elsewhere). *changed: *factored_for is now k.
  * false: no memory, no factor. */
 bool sn_preconditioner_update(sn_preconditioner *p, double h, const double *stiffness, sn_quat *turns, double *factored_for, bool *changed);
+/* Until the next update go by the scalar matrix of the shape at these points (point_count), in place of the rest shape's, for (h, k by
+ * member); where that has no factor, by the rest shape's after all. The volume rows are then to be set anew. false: no memory, no factor. */
+bool sn_preconditioner_stand(sn_preconditioner *p, const sn_point *points, double h, const double *stiffness);
 /* Turn the corotated matrix with the muscle at these points (point_count); nothing for the scalar one. */
 void sn_preconditioner_turn(sn_preconditioner *p, const sn_point *points);
 /* From the next solve on, where there is a coarse space: correct with its Hessian at positions (point_count) for (h, k); NULL: do not. The
