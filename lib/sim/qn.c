@@ -22,6 +22,9 @@ static const double STEP_CAP = 0.1;
  * has jumped: the matrix of the rest shape says little then, and each iteration that the scene allows stands for several. */
 static const double FAR_STRETCHED = 3.0, FAR_IN_THE_MEAN = 0.5;
 enum { TORN_EFFORT = 10 };
+/* Bones that move a point farther than so many mean edges in a substep, or did in the last, tear the rings next to them: there a smaller
+ * stretch counts. */
+static const double FAST_EDGES = 4.0, FAST_STRETCHED = 1.0;
 /* A bone that moves a point farther than this share of the diagonal in one substep has jumped. */
 static const double FAR = 0.2;
 /* No triangle shrinks below this share of its area in one step: hinges have no barrier against collapse. */
@@ -394,14 +397,17 @@ static void try_carried(const sn_model_muscle *m, sn_muscle_state *s, const sn_s
     prefer_trial(m, s, substep->h);
 }
 
-static bool is_torn(sn_residual stretch) { return stretch.max > FAR_STRETCHED || stretch.rms > FAR_IN_THE_MEAN; }
+static bool is_torn(const sn_model_muscle *m, const sn_muscle_state *s, bool fast) {
+    sn_residual off = stretch(m, s);
+    return off.max > (fast ? FAST_STRETCHED : FAR_STRETCHED) || off.rms > FAR_IN_THE_MEAN;
+}
 
 /* Is the muscle torn at its start, or has a bone jumped? Then other starts are tried. */
-static bool mend_start(const sn_model_muscle *m, sn_muscle_state *s, const sn_substep *substep, double jump) {
-    bool jumped = jump > FAR * m->diagonal, torn = is_torn(stretch(m, s));
+static bool mend_start(const sn_model_muscle *m, sn_muscle_state *s, const sn_substep *substep, double jump, bool fast) {
+    bool jumped = jump > FAR * m->diagonal, torn = is_torn(m, s, fast);
     if (torn || jumped) try_staying(m, s, substep->h);
     if (jumped) try_carried(m, s, substep);
-    return jumped || (torn && is_torn(stretch(m, s)));
+    return jumped || (torn && is_torn(m, s, fast));
 }
 
 /* The corotated and the two-level matrix are of use near the rest shape only: no collapsed triangle, no edge that is half a mean edge off
@@ -431,6 +437,7 @@ static void begin(const sn_model_muscle *m, sn_muscle_state *s, const sn_substep
     s->turned = may_turn(m, s, guard_triangles(m, s));
     aim(m, s, substep->gravity, substep->h);
     double jump = place_carried(m, s, substep->poses);
+    bool fast = fmax(jump, longest(m->point_count, s->last_jump)) > FAST_EDGES * m->mean_edge;
     if (s->turned && !go_by(m, s, substep->h, &changed)) s->turned = false; /* free and stiff: to rounding it is singular */
     if (!s->turned && !go_by(m, s, substep->h, &changed)) stop(s, SN_STOP_FAILED);
     if (changed || (s->turned && m->corotated)) forget_pairs(s); /* pairs from other frames mislead the corotated matrix */
@@ -441,7 +448,7 @@ static void begin(const sn_model_muscle *m, sn_muscle_state *s, const sn_substep
     bool predicted = pushed && s->stopped != SN_STOP_FAILED && predict(m, s, substep->h, weight);
     if (jump == 0.0) memset(s->last_jump, 0, (size_t)m->point_count * sizeof *s->last_jump);
     choose_start(m, s, substep->h, predicted);
-    s->torn = mend_start(m, s, substep, jump);
+    s->torn = mend_start(m, s, substep, jump, fast);
     s->turned = s->turned && !s->torn;
     sn_preconditioner_turn(s->qn->preconditioner, s->points);
     place_sections(m, s, substep->h);

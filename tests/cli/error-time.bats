@@ -260,3 +260,13 @@ END
     run -1 "$EXAMPLES/tip/tip" tip/tip.scene.json/x
     [ ! -e x ]
 }
+
+@test "a tip at 19 degrees a frame: the default's greatest strain is within 5 % of the solved steps', and no triangle collapses" {
+    for size in 1000 4000; do
+        "$EXAMPLES/tip/tip" --triangles $size --fast fast$size
+        echo "qn substeps=1 iterations=10" > default.txt
+        error-time -q fast$size/tip.scene.json --settings default.txt --runs 1 --reference 4 --floor 1 > fast.tsv
+        awk -F '\t' 'NR == 2 { exit !($16 < 1.05 * $17 && $16 > 0.95 * $17 && $17 > 0.15) }' fast.tsv
+        simulate -q fast$size/tip.scene.json -o fast.pc2 --log log.jsonl --fail-on 'triangle<0.05'
+    done
+}
