@@ -44,7 +44,8 @@ static const char *const FULL =
     "qn substeps=4 iterations=5 preconditioner=two-level\n"
     "xpbd substeps=16 iterations=1 precision=single\nxpbd substeps=16 iterations=4 precision=single\n"
     "xpbd substeps=64 iterations=1 precision=single\nxpbd substeps=64 iterations=4 precision=single\n"
-    "xpbd substeps=256 iterations=1 precision=single\nxpbd substeps=320 iterations=1 precision=single\nxpbd substeps=256 iterations=2 precision=single\n";
+    "xpbd substeps=256 iterations=1 precision=single\nxpbd substeps=320 iterations=1 precision=single\nxpbd substeps=256 iterations=2 "
+    "precision=single\n";
 
 enum { SWEEP_QUICK, SWEEP_FULL };
 static const char *const SWEEPS[] = {"quick", "full", NULL};

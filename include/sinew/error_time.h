@@ -52,16 +52,16 @@ typedef struct sn_run_request {
 } sn_run_request;
 
 typedef struct sn_run_result {
-    sn_track track;    /* of the moments that it came to */
+    sn_track track;     /* of the moments that it came to */
     sn_index *moments;  /* (track.moment_count) the request's, and last of all when it came to rest */
     double *cpu, *wall; /* (track.moment_count) s of stepping up to each: without set-up and pre-roll */
     double setup;       /* s of wall time: model, state, pre-roll */
     bool over_time;     /* ended by most_seconds */
     sn_index frames;    /* stepped, held ones too */
     int64_t iterations, rejected_steps, refactorisations, restarts; /* qn; over all muscles */
-    sn_index unconverged; /* qn: pairs of muscle and frame whose last substep ended after all of its iterations, or failed */
-    sn_index nan_points;  /* at the last moment */
-    double residual;      /* |dPhi/dx| / (k L) of the worst muscle at the end; NaN = none has one */
+    sn_index unconverged;  /* qn: pairs of muscle and frame whose last substep ended after all of its iterations, or failed */
+    sn_index nan_points;   /* at the last moment */
+    double residual;       /* |dPhi/dx| / (k L) of the worst muscle at the end; NaN = none has one */
     double elastic_energy; /* J, at the end, over all muscles */
     double strain;         /* greatest of any surface edge, |l / l0 - 1| against its length at rest, at the end of any frame */
 } sn_run_result;
@@ -162,7 +162,7 @@ typedef struct sn_error_time {
     double rate;
     int threads;
     sn_index muscle_count;
-    char **muscle_names;    /* (muscle_count) the enabled ones */
+    char **muscle_names;       /* (muscle_count) the enabled ones */
     sn_index *muscle_vertices; /* (muscle_count) */
     sn_index moment_count;
     sn_index *moments;      /* (moment_count) as in sn_run_request */

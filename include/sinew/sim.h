@@ -66,8 +66,8 @@ typedef struct sn_plan_muscle {
     bool fibers;      /* false: no fibre directions, so that it does not contract */
     sn_index vertices, samples, triangles;
     sn_index bare_samples; /* of the structure, left out: no vertex hangs on them */
-    sn_index kinematic;  /* vertices carried by bones */
-    sn_index iterations; /* per substep */
+    sn_index kinematic;    /* vertices carried by bones */
+    sn_index iterations;   /* per substep */
     sn_plan_group groups[SN_ROW_KINDS];
     size_t model_bytes, state_bytes;
 } sn_plan_muscle;
@@ -319,8 +319,8 @@ SN_MUST_CHECK sn_status sn_hold(const sn_model *model, sn_state *state, const sn
  * bits of a run that was not stopped. SN_STOPPED: stopped on the way, by the options or the trace. options NULL = none. */
 SN_MUST_CHECK sn_status sn_step(const sn_model *model, sn_state *state, const sn_step_options *options, sn_error *error);
 
-/* Project the rows of one kind of a muscle once, as the first iteration of a substep does under `xpbd`; under `qn` evaluate their energy and
- * its gradient: to measure what they cost. */
+/* Project the rows of one kind of a muscle once, as the first iteration of a substep does under `xpbd`; under `qn` evaluate their energy
+ * and its gradient: to measure what they cost. */
 void sn_project(const sn_model *model, sn_state *state, sn_index muscle, sn_row_kind kind);
 
 /* ---- errors row by row (errors.c): what sn_residual is the sum of --------------------------------------------------------- */

@@ -32,9 +32,9 @@ static void write_row(const sn_error_time *report, const sn_error_point *p, sn_o
 }
 
 sn_status sn_error_time_write_table(const sn_error_time *report, sn_output *output) {
-    sn_status status =
-        sn_output_print(output, "setting\tfamily\theld\ttotal_error\tscene_error\tfarthest_error\tsolver_error\tcpu_s\twall_s\t"
-                                "cpu_ms_per_frame\tsetup_s\truns\titerations_per_frame\tresidual\telastic_J\tlargest_strain\tsolved_strain\tverdict\n");
+    sn_status status = sn_output_print(
+        output, "setting\tfamily\theld\ttotal_error\tscene_error\tfarthest_error\tsolver_error\tcpu_s\twall_s\t"
+                "cpu_ms_per_frame\tsetup_s\truns\titerations_per_frame\tresidual\telastic_J\tlargest_strain\tsolved_strain\tverdict\n");
     for (sn_index i = 0; i < report->point_count; i++) write_row(report, &report->points[i], output);
     return status;
 }

@@ -2,8 +2,8 @@
  * qn.c -- back end `qn`: implicit Euler by quasi-Newton.   Liu, Bouaziz, Kavan 2017; numerics.md 2, 7
  *
  * A substep minimises Phi(x) (energy.c) from a predictor: L-BFGS on top of a factored matrix of the rest shape (precondition.c) gives a
- * direction, Armijo's rule its length. Pairs are kept from substep to substep, but not under the corotated matrix. A substep ends when a whole step would move no point by more than the
- * tolerance, when no step lowers the energy any more, or after its iterations.
+ * direction, Armijo's rule its length. Pairs are kept from substep to substep, but not under the corotated matrix. A substep ends when a
+ * whole step would move no point by more than the tolerance, when no step lowers the energy any more, or after its iterations.
  */
 #include "qn.h"
 
@@ -208,8 +208,8 @@ static void take_volume_gradient(const sn_model_muscle *m, sn_muscle_state *s) {
     set_volume_row(m, s, s->row_gradient);
 }
 
-/* From here on the matrix is that of the muscle as it is torn: near a collapsed triangle the rest shape's is too soft by orders of magnitude,
- * and a step that is too long for one hinge is cut short for all of the muscle. */
+/* From here on the matrix is that of the muscle as it is torn: near a collapsed triangle the rest shape's is too soft by orders of
+ * magnitude, and a step that is too long for one hinge is cut short for all of the muscle. */
 static void take_matrix_here(const sn_model_muscle *m, sn_muscle_state *s, double h) {
     if (!sn_preconditioner_stand(s->qn->preconditioner, s->points, h, &s->stiffness)) stop(s, SN_STOP_FAILED);
     s->statistics.refactorisations++;

@@ -44,7 +44,8 @@ void sn_preconditioner_destroy(sn_preconditioner *p); /* NULL is fine */
  * false: no memory, no factor. */
 bool sn_preconditioner_update(sn_preconditioner *p, double h, const double *stiffness, sn_quat *turns, double *factored_for, bool *changed);
 /* Until the next update go by the scalar matrix of the shape at these points (point_count), in place of the rest shape's, for (h, k by
- * member); where that has no factor, by the rest shape's after all. The volume rows are then to be set anew. false: no memory, no factor. */
+ * member); where that has no factor, by the rest shape's after all. The volume rows are then to be set anew. false: no memory, no factor.
+ */
 bool sn_preconditioner_stand(sn_preconditioner *p, const sn_point *points, double h, const double *stiffness);
 /* Turn the corotated matrix with the muscle at these points (point_count); nothing for the scalar one. */
 void sn_preconditioner_turn(sn_preconditioner *p, const sn_point *points);
@@ -63,12 +64,12 @@ void sn_preconditioner_add_jump(const sn_preconditioner *p, const sn_vec3 *jump,
 /* Scratch and factor of one muscle; made with the state under back end `qn` only. */
 struct sn_qn {
     sn_preconditioner *preconditioner;
-    sn_point *trial;          /* (point_count) */
-    sn_point *forces;         /* (point_count) the gradient while it is summed, as records of four */
-    sn_vec3 *gradient;        /* (point_count) at the current points */
-    sn_vec3 *trial_gradient;  /* (point_count) */
-    sn_vec3 *direction;       /* (point_count) */
-    sn_vec3 *jump;            /* (point_count) */
+    sn_point *trial;         /* (point_count) */
+    sn_point *forces;        /* (point_count) the gradient while it is summed, as records of four */
+    sn_vec3 *gradient;       /* (point_count) at the current points */
+    sn_vec3 *trial_gradient; /* (point_count) */
+    sn_vec3 *direction;      /* (point_count) */
+    sn_vec3 *jump;           /* (point_count) */
 };
 
 #endif
