@@ -337,6 +337,7 @@ bool sn_preconditioner_stand(sn_preconditioner *p, const sn_point *points, doubl
     p->turns = NULL;
     p->corrects = false;
     if (p->free_count == 0) return true;
+    if (p->scalar.blocks.last == NULL && !build_matrix(p, &p->scalar, 1)) return false; /* so far it went by the corotated one */
     if (p->positions == NULL && (p->positions = SN_NEW(sn_vec3, p->point_count)) == NULL) return false;
     for (sn_index i = 0; i < p->point_count; i++) p->positions[i] = sn_point_position(&points[i]);
     if (move_matrix(p, &p->scalar, p->positions) && factor(p, &p->scalar, h, stiffness)) return true;
