@@ -99,7 +99,3 @@ bool sn_rows_at(const sn_model_muscle *m, const sn_vec3 *positions, bool (*visit
     return visit_distances(m, positions, visit, user) && visit_membranes(m, positions, visit, user) &&
            visit_hinges(m, positions, visit, user);
 }
-
-bool sn_rest_rows(const sn_model_muscle *m, bool (*visit)(void *user, const sn_rest_row *row), void *user) {
-    return sn_rows_at(m, m->rest, visit, user);
-}

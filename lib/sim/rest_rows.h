@@ -18,7 +18,5 @@ typedef struct sn_rest_row {
 
 /* Calls visit for each row at positions (points), in the order of the table; false: visit returned false. */
 bool sn_rows_at(const sn_model_muscle *m, const sn_vec3 *positions, bool (*visit)(void *user, const sn_rest_row *row), void *user);
-/* The same at the rest shape. */
-bool sn_rest_rows(const sn_model_muscle *m, bool (*visit)(void *user, const sn_rest_row *row), void *user);
 
 #endif

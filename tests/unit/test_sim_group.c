@@ -172,7 +172,7 @@ static dense make_dense(const group *g, bool turned, sn_index count, const sn_re
     dense d = {.g = g, .a = SN_NEW(double, n *n), .turned = turned};
     for (int k = 0; k < 2; k++) {
         d.first = g->first[k], d.stiffness = g->stiffness[k];
-        assert_true(sn_rest_rows(g->members[k], add_dense_row, &d));
+        assert_true(sn_rows_at(g->members[k], g->members[k]->rest, add_dense_row, &d));
         for (sn_index i = 0; i < g->members[k]->point_count; i++)
             for (int c = 0; c < 3 && is_free(g, d.first + i); c++)
                 add_entry(&d, d.first + i, d.first + i, c, c, 1.0 / (g->members[k]->inverse_mass[i] * STEP * STEP));
