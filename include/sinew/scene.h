@@ -55,7 +55,7 @@ typedef struct sn_scene_muscle {
     sn_knots volume_ratio; /* activation in [0,1] -> goal volume over rest volume; default 1 */
     double density;        /* kg/m^3; default 1060 */
     bool unit_mass;        /* every point 1 kg, whatever the density; default false */
-    double damping;        /* rate, 1/s; default 5 */
+    double damping;        /* rate, 1/s, of the velocity beside the rigid motion of the bones; weight is not damped; default 5 */
     sn_index iterations;   /* per substep; 0 = the solver's */
     bool enabled;          /* false = left out */
 } sn_scene_muscle;

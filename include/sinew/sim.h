@@ -128,6 +128,7 @@ typedef struct sn_model_muscle {
     double *rest_area;      /* (triangle_count) m^2 */
     sn_index kinematic_count, site_count;
     sn_index *kinematic_points;                     /* (kinematic_count) grouped by site */
+    double *kinematic_mass;                         /* (kinematic_count) kg, by which they weigh in the motion of the bones */
     sn_site *sites;                                 /* (site_count) one per attachment with vertices */
     sn_index distance_start[SN_DISTANCE_KINDS + 1]; /* rows of kind k are distance_start[k] .. distance_start[k + 1] - 1 */
     sn_index distance_batched[SN_DISTANCE_KINDS];   /* so many of each kind come first, in fours that share no point */
@@ -243,9 +244,8 @@ static inline sn_vec3 sn_point_position(const sn_point *p) { return sn_v3(p->x, 
     X(double, hinge_lambda, m->hinge_count, true)                                                                                          \
     X(sn_vec3, volume_gradient, m->keeps_volume ? m->vertex_count : 0, false)                                                              \
     X(sn_rigid, placed, m->site_count, true)                                                                                               \
-    /* back end `qn`: where inertia takes each point, how far the carried ones came, the L-BFGS pairs, frames, dV/dx of the matrix */      \
+    /* back end `qn`: where inertia takes each point, the L-BFGS pairs, frames, dV/dx of the matrix */                                     \
     X(sn_vec3, target, m->quasi_newton ? m->point_count : 0, true)                                                                         \
-    X(sn_vec3, last_jump, m->quasi_newton ? m->point_count : 0, true)                                                                      \
     X(sn_vec3, pair_steps, m->quasi_newton ? 8 * (size_t)m->point_count : 0, true)                                                         \
     X(sn_vec3, pair_changes, m->quasi_newton ? 8 * (size_t)m->point_count : 0, true)                                                       \
     X(double, pair_products, m->quasi_newton ? 8 : 0, true)                                                                                \
@@ -261,11 +261,21 @@ static inline sn_vec3 sn_point_position(const sn_point *p) { return sn_v3(p->x, 
 struct sn_qn;
 typedef struct sn_qn sn_qn;
 
+/* The rigid motion of a muscle's bones over one step: the one that fits their attached points best, by mass. A point that goes along with
+ * it has come by d / h, d the solution of d = h velocity + turn x (x - d / 2 - middle), x where it is now: an exact rotation. */
+typedef struct sn_bone_motion {
+    sn_vec3 middle;   /* m: of the attached points, half way through the step */
+    sn_vec3 velocity; /* m/s: of the middle */
+    sn_vec3 turn;     /* 2 tan(angle / 2) times the axis */
+    double rate;      /* 1 / h, 1/s; 0 = no motion to go along with: the bones rest, or have jumped, or there are none */
+} sn_bone_motion;
+
 typedef struct sn_muscle_state {
 #define SN_STATE_MEMBER(type, name, count, kept) type *name;
     SN_STATE_ARRAYS(SN_STATE_MEMBER)
 #undef SN_STATE_MEMBER
     double volume_lambda;
+    sn_bone_motion bones;           /* over the last step */
     sn_index pair_count, pair_next; /* qn: pairs at hand, and the slot of the next */
     sn_stop_reason stopped;         /* qn: why the substep needs no further iteration; SN_STOP_ITERATIONS = it may */
     bool torn;                      /* qn: the substep began far from any shape of rest: more effort */

@@ -26,6 +26,7 @@ static sn_status add_site(const sn_build *build, const sn_attachment *attachment
     *site = (sn_site){.joint = build->scene->bones[bone].joint, .begin = m->kinematic_count, .centre = {0, 0, 0}};
     for (sn_index i = 0; i < attachment->count; i++) {
         sn_index v = attachment->vertices[i];
+        m->kinematic_mass[m->kinematic_count] = 1.0 / m->inverse_mass[v];
         m->kinematic_points[m->kinematic_count++] = v;
         m->inverse_mass[v] = 0.0;
         site->centre = sn_add_scaled(site->centre, m->rest[v], 1.0 / attachment->count);
@@ -40,8 +41,9 @@ sn_status sn_kinematics_build(const sn_build *build, sn_error *error) {
     size_t count = 0;
     for (sn_index i = 0; i < rig->attachment_count; i++) count += (size_t)rig->attachments[i].count;
     m->kinematic_points = SN_NEW(sn_index, count);
+    m->kinematic_mass = SN_NEW(double, count);
     m->sites = SN_NEW(sn_site, rig->attachment_count);
-    if (m->kinematic_points == NULL || m->sites == NULL) return sn_fail_memory(error, "attachments");
+    if (m->kinematic_points == NULL || m->kinematic_mass == NULL || m->sites == NULL) return sn_fail_memory(error, "attachments");
     for (sn_index i = 0; i < rig->attachment_count; i++) {
         sn_status status = add_site(build, &rig->attachments[i], error);
         if (status != SN_OK) return status;
@@ -96,20 +98,107 @@ void sn_kinematics_carry(const sn_model_muscle *m, sn_muscle_state *s, const sn_
     sn_kinematics_place(m, s, poses);
 }
 
-/* Of the attached points, on average. */
-static sn_vec3 velocity_of_bones(const sn_model_muscle *m, const sn_muscle_state *s) {
-    sn_vec3 sum = sn_v3(0, 0, 0);
-    for (sn_index k = 0; k < m->kinematic_count; k++) sum = sn_add(sum, s->velocities[m->kinematic_points[k]]);
-    return m->kinematic_count > 0 ? sn_scale(sum, 1.0 / m->kinematic_count) : sum;
+/* ---- the motion of the bones ------------------------------------------------------------------------------------------------ */
+
+/* A motion about an axis that the attached points say nothing of (all of them lie on it) is none: this share of their spread is added to
+ * the matrix of the fit. */
+static const double LEAST_SPREAD = 1e-10;
+
+typedef struct carried_point {
+    sn_vec3 middle, velocity; /* half way through the step */
+    double mass;
+} carried_point;
+
+static carried_point carried_point_of(const sn_model_muscle *m, const sn_muscle_state *s, sn_index k, double h) {
+    sn_index v = m->kinematic_points[k];
+    return (carried_point){.middle = sn_add_scaled(sn_point_position(&s->points[v]), s->velocities[v], -0.5 * h),
+                           .velocity = s->velocities[v],
+                           .mass = m->kinematic_mass[k]};
+}
+
+/* Means over the attached points: where, and how fast. */
+static void find_middle(const sn_model_muscle *m, const sn_muscle_state *s, double h, sn_bone_motion *bones) {
+    double mass = 0.0;
+    for (sn_index k = 0; k < m->kinematic_count; k++) {
+        carried_point p = carried_point_of(m, s, k, h);
+        bones->middle = sn_add_scaled(bones->middle, p.middle, p.mass);
+        bones->velocity = sn_add_scaled(bones->velocity, p.velocity, p.mass);
+        mass += p.mass;
+    }
+    bones->middle = sn_scale(bones->middle, 1.0 / mass);
+    bones->velocity = sn_scale(bones->velocity, 1.0 / mass);
+}
+
+/* sum += mass (r.r - r rT) */
+static void add_inertia(sn_mat3 *sum, sn_vec3 r, double mass) {
+    const double c[3] = {r.x, r.y, r.z};
+    for (int i = 0; i < 3; i++)
+        for (int j = 0; j < 3; j++) sum->m[i][j] += mass * ((i == j ? sn_norm2(r) : 0.0) - c[i] * c[j]);
+}
+
+/* a^-1 b by Cramer's rule; zero where a is singular. */
+static sn_vec3 solve3(const sn_mat3 *a, sn_vec3 b) {
+    sn_vec3 column[3];
+    for (int c = 0; c < 3; c++) column[c] = sn_v3(a->m[0][c], a->m[1][c], a->m[2][c]);
+    double size = sn_dot(column[0], sn_cross(column[1], column[2]));
+    if (!(fabs(size) > 0.0)) return sn_v3(0, 0, 0);
+    return sn_scale(sn_v3(sn_dot(b, sn_cross(column[1], column[2])), sn_dot(column[0], sn_cross(b, column[2])),
+                          sn_dot(column[0], sn_cross(column[1], b))),
+                    1.0 / size);
+}
+
+/* The turn b that makes the sum of mass |velocity - b x r|^2 least: (sum mass (r.r - r rT)) b = sum mass r x velocity. */
+static sn_vec3 find_turn(const sn_model_muscle *m, const sn_muscle_state *s, double h, const sn_bone_motion *bones) {
+    sn_mat3 spread = {0};
+    sn_vec3 moment = sn_v3(0, 0, 0);
+    for (sn_index k = 0; k < m->kinematic_count; k++) {
+        carried_point p = carried_point_of(m, s, k, h);
+        sn_vec3 r = sn_sub(p.middle, bones->middle);
+        add_inertia(&spread, r, p.mass);
+        moment = sn_add_scaled(moment, sn_cross(r, sn_sub(p.velocity, bones->velocity)), p.mass);
+    }
+    double least = LEAST_SPREAD * (spread.m[0][0] + spread.m[1][1] + spread.m[2][2]);
+    for (int i = 0; i < 3; i++) spread.m[i][i] += least;
+    return solve3(&spread, moment);
+}
+
+static bool bones_rest(const sn_model_muscle *m, const sn_muscle_state *s) {
+    for (sn_index k = 0; k < m->kinematic_count; k++)
+        if (sn_norm2(s->velocities[m->kinematic_points[k]]) > 0.0) return false;
+    return true;
+}
+
+void sn_kinematics_watch_bones(const sn_model_muscle *m, sn_muscle_state *s, double h, double most) {
+    sn_vec3 before = s->bones.velocity;
+    sn_bone_motion *bones = &s->bones;
+    *bones = (sn_bone_motion){.rate = 0.0};
+    if (bones_rest(m, s)) return;
+    find_middle(m, s, h, bones);
+    if (most > 0.0 && !(sn_distance(bones->velocity, before) <= most)) return;
+    bones->turn = sn_scale(find_turn(m, s, h, bones), h);
+    bones->rate = 1.0 / h;
+}
+
+sn_vec3 sn_bone_motion_at(const sn_bone_motion *bones, sn_vec3 x) {
+    sn_vec3 b = bones->turn;
+    if (bones->rate == 0.0) return sn_v3(0, 0, 0);
+    /* (1 + [b]x / 2) d = w */
+    sn_vec3 w = sn_add_scaled(bones->velocity, sn_cross(b, sn_sub(x, bones->middle)), bones->rate);
+    sn_vec3 d = sn_add_scaled(sn_add_scaled(w, sn_cross(b, w), -0.5), b, 0.25 * sn_dot(b, w));
+    return sn_scale(d, 1.0 / (1.0 + 0.25 * sn_norm2(b)));
+}
+
+sn_vec3 sn_damped_velocity(const sn_muscle_state *s, sn_index point, double keep) {
+    sn_vec3 bones = sn_bone_motion_at(&s->bones, sn_point_position(&s->points[point]));
+    return sn_add_scaled(bones, sn_sub(s->velocities[point], bones), keep);
 }
 
 void sn_kinematics_limit_speed(const sn_model_muscle *m, sn_muscle_state *s, double most) {
-    sn_vec3 bones = velocity_of_bones(m, s);
     if (!(most > 0.0) || m->kinematic_count == 0) return;
-    if (sn_norm(bones) > most) bones = sn_v3(0, 0, 0); /* that is a jump, not a motion */
     for (sn_index i = 0; i < m->point_count; i++) {
-        sn_vec3 v = sn_sub(s->velocities[i], bones);
-        double square = sn_norm2(v);
-        if (square > most * most) s->velocities[i] = sn_add_scaled(bones, v, most / sqrt(square));
+        if (s->points[i].w == 0.0) continue;
+        sn_vec3 bones = sn_bone_motion_at(&s->bones, sn_point_position(&s->points[i])), v = sn_sub(s->velocities[i], bones);
+        double square = fmin(sn_norm2(v), sn_norm2(s->velocities[i])); /* one that the bones leave behind is not drawn after them */
+        if (square > most * most) s->velocities[i] = sn_add_scaled(bones, v, most / sn_norm(v));
     }
 }

@@ -211,6 +211,7 @@ static void free_muscle(sn_model_muscle *m) {
     free(m->triangles);
     free(m->rest_area);
     free(m->kinematic_points);
+    free(m->kinematic_mass);
     free(m->sites);
     free(m->distances);
     free(m->distance_terms);

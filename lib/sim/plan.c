@@ -123,7 +123,7 @@ static size_t model_bytes(const sn_build *build) {
     const sn_model_muscle *m = build->model;
     size_t points = (size_t)m->point_count * (sizeof(sn_vec3) + sizeof(double));
     size_t triangles = (size_t)m->triangle_count * (sizeof(sn_triangle) + sizeof(double));
-    size_t sites = (size_t)m->site_count * sizeof(sn_site) + (size_t)m->kinematic_count * sizeof(sn_index), rows = 0;
+    size_t sites = (size_t)m->site_count * sizeof(sn_site) + (size_t)m->kinematic_count * (sizeof(sn_index) + sizeof(double)), rows = 0;
     for (int kind = 0; kind < SN_ROW_KINDS; kind++) rows += (size_t)build->plan->groups[kind].rows * row_bytes(m, (sn_row_kind)kind);
     if (m->single) rows += (size_t)(m->hinge_batched + m->area_batched) / 4;
     for (int kind = 0; m->single && kind < SN_DISTANCE_KINDS; kind++) rows += (size_t)m->distance_batched[kind] / 4;

@@ -242,15 +242,22 @@ static void iterate(const sn_model_muscle *m, sn_muscle_state *s, double h, sn_i
 
 /* ---- the start of a substep --------------------------------------------------------------------------------------------------- */
 
-/* y = x + h (v + h g) e^(-c h) for the free points; previous = x. */
+/* y = x + h (u + (v - u) e^(-c h)) + h^2 g for the free points, u the velocity of the bones there; previous = x. */
 static void aim(const sn_model_muscle *m, sn_muscle_state *s, sn_vec3 gravity, double h) {
     double keep = exp(-m->source->damping * h);
     for (sn_index i = 0; i < m->point_count; i++) {
         s->target[i] = s->previous[i] = sn_point_position(&s->points[i]);
         if (s->points[i].w == 0.0) continue;
-        sn_vec3 v = sn_scale(sn_add_scaled(s->velocities[i], gravity, h), keep);
+        sn_vec3 v = sn_add_scaled(sn_damped_velocity(s, i, keep), gravity, h);
         s->target[i] = sn_add_scaled(s->previous[i], v, h);
     }
+}
+
+/* Speed of the fastest carried point over the last step, m/s. */
+static double fastest_carried(const sn_model_muscle *m, const sn_muscle_state *s) {
+    double most = 0.0;
+    for (sn_index k = 0; k < m->kinematic_count; k++) most = fmax(most, sn_norm2(s->velocities[m->kinematic_points[k]]));
+    return sqrt(most);
 }
 
 /* Put the carried points at their places; jump (point_count) is how far they came. Returns the longest way. */
@@ -267,17 +274,19 @@ static double place_carried(const sn_model_muscle *m, sn_muscle_state *s, const 
 /* Where the predictor starts: everything where it was; or, where the carried points go on as in the last substep (to within an edge), the
  * free points where their velocity takes them (without the weight, which the muscle bears already or will). trial and jump are then base
  * and what is left of the way. */
-static void choose_base(const sn_model_muscle *m, sn_muscle_state *s, sn_vec3 weight) {
+static void choose_base(const sn_model_muscle *m, sn_muscle_state *s, double h, sn_vec3 weight) {
     double change = 0.0;
-    for (sn_index i = 0; i < m->point_count; i++) change = fmax(change, sn_distance(s->qn->jump[i], s->last_jump[i]));
+    for (sn_index k = 0; k < m->kinematic_count; k++) {
+        sn_index i = m->kinematic_points[k];
+        change = fmax(change, sn_distance(s->qn->jump[i], sn_scale(s->velocities[i], h)));
+    }
     bool smooth = change <= m->mean_edge;
     for (sn_index i = 0; i < m->point_count; i++) {
-        sn_vec3 jump = s->qn->jump[i], before = s->last_jump[i];
         bool carried = s->points[i].w == 0.0;
+        sn_vec3 jump = s->qn->jump[i], before = carried ? sn_scale(s->velocities[i], h) : sn_v3(0, 0, 0);
         sn_vec3 base = !smooth ? s->previous[i] : carried ? sn_add(s->previous[i], before) : sn_sub(s->target[i], weight);
         s->qn->trial[i] = s->points[i];
         set_position(&s->qn->trial[i], base);
-        s->last_jump[i] = jump;
         s->qn->jump[i] = smooth ? sn_sub(jump, before) : jump;
     }
 }
@@ -288,7 +297,7 @@ static bool predict(const sn_model_muscle *m, sn_muscle_state *s, double h, sn_v
     sn_qn *qn = s->qn;
     sn_objective objective = objective_of(m, s, h);
     double k_volume = volume_stiffness(m, s);
-    choose_base(m, s, weight);
+    choose_base(m, s, h, weight);
     sn_objective_evaluate(&objective, qn->trial, qn->gradient);
     sn_preconditioner_turn(qn->preconditioner, qn->trial);
     sn_preconditioner_add_jump(qn->preconditioner, qn->jump, s->volume_gradient, &k_volume, qn->gradient);
@@ -348,6 +357,7 @@ static void restart(const sn_model_muscle *m, sn_muscle_state *s, const sn_subst
     sn_kinematics_carry(m, s, substep->poses);
     if (energy_at_rest(m, s, substep->h) < wrecked) {
         memset(s->velocities, 0, (size_t)m->point_count * sizeof *s->velocities);
+        s->bones = (sn_bone_motion){.rate = 0.0};
         forget_pairs(s);
         s->statistics.restarts++;
     } else {
@@ -437,16 +447,14 @@ static void begin(const sn_model_muscle *m, sn_muscle_state *s, const sn_substep
     s->turned = may_turn(m, s, guard_triangles(m, s));
     aim(m, s, substep->gravity, substep->h);
     double jump = place_carried(m, s, substep->poses);
-    bool fast = fmax(jump, longest(m->point_count, s->last_jump)) > FAST_EDGES * m->mean_edge;
+    bool fast = fmax(jump, substep->h * fastest_carried(m, s)) > FAST_EDGES * m->mean_edge;
     if (s->turned && !go_by(m, s, substep->h, &changed)) s->turned = false; /* free and stiff: to rounding it is singular */
     if (!s->turned && !go_by(m, s, substep->h, &changed)) stop(s, SN_STOP_FAILED);
     if (changed || (s->turned && m->corotated)) forget_pairs(s); /* pairs from other frames mislead the corotated matrix */
     s->statistics.refactorisations += changed;
-    /* how far the weight alone moves a free point: h^2 g e^(-c h) */
-    sn_vec3 weight = sn_scale(substep->gravity, substep->h * substep->h * exp(-m->source->damping * substep->h));
+    sn_vec3 weight = sn_scale(substep->gravity, substep->h * substep->h); /* how far it alone moves a free point */
     bool pushed = jump > 0.0 || (m->kinematic_count > 0 && sn_norm2(weight) > 0.0);
     bool predicted = pushed && s->stopped != SN_STOP_FAILED && predict(m, s, substep->h, weight);
-    if (jump == 0.0) memset(s->last_jump, 0, (size_t)m->point_count * sizeof *s->last_jump);
     choose_start(m, s, substep->h, predicted);
     s->torn = mend_start(m, s, substep, jump, fast);
     s->turned = s->turned && !s->torn;
@@ -466,6 +474,14 @@ static void resume(const sn_model_muscle *m, sn_muscle_state *s, double h) {
     s->energy = sn_objective_evaluate(&objective, s->points, s->qn->gradient);
 }
 
+/* Velocities, until then those before the step: nor farther than once its length in a step. */
+static void finish(const sn_model_muscle *m, sn_muscle_state *s, const sn_substep *substep) {
+    double most = fmin(substep->rules->most_speed, 1.0 / substep->h) * m->diagonal;
+    set_velocities(m, s, 1.0 / substep->h);
+    sn_kinematics_watch_bones(m, s, substep->h, most);
+    sn_kinematics_limit_speed(m, s, most);
+}
+
 /* ---- the back end ------------------------------------------------------------------------------------------------------------- */
 
 static void qn_substep(const sn_model_muscle *m, sn_muscle_state *s, const sn_substep *substep) {
@@ -480,9 +496,7 @@ static void qn_substep(const sn_model_muscle *m, sn_muscle_state *s, const sn_su
     }
     double force = sqrt(dot(m->point_count, s->qn->gradient, s->qn->gradient));
     s->statistics.residual = s->stiffness > 0.0 ? force / (s->stiffness * m->diagonal) : NAN;
-    set_velocities(m, s, 1.0 / substep->h);
-    /* nor farther than once its length in a step */
-    if (substep->end == m->iterations) sn_kinematics_limit_speed(m, s, fmin(substep->rules->most_speed, 1.0 / substep->h) * m->diagonal);
+    if (substep->end == m->iterations) finish(m, s, substep);
 }
 
 static void qn_destroy(sn_muscle_state *s) {

@@ -13,7 +13,7 @@
 #include <string.h>
 
 static const char MAGIC[12] = "sinew state\n";
-enum { VERSION = 2, HEADER = sizeof MAGIC + sizeof(int32_t) + SN_HASH_LENGTH };
+enum { VERSION = 3, HEADER = sizeof MAGIC + sizeof(int32_t) + SN_HASH_LENGTH };
 
 /* ---- a cursor that counts, writes or reads ---------------------------------------------------------------------------------- */
 
@@ -41,6 +41,7 @@ static void pass_muscle(cursor *c, const sn_model_muscle *m, sn_muscle_state *s)
     double *numbers[] = {&s->volume_lambda, &s->activation, &s->contraction,      &s->stiffness,
                          &s->volume_goal,   &s->energy,     &s->factor_stiffness, &st->residual};
     for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++) pass(c, numbers[i], sizeof *numbers[i]);
+    pass(c, &s->bones, sizeof s->bones);
     pass(c, &s->still, sizeof s->still);
     pass(c, &s->pair_count, sizeof s->pair_count);
     pass(c, &s->pair_next, sizeof s->pair_next);

@@ -30,6 +30,7 @@ typedef struct sn_scheme_rules {
     int volume_projections;    /* at most */
     double most_speed;         /* of a point, beside its bones: diagonals of the muscle per second; 0 = any */
     double keep;               /* factor on the velocities per step; 0 = the muscle's rate of damping */
+    bool damps_all;            /* damping acts on the whole velocity, after the force, and not beside the bones alone */
     bool plain;                /* no compliance: plain position based dynamics */
     bool unit_mass;            /* points of 1 kg */
     bool contracts;            /* activation shortens, stiffens and swells */
@@ -108,8 +109,15 @@ bool sn_kinematics_moved(const sn_model_muscle *m, const sn_muscle_state *s, con
 /* The whole muscle, carried along with its bones: where a run starts. */
 void sn_kinematics_carry(const sn_model_muscle *m, sn_muscle_state *s, const sn_rigid *poses);
 
+/* Leaves the motion of the bones over the step of h s that ends here in the state, from the velocities of the attached points. Bones whose
+ * velocity changes by more than `most`, m/s, in a step have jumped: that is no motion; 0 = they may change as they like. */
+void sn_kinematics_watch_bones(const sn_model_muscle *m, sn_muscle_state *s, double h, double most);
+/* The velocity over the last step of a point that went along with the bones and is at x now; zero where they rest. */
+sn_vec3 sn_bone_motion_at(const sn_bone_motion *bones, sn_vec3 x);
+/* The velocity of a point after damping by the factor `keep`, beside the bones. */
+sn_vec3 sn_damped_velocity(const sn_muscle_state *s, sn_index point, double keep);
 /* A bone that jumps throws the muscle after it: no tissue is faster, beside its bones, than some tens of its lengths a second. Bounds the
- * velocities in the state by `most`, m/s; 0 = not at all. */
+ * velocities of the free points by `most`, m/s; 0 = not at all. */
 void sn_kinematics_limit_speed(const sn_model_muscle *m, sn_muscle_state *s, double most);
 
 /* ---- samples.c ---- */

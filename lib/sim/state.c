@@ -60,6 +60,7 @@ static void reset_muscle(const sn_model_muscle *m, sn_muscle_state *s, const sn_
     s->activation = s->goal_contraction = s->goal_ratio = NAN; /* nothing has been made for any input yet */
     s->statistics = (sn_statistics){.residual = NAN};
     s->still = 0;
+    s->bones = (sn_bone_motion){.rate = 0.0};
     s->pair_count = s->pair_next = 0;
     s->factor_stiffness = NAN;
     s->stopped = SN_STOP_ITERATIONS;
@@ -67,7 +68,6 @@ static void reset_muscle(const sn_model_muscle *m, sn_muscle_state *s, const sn_
     for (sn_index i = 0; i < m->point_count; i++) {
         s->points[i].w = m->inverse_mass[i];
         s->velocities[i] = sn_v3(0, 0, 0);
-        if (m->quasi_newton) s->last_jump[i] = sn_v3(0, 0, 0);
     }
     sn_kinematics_carry(m, s, poses);
     if (m->single) sn_single_enter(m, s);

@@ -1,8 +1,9 @@
 /*
  * xpbd.c -- back end `xpbd`: one substep of one muscle.   [R18] alg. 1, methods.md 8.7, numerics.md 2
  *
- * v <- (v + h g) e^(-c h), x <- x + h v; attached vertices to their bones; per iteration every group of rows in order, volume last;
- * v <- (x - x_before) / h. Lambda starts at 0 in each substep (never in each iteration).
+ * v <- u + (v - u) e^(-c h) + h g, x <- x + h v, u the velocity of the bones there (kinematic.c); attached vertices to their bones; per
+ * iteration every group of rows in order, volume last; v <- (x - x_before) / h. Lambda starts at 0 in each substep (never in each
+ * iteration). The papers' schemes damp all of the velocity, and after the force: v <- (v + h g) e^(-c h).
  */
 #include "rows.h"
 
@@ -15,7 +16,8 @@ static void predict(const sn_model_muscle *m, sn_muscle_state *s, const sn_subst
         sn_point *p = &s->points[i];
         s->previous[i] = sn_point_position(p);
         if (p->w == 0.0) continue;
-        sn_vec3 v = s->velocities[i] = sn_scale(sn_add_scaled(s->velocities[i], substep->gravity, h), keep);
+        sn_vec3 v = s->velocities[i] = substep->rules->damps_all ? sn_scale(sn_add_scaled(s->velocities[i], substep->gravity, h), keep)
+                                                                 : sn_add_scaled(sn_damped_velocity(s, i, keep), substep->gravity, h);
         p->x += h * v.x, p->y += h * v.y, p->z += h * v.z;
     }
 }
@@ -90,7 +92,9 @@ static void update_velocities(const sn_model_muscle *m, sn_muscle_state *s, cons
         measure_residual(m, s, substep->h);
     else
         for (sn_index i = 0; i < m->point_count; i++) s->velocities[i] = velocity(s, i, substep->h);
-    sn_kinematics_limit_speed(m, s, substep->rules->most_speed * m->diagonal);
+    double most = substep->rules->most_speed * m->diagonal;
+    sn_kinematics_watch_bones(m, s, substep->h, most);
+    sn_kinematics_limit_speed(m, s, most);
 }
 
 static void xpbd_substep(const sn_model_muscle *m, sn_muscle_state *s, const sn_substep *substep) {

@@ -7,7 +7,9 @@
  * not positive definite; Armijo's rule. From the model come the rows and the factors on their stiffness.
  *
  *   Phi(x) = sum m |x - y|^2 / (2 h^2) + sum k_i/2 (l - sigma)^2 + sum b_i/2 wrap(theta - theta0)^2 + k_V/2 (V - g V0)^2
- *            + sum -k A0 (J - 1)^2 ln J  (J < 1),       y = x + h (v + h g) e^(-c h)
+ *            + sum -k A0 (J - 1)^2 ln J  (J < 1),       y = x + h (u + (v - u) e^(-c h)) + h^2 g
+ *
+ * u is the velocity of the muscle's bones: of the rigid motion that fits the attached points best.
  *
  * Checks: its gradients against differences of its energies, and those of the library against its own; converged `qn` after several steps
  * against it; converged `xpbd` down to its floor, which falls with the square of a step's motion. Prints a line each, then "N passed, N
@@ -366,13 +368,64 @@ static void place_carried(problem *p, double time) {
     }
 }
 
+/* Gauss and Jordan, with pivots; a (6 x 7) is left reduced, its last column the solution. */
+static void solve6(double a[6][7]) {
+    for (int c = 0; c < 6; c++) {
+        int best = c;
+        for (int r = c; r < 6; r++)
+            if (fabs(a[r][c]) > fabs(a[best][c])) best = r;
+        for (int k = 0; k < 7; k++) {
+            double kept = a[c][k];
+            a[c][k] = a[best][k], a[best][k] = kept;
+        }
+        for (int k = 6; k >= c; k--) a[c][k] /= a[c][c];
+        for (int r = 0; r < 6; r++)
+            for (int k = 6; k >= c && r != c; k--) a[r][k] -= a[r][c] * a[c][k];
+    }
+}
+
+/* The rotation over the last step, by Cayley: x - x' = d + b x (x + x') / 2. Columns of what is linear in (d, b) at the middle m. */
+static void add_rows(double a[6][7], sn_vec3 m, sn_vec3 moved, double mass) {
+    const double rows[3][6] = {{1, 0, 0, 0, m.z, -m.y}, {0, 1, 0, -m.z, 0, m.x}, {0, 0, 1, m.y, -m.x, 0}};
+    for (int c = 0; c < 3; c++)
+        for (int i = 0; i < 6; i++) {
+            for (int j = 0; j < 6; j++) a[i][j] += mass * rows[c][i] * rows[c][j];
+            a[i][6] += mass * rows[c][i] * *coordinate(&moved, c);
+        }
+}
+
+/* (d, b) of the attached points' motion over the last step, by least squares. */
+static void fit_bones(const problem *p, double out[6]) {
+    double a[6][7] = {{0}};
+    for (sn_index k = 0; k < p->m->kinematic_count; k++) {
+        sn_index i = p->m->kinematic_points[k];
+        sn_vec3 moved = sn_scale(p->v[i], p->h);
+        add_rows(a, sn_add_scaled(p->x[i], moved, -0.5), moved, p->m->kinematic_mass[k]);
+    }
+    if (p->m->kinematic_count > 0) solve6(a);
+    for (int i = 0; i < 6; i++) out[i] = a[i][6];
+}
+
+/* Of a point that went along with them and is at x: x' = x - h u solves the same equation; by iteration, |b| being small. */
+static sn_vec3 velocity_of_bones(const problem *p, const double bones[6], sn_vec3 x) {
+    sn_vec3 moved = sn_v3(0, 0, 0);
+    for (int i = 0; i < 60; i++) {
+        sn_vec3 m = sn_add_scaled(x, moved, -0.5);
+        moved = sn_add(sn_v3(bones[0], bones[1], bones[2]), sn_cross(sn_v3(bones[3], bones[4], bones[5]), m));
+    }
+    return sn_scale(moved, 1.0 / p->h);
+}
+
 /* One step to `time`; returns how far it is from converged, over L. */
 static double reference_step(problem *p, double time) {
     sn_vec3 *before = SN_NEW(sn_vec3, p->n);
-    double keep = exp(-p->m->source->damping * p->h);
+    double keep = exp(-p->m->source->damping * p->h), bones[6];
     memcpy(before, p->x, (size_t)p->n * sizeof *before);
-    for (sn_index i = 0; i < p->n; i++)
-        p->y[i] = sn_add_scaled(p->x[i], sn_scale(sn_add_scaled(p->v[i], p->scene->gravity, p->h), keep), p->h);
+    fit_bones(p, bones);
+    for (sn_index i = 0; i < p->n; i++) {
+        sn_vec3 u = velocity_of_bones(p, bones, p->x[i]), v = sn_add_scaled(u, sn_sub(p->v[i], u), keep);
+        p->y[i] = sn_add_scaled(p->x[i], sn_add_scaled(v, p->scene->gravity, p->h), p->h);
+    }
     make_elements(p, time);
     place_carried(p, time);
     double left = minimise(p);

@@ -93,7 +93,7 @@ static void no_stiffness_is_free_flight(void **state) {
     step_frames(&s, 10, NULL);
     double h = 1.0 / 24.0, keep = exp(-scene.muscles[0].damping * h), speed = 0.0, way = 0.0;
     for (int i = 0; i < 10; i++) {
-        speed = (speed - 9.81 * h) * keep;
+        speed = speed * keep - 9.81 * h;
         way += speed * h;
     }
     for (sn_index i = 0; i < s.model->muscles[0].point_count; i++)
