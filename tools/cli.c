@@ -211,6 +211,10 @@ static void set_value(const cli *c, const cli_option *option, const char *value)
     case CLI_CLEAR:
         *(bool *)option->target = false;
         break;
+    case CLI_AUTO:
+        *(int64_t *)option->target = 0;
+        if (strcmp(value, "auto") != 0) set_integer(c, option, value);
+        break;
     case CLI_INTEGER:
         set_integer(c, option, value);
         break;

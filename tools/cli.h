@@ -16,6 +16,7 @@ typedef enum cli_kind {
     CLI_FLAG,    /* bool *; an option "--no-x" for a flag that starts true is written as its own entry with CLI_CLEAR */
     CLI_CLEAR,   /* bool *: sets it false */
     CLI_INTEGER, /* int64_t *, within low..high */
+    CLI_AUTO,    /* int64_t *, within low..high; 0 for "auto" */
     CLI_NUMBER,  /* double *, within low..high (low = high = 0: any finite) */
     CLI_LENGTH,  /* sn_length *, >= 0 */
     CLI_TEXT,    /* const char ** */

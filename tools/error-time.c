@@ -328,7 +328,7 @@ static sn_status add_motion_point(job *j, const repeated *r, sn_index setting, s
         const sn_rung *rung;
         sn_run_request request = j->request;
         request.most_seconds = INFINITY;
-        sn_status status = sn_reference_solve(&j->scene, &j->yardstick, &request, &j->params, j->scene.solver.substeps,
+        sn_status status = sn_reference_solve(&j->scene, &j->yardstick, &request, &j->params, sn_solver_substeps(&j->scene.solver),
                                               &j->report.reference, &rung, error);
         if (status != SN_OK) return status;
         p.solver = sn_difference_between(&j->yardstick, moments, track->positions, rung->track.positions, NULL);

@@ -329,7 +329,7 @@ static void compare_muscle(const fiber_run *run, sn_index muscle) {
 /* Seconds; in the middle of a frame the time that its substeps have come to. */
 static double time_of(const fiber_run *run, const sn_state *state) {
     double frame = state->frame;
-    if (state->substep > 0) frame += (double)state->substep / run->scene->solver.substeps - 1.0;
+    if (state->substep > 0) frame += (double)state->substep / sn_solver_substeps(&run->scene->solver) - 1.0;
     return frame / run->scene->rate;
 }
 

@@ -52,7 +52,7 @@ static const cli_option options[] = {
     {0, "preconditioner", "MATRIX", CLI_CHOICE, &given.preconditioner, 0, 0, 0, PRECONDITIONERS,
      "as simulate was told: scalar, corotated or two-level"},
     {0, "law", "LAW", CLI_CHOICE, &given.law, 0, 0, 0, LAWS, "as simulate was told: projected, paper or isochoric"},
-    {0, "substeps", "N", CLI_INTEGER, &given.substeps, 0, 1, 1e6, NULL, "as simulate was told"},
+    {0, "substeps", "N", CLI_AUTO, &given.substeps, 0, 1, 1e6, NULL, "as simulate was told"},
     {0, "rate", "N", CLI_NUMBER, &given.rate, 0, 1e-6, 1e6, NULL, "as simulate was told"},
     {.kind = CLI_HEADING, .help = "From where:"},
     {0, "camera", "VIEW", CLI_TEXT, &given.camera, 0, 0, 0, NULL,

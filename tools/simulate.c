@@ -47,7 +47,8 @@ static const cli_option OPTIONS[] = {
     {0, "scheme", "SCHEME", CLI_CHOICE, &given.scheme, 0, 0, 0, SCHEMES, "guarded, or a paper to the letter: romeo, kohout"},
     {0, "solver", "METHOD", CLI_CHOICE, &given.solver, 0, 0, 0, SOLVERS, "qn or xpbd, with its own defaults, instead of the scene's"},
     {0, "precision", "PRECISION", CLI_CHOICE, &given.precision, 0, 0, 0, PRECISIONS, "xpbd: project in double, or in single: faster"},
-    {0, "substeps", "N", CLI_INTEGER, &given.substeps, 0, 1, 1e6, NULL, "substeps per frame instead of the scene's"},
+    {0, "substeps", "N", CLI_AUTO, &given.substeps, 0, 1, 1e6, NULL,
+     "substeps per frame instead of the scene's; auto (qn): one, and halves where that is too long"},
     {0, "iterations", "N", CLI_INTEGER, &given.iterations, 0, 1, 1e6, NULL,
      "iterations per substep, where a muscle has no number of its own"},
     {0, "no-sleep", NULL, CLI_FLAG, &given.no_sleep, 0, 0, 0, NULL, "step muscles at rest too"},
@@ -247,8 +248,9 @@ static void check_stop(const job *j, sn_index first, bool whole) {
     if (j->stop[0] < first || (whole && j->stop_parts > 1 && j->stop[0] == first))
         cli_usage_error(&j->c, "--stop-after %s: the run starts at frame %d%s", j->c.stop_after, (int)first,
                         whole && j->stop_parts > 1 ? ", which has no substeps" : "");
-    if (j->stop_parts > 1 && j->stop[1] > j->scene.solver.substeps)
-        cli_usage_error(&j->c, "--stop-after %s: a frame has %d substeps", j->c.stop_after, (int)j->scene.solver.substeps);
+    if (j->stop_parts > 1 && j->stop[1] > sn_solver_substeps(&j->scene.solver))
+        cli_usage_error(&j->c, "--stop-after %s: a frame has %d substeps", j->c.stop_after,
+                        (int)sn_solver_substeps(&j->scene.solver));
 }
 
 /* ---- --choose ------------------------------------------------------------------------------------------------------------- */
@@ -487,7 +489,9 @@ static void write_errors(sn_json *json, const sn_statistics *s, const sn_plan_mu
 }
 
 static void write_quasi_newton(sn_json *json, const sn_statistics *s) {
+    sn_json_integer(json, "substeps", s->steps);
     sn_json_integer(json, "iterations", s->iterations);
+    if (s->halvings > 0) sn_json_integer(json, "halvings", s->halvings);
     sn_json_integer(json, "rejected_steps", s->rejected_steps);
     sn_json_integer(json, "refactorisations", s->refactorisations);
     sn_json_integer(json, "restarts", s->restarts);
@@ -657,7 +661,7 @@ static double measure_cost(const job *j, sn_index muscle, sn_row_kind kind, int 
     }
     bool newton = j->scene.solver.method == SN_SOLVER_QN; /* a row is evaluated once an iteration, and three times where a substep begins */
     sn_index iterations = j->model->muscles[muscle].iterations, times = newton ? iterations + 3 : sweeps * iterations;
-    return 1e3 * spent / runs * times * j->scene.solver.substeps;
+    return 1e3 * spent / runs * times * sn_solver_substeps(&j->scene.solver);
 }
 
 static void write_group(sn_json *json, sn_row_kind kind, const sn_plan_group *group, double milliseconds) {

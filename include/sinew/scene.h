@@ -72,11 +72,14 @@ typedef enum sn_preconditioning { SN_PRECONDITION_SCALAR, SN_PRECONDITION_COROTA
 /* Of the projections under `xpbd`: single keeps points and inputs in double and projects in floats near the muscle's middle. */
 typedef enum sn_precision { SN_PRECISION_DOUBLE, SN_PRECISION_SINGLE } sn_precision;
 
+/* qn: one a frame, and where that is too long for a muscle it takes it in halves, and those again. */
+#define SN_SUBSTEPS_AUTO 0
+
 typedef struct sn_solver_settings {
     sn_solver_method method;
     sn_scheme scheme;
     sn_precision precision;
-    sn_index substeps;   /* per frame; default 16 under xpbd, 1 under qn */
+    sn_index substeps;   /* per frame; default 16 under xpbd, SN_SUBSTEPS_AUTO under qn */
     sn_index iterations; /* per substep; xpbd: default 2, since a single one lets rows that disagree pump energy into the muscle; qn: at
                             most this many, default 10 */
     double tolerance;    /* qn: a substep ends when a whole step moves no point by more than this share of the diagonal; default 1e-5 */
@@ -104,6 +107,7 @@ void sn_scene_free(sn_scene *scene);
 void sn_scene_muscle_defaults(sn_scene_muscle *muscle); /* fills every default of an otherwise zeroed muscle */
 void sn_scene_defaults(sn_scene *scene);
 sn_solver_settings sn_solver_defaults(sn_solver_method method);
+sn_index sn_solver_substeps(const sn_solver_settings *settings); /* per frame, before any is halved */
 /* To that method, with its defaults but the threads and the sleep there are; nothing where it is that method already. */
 void sn_solver_change(sn_solver_settings *settings, sn_solver_method method);
 /* Ranges, indices, names: SN_ERROR_INPUT naming bone or muscle and the value; attachments to bones the scene lacks are an error. */

@@ -171,6 +171,7 @@ typedef struct sn_model {
     sn_model_muscle *muscles; /* (muscle_count) the enabled ones, in the scene's order */
     double frame_duration;    /* s */
     double substep_duration;  /* h, s */
+    bool halves;              /* qn: a muscle may take a substep in halves, and those again */
 } sn_model;
 
 /* Validate the scene, plan, build every row. The scene must outlive the model and keep still. */
@@ -215,6 +216,8 @@ typedef struct sn_statistics {
     int64_t skipped_triangles;             /* and those of triangles without a plane, which a guard left out */
     /* back end `qn`, over the last frame; zero under xpbd */
     int64_t iterations, rejected_steps, refactorisations;
+    int64_t steps;              /* under xpbd too: substeps, or the parts in which they were taken */
+    int64_t halvings;           /* steps that were too long, and were given up for two of half the length */
     int64_t restarts;           /* wrecked shapes that were given up for the rest pose, carried along with the bones */
     sn_stop_reason stop_reason; /* of the last substep */
 } sn_statistics;
@@ -244,6 +247,7 @@ static inline sn_vec3 sn_point_position(const sn_point *p) { return sn_v3(p->x, 
     X(double, hinge_lambda, m->hinge_count, true)                                                                                          \
     X(sn_vec3, volume_gradient, m->keeps_volume ? m->vertex_count : 0, false)                                                              \
     X(sn_rigid, placed, m->site_count, true)                                                                                               \
+    X(sn_rigid, poses, m->site_count, false) /* of the sites' bones at the end of the step at hand */                                      \
     /* back end `qn`: where inertia takes each point, the L-BFGS pairs, frames, dV/dx of the matrix */                                     \
     X(sn_vec3, target, m->quasi_newton ? m->point_count : 0, true)                                                                         \
     X(sn_vec3, pair_steps, m->quasi_newton ? 8 * (size_t)m->point_count : 0, true)                                                         \
@@ -270,15 +274,29 @@ typedef struct sn_bone_motion {
     double rate;      /* 1 / h, 1/s; 0 = no motion to go along with: the bones rest, or have jumped, or there are none */
 } sn_bone_motion;
 
+/* A substep that is too long for a muscle is halved so many times at most; parts are counted in the smallest ones. */
+#define SN_MOST_HALVINGS 3
+#define SN_SUBSTEP_PARTS (1 << SN_MOST_HALVINGS)
+
+/* How far a muscle has come in a substep. */
+typedef struct sn_progress {
+    sn_index parts;     /* of SN_SUBSTEP_PARTS that are done; all of them: it has nothing left to do */
+    sn_index size;      /* parts of the step at hand; 0 = it sleeps through the substep */
+    sn_index iteration; /* of that step that are done */
+    sn_index spent;     /* iterations of all steps of this substep, those that were given up among them */
+} sn_progress;
+
 typedef struct sn_muscle_state {
 #define SN_STATE_MEMBER(type, name, count, kept) type *name;
     SN_STATE_ARRAYS(SN_STATE_MEMBER)
 #undef SN_STATE_MEMBER
+    sn_progress progress;           /* in the substep at hand, or through with the last one */
     double volume_lambda;
     sn_bone_motion bones;           /* over the last step */
     sn_index pair_count, pair_next; /* qn: pairs at hand, and the slot of the next */
     sn_stop_reason stopped;         /* qn: why the substep needs no further iteration; SN_STOP_ITERATIONS = it may */
-    bool torn;                      /* qn: the substep began far from any shape of rest: more effort */
+    bool whole;                     /* qn: the step began with a muscle that was not torn */
+    bool torn;                      /* qn: the step began far from any shape of rest: more effort */
     bool turned;                    /* qn: the substep goes by the corotated or the two-level matrix */
     double energy;                  /* qn: Phi at the points, J */
     double factor_stiffness;        /* qn: k that the matrix is factored for, N/m; NaN = none yet */

@@ -37,6 +37,15 @@ static sn_status parse_frames(const sn_json_value *value, sn_scene *scene, sn_er
     return SN_OK;
 }
 
+/* A number, or "auto". */
+static sn_status parse_substeps(const sn_json_value *value, sn_solver_settings *out, sn_error *error) {
+    static const char *const automatic[] = {"auto", NULL};
+    int choice = 0;
+    if (!sn_json_is_text(value)) return sn_json_get_index(value, 1, COUNT_LIMIT, &out->substeps, error);
+    out->substeps = SN_SUBSTEPS_AUTO;
+    return sn_json_get_choice(value, automatic, &choice, error);
+}
+
 static sn_status parse_solver(const sn_json_value *value, sn_solver_settings *out, sn_error *error) {
     static const char *const known[] = {"method",    "scheme",         "precision", "substeps", "iterations",
                                         "tolerance", "preconditioner", "threads",   "sleep",    NULL};
@@ -55,7 +64,7 @@ static sn_status parse_solver(const sn_json_value *value, sn_solver_settings *ou
     bool papers = scheme != SN_SCHEME_GUARDED || precision != SN_PRECISION_DOUBLE; /* which xpbd alone has */
     if (papers && !sn_json_has(&method)) choice = SN_SOLVER_XPBD;
     *out = sn_solver_defaults((sn_solver_method)choice);
-    if (status == SN_OK) status = sn_json_get_index(&substeps, 1, COUNT_LIMIT, &out->substeps, error);
+    if (status == SN_OK) status = parse_substeps(&substeps, out, error);
     if (status == SN_OK) status = sn_json_get_index(&iterations, 1, COUNT_LIMIT, &out->iterations, error);
     if (status == SN_OK) status = sn_json_get_number(&tolerance, 0.0, 1.0, &out->tolerance, error);
     if (status == SN_OK) status = sn_json_get_choice(&matrix, preconditioner_names, &preconditioner, error);
@@ -367,7 +376,10 @@ static void write_solver(const sn_solver_settings *solver, sn_json *json) {
     sn_json_text(json, "method", method_names[solver->method]);
     sn_json_text(json, "scheme", scheme_names[solver->scheme]);
     if (solver->method == SN_SOLVER_XPBD) sn_json_text(json, "precision", precision_names[solver->precision]);
-    sn_json_integer(json, "substeps", solver->substeps);
+    if (solver->substeps == SN_SUBSTEPS_AUTO)
+        sn_json_text(json, "substeps", "auto");
+    else
+        sn_json_integer(json, "substeps", solver->substeps);
     sn_json_integer(json, "iterations", solver->iterations);
     if (solver->method == SN_SOLVER_QN) sn_json_number(json, "tolerance", solver->tolerance);
     if (solver->method == SN_SOLVER_QN) sn_json_text(json, "preconditioner", preconditioner_names[solver->preconditioner]);

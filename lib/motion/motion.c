@@ -10,6 +10,13 @@
 /* How far from 1 the length of a hinge axis or of a key's quaternion may be. */
 static const double UNIT_TOLERANCE = 1e-6;
 
+sn_rigid sn_motion_pose(const sn_motion *motion, sn_index joint, double time) {
+    sn_rigid pose = sn_joint_pose(&motion->joints[joint], time);
+    for (sn_index j = motion->joints[joint].parent; j != SN_NONE; j = motion->joints[j].parent)
+        pose = sn_rigid_compose(sn_joint_pose(&motion->joints[j], time), pose);
+    return pose;
+}
+
 void sn_motion_poses(const sn_motion *motion, double time, sn_rigid *poses) {
     for (sn_index j = 0; j < motion->joint_count; j++) {
         const sn_joint *joint = &motion->joints[j];

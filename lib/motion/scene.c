@@ -26,7 +26,11 @@ void sn_scene_muscle_defaults(sn_scene_muscle *muscle) {
 sn_solver_settings sn_solver_defaults(sn_solver_method method) {
     bool newton = method == SN_SOLVER_QN;
     return (sn_solver_settings){
-        .method = method, .substeps = newton ? 1 : 16, .iterations = newton ? 10 : 2, .tolerance = 1e-5, .sleep = true};
+        .method = method, .substeps = newton ? SN_SUBSTEPS_AUTO : 16, .iterations = newton ? 10 : 2, .tolerance = 1e-5, .sleep = true};
+}
+
+sn_index sn_solver_substeps(const sn_solver_settings *settings) {
+    return settings->substeps == SN_SUBSTEPS_AUTO ? 1 : settings->substeps;
 }
 
 void sn_solver_change(sn_solver_settings *settings, sn_solver_method method) {
@@ -239,7 +243,9 @@ static sn_status check_clock(const sn_scene *scene, sn_error *error) {
     if (!within(scene->preroll, 0.0, HUGE_VAL))
         return sn_fail(error, SN_ERROR_INPUT, "preroll is %g s; it must be at least 0", scene->preroll);
     if (!sn_finite3(scene->gravity)) return sn_fail(error, SN_ERROR_INPUT, "gravity is not finite");
-    if (solver->substeps < 1)
+    if (solver->substeps == SN_SUBSTEPS_AUTO && solver->method != SN_SOLVER_QN)
+        return sn_fail(error, SN_ERROR_INPUT, "solver.substeps auto is for the method qn; give a number or choose that method");
+    if (solver->substeps < 0)
         return sn_fail(error, SN_ERROR_INPUT, "solver.substeps is %ld; it must be at least 1", (long)solver->substeps);
     if (solver->iterations < 1)
         return sn_fail(error, SN_ERROR_INPUT, "solver.iterations is %ld; it must be at least 1", (long)solver->iterations);

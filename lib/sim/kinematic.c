@@ -52,50 +52,56 @@ sn_status sn_kinematics_build(const sn_build *build, sn_error *error) {
     return SN_OK;
 }
 
-static sn_vec3 carried(const sn_site *site, const sn_rigid *poses, sn_vec3 rest) {
-    return site->joint == SN_NONE ? rest : sn_rigid_apply(poses[site->joint], rest);
-}
-
 static void put(sn_point *point, sn_vec3 position) { point->x = position.x, point->y = position.y, point->z = position.z; }
 
-static sn_rigid pose_of(const sn_site *site, const sn_rigid *poses) {
-    return site->joint == SN_NONE ? sn_rigid_identity() : poses[site->joint];
+void sn_kinematics_aim(const sn_model_muscle *m, sn_muscle_state *s, const sn_rigid *joint_poses) {
+    for (sn_index i = 0; i < m->site_count; i++)
+        s->poses[i] = m->sites[i].joint == SN_NONE ? sn_rigid_identity() : joint_poses[m->sites[i].joint];
 }
 
-bool sn_kinematics_moved(const sn_model_muscle *m, const sn_muscle_state *s, const sn_rigid *poses) {
-    for (sn_index i = 0; i < m->site_count; i++) {
-        const sn_rigid pose = pose_of(&m->sites[i], poses);
-        if (memcmp(&pose, &s->placed[i], sizeof pose) != 0) return true;
-    }
-    return false;
+void sn_kinematics_aim_at(const sn_model_muscle *m, sn_muscle_state *s, const sn_motion *motion, double time) {
+    for (sn_index i = 0; i < m->site_count; i++)
+        s->poses[i] = m->sites[i].joint == SN_NONE ? sn_rigid_identity() : sn_motion_pose(motion, m->sites[i].joint, time);
 }
 
-void sn_kinematics_place(const sn_model_muscle *m, sn_muscle_state *s, const sn_rigid *poses) {
+/* A bone that never moves leaves its points alone, to the last bit. */
+static sn_vec3 carried(const sn_model_muscle *m, const sn_muscle_state *s, sn_index site, sn_vec3 rest) {
+    return m->sites[site].joint == SN_NONE ? rest : sn_rigid_apply(s->poses[site], rest);
+}
+
+bool sn_kinematics_moved(const sn_model_muscle *m, const sn_muscle_state *s) {
+    return m->site_count > 0 && memcmp(s->poses, s->placed, (size_t)m->site_count * sizeof *s->poses) != 0;
+}
+
+static void place(const sn_model_muscle *m, const sn_muscle_state *s, sn_point *points) {
     for (sn_index i = 0; i < m->site_count; i++) {
-        const sn_site *site = &m->sites[i];
-        s->placed[i] = pose_of(site, poses);
-        for (sn_index k = site->begin; k < site->end; k++) {
+        for (sn_index k = m->sites[i].begin; k < m->sites[i].end; k++) {
             sn_index v = m->kinematic_points[k];
-            put(&s->points[v], carried(site, poses, m->rest[v]));
+            put(&points[v], carried(m, s, i, m->rest[v]));
         }
     }
 }
 
+void sn_kinematics_place(const sn_model_muscle *m, sn_muscle_state *s) {
+    if (m->site_count > 0) memcpy(s->placed, s->poses, (size_t)m->site_count * sizeof *s->placed);
+    place(m, s, s->points);
+}
+
 /* Where the poses of all sites would carry a rest point, each weighted by 1 / (squared distance to the site + edge^2). */
-static sn_vec3 blend(const sn_model_muscle *m, const sn_rigid *poses, sn_vec3 rest) {
+static sn_vec3 blend(const sn_model_muscle *m, const sn_muscle_state *s, sn_vec3 rest) {
     sn_vec3 sum = sn_v3(0, 0, 0);
     double weights = 0.0;
     for (sn_index i = 0; i < m->site_count; i++) {
         double weight = 1.0 / (sn_norm2(sn_sub(rest, m->sites[i].centre)) + m->mean_edge * m->mean_edge);
-        sum = sn_add_scaled(sum, sn_sub(carried(&m->sites[i], poses, rest), rest), weight);
+        sum = sn_add_scaled(sum, sn_sub(carried(m, s, i, rest), rest), weight);
         weights += weight;
     }
     return weights > 0.0 ? sn_add_scaled(rest, sum, 1.0 / weights) : rest;
 }
 
-void sn_kinematics_carry(const sn_model_muscle *m, sn_muscle_state *s, const sn_rigid *poses) {
-    for (sn_index i = 0; i < m->point_count; i++) put(&s->points[i], blend(m, poses, m->rest[i]));
-    sn_kinematics_place(m, s, poses);
+void sn_kinematics_carry(const sn_model_muscle *m, const sn_muscle_state *s, sn_point *points) {
+    for (sn_index i = 0; i < m->point_count; i++) put(&points[i], blend(m, s, m->rest[i]));
+    place(m, s, points);
 }
 
 /* ---- the motion of the bones ------------------------------------------------------------------------------------------------ */

@@ -183,7 +183,8 @@ static sn_model *make_model(const sn_scene *scene) {
                         .plan = {scene->muscle_count, SN_NEW(sn_plan_muscle, scene->muscle_count)},
                         .muscles = SN_NEW(sn_model_muscle, scene->muscle_count),
                         .frame_duration = 1.0 / scene->rate,
-                        .substep_duration = 1.0 / (scene->rate * scene->solver.substeps)};
+                        .substep_duration = 1.0 / (scene->rate * sn_solver_substeps(&scene->solver)),
+                        .halves = scene->solver.substeps == SN_SUBSTEPS_AUTO};
     if (model->muscles != NULL && model->plan.muscles != NULL) return model;
     sn_model_destroy(model);
     return NULL;

@@ -133,7 +133,7 @@ static size_t model_bytes(const sn_build *build) {
 /* XPBD feels a stiffness only where k h^2 w is not far above 1 (numerics.md 1). */
 static void measure_rigidity(const sn_build *build, sn_row_kind kind) {
     const sn_scene_muscle *source = build->source;
-    double h = 1.0 / (build->scene->rate * build->scene->solver.substeps);
+    double h = 1.0 / (build->scene->rate * sn_solver_substeps(&build->scene->solver));
     double factor = (kind == SN_ROWS_MESH ? 1.0 : source->stiffness_internal) * h * h * build->model->point_count / build->model->mass;
     build->plan->groups[kind].rigidity[0] = factor * source->stiffness_relaxed;
     build->plan->groups[kind].rigidity[1] = factor * source->stiffness_active;

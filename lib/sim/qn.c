@@ -261,8 +261,8 @@ static double fastest_carried(const sn_model_muscle *m, const sn_muscle_state *s
 }
 
 /* Put the carried points at their places; jump (point_count) is how far they came. Returns the longest way. */
-static double place_carried(const sn_model_muscle *m, sn_muscle_state *s, const sn_rigid *poses) {
-    sn_kinematics_place(m, s, poses);
+static double place_carried(const sn_model_muscle *m, sn_muscle_state *s) {
+    sn_kinematics_place(m, s);
     double most = 0.0;
     for (sn_index i = 0; i < m->point_count; i++) {
         s->qn->jump[i] = s->points[i].w == 0.0 ? sn_sub(sn_point_position(&s->points[i]), s->previous[i]) : sn_v3(0, 0, 0);
@@ -310,27 +310,35 @@ static bool predict(const sn_model_muscle *m, sn_muscle_state *s, double h, sn_v
     return true;
 }
 
-/* Marks the triangles that have a barrier: those that are not collapsed, and those whose barrier has held them so far. Returns how many are
- * collapsed. */
-static sn_index guard_triangles(const sn_model_muscle *m, sn_muscle_state *s) {
-    sn_index collapsed = 0;
+/* How the muscle stands where a step begins or ends. */
+typedef struct condition {
+    sn_index collapsed;  /* triangles below UNGUARDED of their rest area */
+    sn_residual stretch; /* of the surface from its goal shape: edges over the mean edge, or strains */
+} condition;
+
+static condition condition_of(const sn_model_muscle *m, const sn_muscle_state *s) {
+    condition now = {.stretch = sn_rows_residual(m, s, m->membrane_count > 0 ? SN_ROWS_MEMBRANE : SN_ROWS_MESH)};
+    for (sn_index r = 0; r < m->area_count; r++)
+        now.collapsed += !(double_area(s->points, m->areas[r].point) * m->area_scales[r] >= UNGUARDED);
+    return now;
+}
+
+static bool is_stretched(const sn_residual *stretch, bool fast) {
+    return stretch->max > (fast ? FAST_STRETCHED : FAR_STRETCHED) || stretch->rms > FAR_IN_THE_MEAN;
+}
+
+/* Marks the triangles that have a barrier: those that are not collapsed, and those whose barrier has held them so far. */
+static void guard_triangles(const sn_model_muscle *m, sn_muscle_state *s) {
     for (sn_index r = 0; r < m->area_count; r++) {
         double ratio = double_area(s->points, m->areas[r].point) * m->area_scales[r];
         s->guarded[r] = ratio >= (s->guarded[r] ? STILL_GUARDED : UNGUARDED);
-        collapsed += !(ratio >= UNGUARDED);
     }
-    return collapsed;
-}
-
-/* How far the surface is from its goal shape: edges over the mean edge, or strains. */
-static sn_residual stretch(const sn_model_muscle *m, const sn_muscle_state *s) {
-    return sn_rows_residual(m, s, m->membrane_count > 0 ? SN_ROWS_MEMBRANE : SN_ROWS_MESH);
 }
 
 /* May this be no shape that the muscle came to by moving: a tenth of it collapsed, half a mean edge off in the mean, or half of its volume
  * gone? */
-static bool is_wrecked(const sn_model_muscle *m, const sn_muscle_state *s, sn_index collapsed) {
-    if (collapsed > m->area_count / 10 || stretch(m, s).rms > FAR_IN_THE_MEAN) return true;
+static bool is_wrecked(const sn_model_muscle *m, const sn_muscle_state *s, const condition *now) {
+    if (now->collapsed > m->area_count / 10 || now->stretch.rms > FAR_IN_THE_MEAN) return true;
     if (!m->keeps_volume) return false;
     double volume = sn_volume_constraint(m->vertex_count, s->points, m->triangle_count, m->triangles, NULL);
     return !(fabs(volume / (s->volume_goal * m->rest_volume) - 1.0) <= 0.5);
@@ -350,12 +358,12 @@ static double energy_at_rest(const sn_model_muscle *m, sn_muscle_state *s, doubl
 
 /* A wreck (coincident, flattened, random or mirrored points, a bone that has jumped far away) that holds more energy than the rest pose
  * carried along with the bones is given up for that, at rest: the way back from it is no motion, and it may lead into another wreck. */
-static void restart(const sn_model_muscle *m, sn_muscle_state *s, const sn_substep *substep) {
+static void restart(const sn_model_muscle *m, sn_muscle_state *s, double h) {
     size_t bytes = (size_t)m->point_count * sizeof *s->points;
-    double wrecked = energy_at_rest(m, s, substep->h);
+    double wrecked = energy_at_rest(m, s, h);
     memcpy(s->qn->trial, s->points, bytes);
-    sn_kinematics_carry(m, s, substep->poses);
-    if (energy_at_rest(m, s, substep->h) < wrecked) {
+    sn_kinematics_carry(m, s, s->points);
+    if (energy_at_rest(m, s, h) < wrecked) {
         memset(s->velocities, 0, (size_t)m->point_count * sizeof *s->velocities);
         s->bones = (sn_bone_motion){.rate = 0.0};
         forget_pairs(s);
@@ -398,32 +406,29 @@ static void try_staying(const sn_model_muscle *m, sn_muscle_state *s, double h) 
 }
 
 /* Bones that have gone far in one substep leave all of them torn: the rest pose carried along with them may be better. */
-static void try_carried(const sn_model_muscle *m, sn_muscle_state *s, const sn_substep *substep) {
-    sn_point *points = s->points;
-    memcpy(s->qn->trial, points, (size_t)m->point_count * sizeof *points);
-    s->points = s->qn->trial;
-    sn_kinematics_carry(m, s, substep->poses);
-    s->points = points;
-    prefer_trial(m, s, substep->h);
+static void try_carried(const sn_model_muscle *m, sn_muscle_state *s, double h) {
+    memcpy(s->qn->trial, s->points, (size_t)m->point_count * sizeof *s->points);
+    sn_kinematics_carry(m, s, s->qn->trial);
+    prefer_trial(m, s, h);
 }
 
 static bool is_torn(const sn_model_muscle *m, const sn_muscle_state *s, bool fast) {
-    sn_residual off = stretch(m, s);
-    return off.max > (fast ? FAST_STRETCHED : FAR_STRETCHED) || off.rms > FAR_IN_THE_MEAN;
+    sn_residual stretch = condition_of(m, s).stretch;
+    return is_stretched(&stretch, fast);
 }
 
 /* Is the muscle torn at its start, or has a bone jumped? Then other starts are tried. */
-static bool mend_start(const sn_model_muscle *m, sn_muscle_state *s, const sn_substep *substep, double jump, bool fast) {
+static bool mend_start(const sn_model_muscle *m, sn_muscle_state *s, double h, double jump, bool fast) {
     bool jumped = jump > FAR * m->diagonal, torn = is_torn(m, s, fast);
-    if (torn || jumped) try_staying(m, s, substep->h);
-    if (jumped) try_carried(m, s, substep);
+    if (torn || jumped) try_staying(m, s, h);
+    if (jumped) try_carried(m, s, h);
     return jumped || (torn && is_torn(m, s, fast));
 }
 
 /* The corotated and the two-level matrix are of use near the rest shape only: no collapsed triangle, no edge that is half a mean edge off
  * (numerics.md 7). */
-static bool may_turn(const sn_model_muscle *m, const sn_muscle_state *s, sn_index collapsed) {
-    return (m->corotated || m->two_level) && collapsed == 0 && stretch(m, s).max <= 0.5;
+static bool may_turn(const sn_model_muscle *m, const condition *now) {
+    return (m->corotated || m->two_level) && now->collapsed == 0 && now->stretch.max <= 0.5;
 }
 
 /* The matrix that the substep goes by. */
@@ -439,28 +444,49 @@ static void place_sections(const sn_model_muscle *m, sn_muscle_state *s, double 
     sn_preconditioner_correct(s->qn->preconditioner, s->turned ? s->section_points : NULL, h, &s->stiffness);
 }
 
-static void begin(const sn_model_muscle *m, sn_muscle_state *s, const sn_substep *substep) {
+/* How the step begins: a wreck is given up; which matrix is at hand. */
+static void look_around(const sn_model_muscle *m, sn_muscle_state *s, double h) {
+    condition now = condition_of(m, s);
+    guard_triangles(m, s);
+    if (is_wrecked(m, s, &now)) {
+        restart(m, s, h);
+        now = condition_of(m, s);
+        guard_triangles(m, s);
+    }
+    s->whole = now.collapsed == 0 && !is_stretched(&now.stretch, false);
+    s->turned = may_turn(m, &now);
+}
+
+/* The matrix for h and the stiffness now. */
+static void take_matrix(const sn_model_muscle *m, sn_muscle_state *s, double h) {
     bool changed = false;
-    stop(s, SN_STOP_ITERATIONS);
-    sn_preconditioner_correct(s->qn->preconditioner, NULL, substep->h, &s->stiffness); /* the predictor goes by the scalar matrix */
-    if (is_wrecked(m, s, guard_triangles(m, s))) restart(m, s, substep);
-    s->turned = may_turn(m, s, guard_triangles(m, s));
-    aim(m, s, substep->gravity, substep->h);
-    double jump = place_carried(m, s, substep->poses);
-    bool fast = fmax(jump, substep->h * fastest_carried(m, s)) > FAST_EDGES * m->mean_edge;
-    if (s->turned && !go_by(m, s, substep->h, &changed)) s->turned = false; /* free and stiff: to rounding it is singular */
-    if (!s->turned && !go_by(m, s, substep->h, &changed)) stop(s, SN_STOP_FAILED);
+    if (s->turned && !go_by(m, s, h, &changed)) s->turned = false; /* free and stiff: to rounding it is singular */
+    if (!s->turned && !go_by(m, s, h, &changed)) stop(s, SN_STOP_FAILED);
     if (changed || (s->turned && m->corotated)) forget_pairs(s); /* pairs from other frames mislead the corotated matrix */
     s->statistics.refactorisations += changed;
-    sn_vec3 weight = sn_scale(substep->gravity, substep->h * substep->h); /* how far it alone moves a free point */
+}
+
+/* false: the step is too long. */
+static bool begin(const sn_model_muscle *m, sn_muscle_state *s, const sn_substep *substep) {
+    double h = substep->h;
+    stop(s, SN_STOP_ITERATIONS);
+    sn_preconditioner_correct(s->qn->preconditioner, NULL, h, &s->stiffness); /* the predictor goes by the scalar matrix */
+    look_around(m, s, h);
+    aim(m, s, substep->gravity, h);
+    double jump = place_carried(m, s);
+    bool fast = fmax(jump, h * fastest_carried(m, s)) > FAST_EDGES * m->mean_edge;
+    take_matrix(m, s, h);
+    sn_vec3 weight = sn_scale(substep->gravity, h * h); /* how far it alone moves a free point */
     bool pushed = jump > 0.0 || (m->kinematic_count > 0 && sn_norm2(weight) > 0.0);
-    bool predicted = pushed && s->stopped != SN_STOP_FAILED && predict(m, s, substep->h, weight);
-    choose_start(m, s, substep->h, predicted);
-    s->torn = mend_start(m, s, substep, jump, fast);
+    bool predicted = pushed && s->stopped != SN_STOP_FAILED && predict(m, s, h, weight);
+    choose_start(m, s, h, predicted);
+    s->torn = mend_start(m, s, h, jump, fast);
+    if (s->torn && s->whole && substep->may_halve && jump <= m->diagonal) return false;
     s->turned = s->turned && !s->torn;
     sn_preconditioner_turn(s->qn->preconditioner, s->points);
-    place_sections(m, s, substep->h);
+    place_sections(m, s, h);
     take_volume_gradient(m, s);
+    return true;
 }
 
 /* In the middle of a substep: what `begin` has left, made again from the state. */
@@ -484,11 +510,26 @@ static void finish(const sn_model_muscle *m, sn_muscle_state *s, const sn_subste
 
 /* ---- the back end ------------------------------------------------------------------------------------------------------------- */
 
-static void qn_substep(const sn_model_muscle *m, sn_muscle_state *s, const sn_substep *substep) {
-    if (substep->begin == 0)
-        begin(m, s, substep);
-    else
+/* As it was before the step; the velocities are still those. */
+static void go_back(const sn_model_muscle *m, sn_muscle_state *s) {
+    for (sn_index i = 0; i < m->point_count; i++) set_position(&s->points[i], s->previous[i]);
+    forget_pairs(s);
+}
+
+/* Has the step, after all of its iterations, torn a muscle that was whole? */
+static bool has_torn(const sn_model_muscle *m, const sn_muscle_state *s) {
+    if (!s->whole || s->stopped != SN_STOP_ITERATIONS) return false;
+    condition now = condition_of(m, s);
+    return now.collapsed > 0 || is_stretched(&now.stretch, true);
+}
+
+static sn_verdict qn_substep(const sn_model_muscle *m, sn_muscle_state *s, const sn_substep *substep) {
+    if (substep->begin > 0) {
         resume(m, s, substep->h);
+    } else if (!begin(m, s, substep)) {
+        go_back(m, s);
+        return SN_STEP_REFUSED;
+    }
     sn_index each = s->torn ? TORN_EFFORT : 1;
     for (sn_index i = each * substep->begin; i < each * substep->end && s->stopped == SN_STOP_ITERATIONS; i++) {
         if (s->torn && i % TORN_EFFORT == 0) take_matrix_here(m, s, substep->h);
@@ -496,7 +537,13 @@ static void qn_substep(const sn_model_muscle *m, sn_muscle_state *s, const sn_su
     }
     double force = sqrt(dot(m->point_count, s->qn->gradient, s->qn->gradient));
     s->statistics.residual = s->stiffness > 0.0 ? force / (s->stiffness * m->diagonal) : NAN;
-    if (substep->end == m->iterations) finish(m, s, substep);
+    if (substep->end < m->iterations) return SN_STEP_HOLDS;
+    if (substep->may_halve && has_torn(m, s)) {
+        go_back(m, s);
+        return SN_STEP_GIVEN_UP;
+    }
+    finish(m, s, substep);
+    return SN_STEP_HOLDS;
 }
 
 static void qn_destroy(sn_muscle_state *s) {

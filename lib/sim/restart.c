@@ -36,11 +36,12 @@ static void pass(cursor *c, void *data, size_t size) {
 static void pass_muscle(cursor *c, const sn_model_muscle *m, sn_muscle_state *s) {
     sn_statistics *st = &s->statistics;
     int64_t *counters[] = {&st->skipped_edges, &st->skipped_hinges, &st->clamped_hinges,   &st->held_triangles, &st->skipped_triangles,
-                           &st->iterations,    &st->rejected_steps, &st->refactorisations, &st->restarts};
+                           &st->iterations,    &st->rejected_steps, &st->refactorisations, &st->restarts, &st->steps, &st->halvings};
     for (size_t i = 0; i < sizeof counters / sizeof *counters; i++) pass(c, counters[i], sizeof *counters[i]);
     double *numbers[] = {&s->volume_lambda, &s->activation, &s->contraction,      &s->stiffness,
                          &s->volume_goal,   &s->energy,     &s->factor_stiffness, &st->residual};
     for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++) pass(c, numbers[i], sizeof *numbers[i]);
+    pass(c, &s->progress, sizeof s->progress);
     pass(c, &s->bones, sizeof s->bones);
     pass(c, &s->still, sizeof s->still);
     pass(c, &s->pair_count, sizeof s->pair_count);
@@ -48,6 +49,7 @@ static void pass_muscle(cursor *c, const sn_model_muscle *m, sn_muscle_state *s)
     pass(c, &s->stopped, sizeof s->stopped);
     pass(c, &s->turned, sizeof s->turned);
     pass(c, &s->torn, sizeof s->torn);
+    pass(c, &s->whole, sizeof s->whole);
 #define PASS(type, name, count, kept)                                                                                                      \
     if (kept) pass(c, s->name, (size_t)(count) * sizeof(type));
     SN_STATE_ARRAYS(PASS)
@@ -141,9 +143,9 @@ static sn_status check_fit(const sn_model *model, const char *bytes, size_t size
         return sn_fail(error, SN_ERROR_INPUT,
                        "this state is another scene's, or was made under another scheme or solver: its constraints are not the same");
     memcpy(moment, bytes + HEADER + SN_HASH_LENGTH, sizeof moment);
-    if (moment[1] < 0 || moment[2] < 0 || moment[1] >= model->scene->solver.substeps)
+    if (moment[1] < 0 || moment[2] < 0 || moment[1] >= sn_solver_substeps(&model->scene->solver))
         return sn_fail(error, SN_ERROR_INPUT, "this state stopped in substep %ld of its frame; the scene has %ld, and must have as many",
-                       (long)moment[1] + 1, (long)model->scene->solver.substeps);
+                       (long)moment[1] + 1, (long)sn_solver_substeps(&model->scene->solver));
     return SN_OK;
 }
 

@@ -63,20 +63,27 @@ double sn_rows_evaluate(const sn_model_muscle *m, sn_muscle_state *s, sn_row_kin
 
 /* ---- the back ends: which of them steps is decided by sn_backend_of (step.c) and nowhere else ---- */
 
-/* One substep of one muscle, or a part of its iterations: those from `begin` to before `end`. The inputs are up to date. */
+/* One step of one muscle (a substep, or a part of one), or some of its iterations: those from `begin` to before `end`. The inputs and the
+ * poses of the bones in the state are those of its end. */
 typedef struct sn_substep {
     double h;        /* s */
     sn_vec3 gravity; /* m/s^2 */
     const sn_scheme_rules *rules;
-    const sn_rigid *poses; /* (joints) at the substep's end */
-    sn_index begin, end;   /* iterations; the substep starts with 0 and ends with m->iterations */
+    sn_index begin, end; /* iterations; the step starts with 0 and ends with m->iterations */
+    bool may_halve;      /* it may be given up for two of half the length */
     bool measure;          /* leave the residual at the end in the statistics */
     sn_point *start;       /* (points) nullable; xpbd: where they are when the iterations begin */
 } sn_substep;
 
+typedef enum sn_verdict {
+    SN_STEP_HOLDS,
+    SN_STEP_REFUSED, /* too long, before any iteration: the state is as it was before the step */
+    SN_STEP_GIVEN_UP /* too long, after all of them: the same */
+} sn_verdict;
+
 typedef struct sn_backend {
     const char *name;
-    void (*substep)(const sn_model_muscle *m, sn_muscle_state *s, const sn_substep *substep);
+    sn_verdict (*substep)(const sn_model_muscle *m, sn_muscle_state *s, const sn_substep *substep);
     sn_status (*create)(const sn_model_muscle *m, sn_muscle_state *s, sn_error *error); /* nullable: scratch of its own */
     void (*destroy)(sn_muscle_state *s);                                                /* nullable; also after a create that failed */
 } sn_backend;
@@ -102,12 +109,15 @@ SN_MUST_CHECK sn_status sn_batch_sort(void *array, sn_index count, size_t size, 
 
 /* ---- kinematic.c ---- */
 SN_MUST_CHECK sn_status sn_kinematics_build(const sn_build *build, sn_error *error);
-/* Put every attached vertex where its bone carries it: exactly pose(rest). poses (joints). */
-void sn_kinematics_place(const sn_model_muscle *m, sn_muscle_state *s, const sn_rigid *poses);
+/* Leave the poses of the sites' bones in the state: those of all joints, or those at `time`. */
+void sn_kinematics_aim(const sn_model_muscle *m, sn_muscle_state *s, const sn_rigid *joint_poses);
+void sn_kinematics_aim_at(const sn_model_muscle *m, sn_muscle_state *s, const sn_motion *motion, double time);
+/* Put every attached vertex where its bone carries it: exactly pose(rest). */
+void sn_kinematics_place(const sn_model_muscle *m, sn_muscle_state *s);
 /* Are they anywhere else than where sn_kinematics_place put them last? */
-bool sn_kinematics_moved(const sn_model_muscle *m, const sn_muscle_state *s, const sn_rigid *poses);
-/* The whole muscle, carried along with its bones: where a run starts. */
-void sn_kinematics_carry(const sn_model_muscle *m, sn_muscle_state *s, const sn_rigid *poses);
+bool sn_kinematics_moved(const sn_model_muscle *m, const sn_muscle_state *s);
+/* The whole muscle, carried along with its bones to `points` (point_count): where a run starts. */
+void sn_kinematics_carry(const sn_model_muscle *m, const sn_muscle_state *s, sn_point *points);
 
 /* Leaves the motion of the bones over the step of h s that ends here in the state, from the velocities of the attached points. Bones whose
  * velocity changes by more than `most`, m/s, in a step have jumped: that is no motion; 0 = they may change as they like. */

@@ -7,8 +7,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* How a value is written and kept: a whole number, any number, or one of some words. */
-typedef enum key_kind { WHOLE, NUMBER, WORD } key_kind;
+/* How a value is written and kept: a whole number, one or "auto" (0), any number, or one of some words. */
+typedef enum key_kind { WHOLE, AUTO, NUMBER, WORD } key_kind;
 
 enum { XPBD = 1 << SN_SOLVER_XPBD, QN = 1 << SN_SOLVER_QN };
 
@@ -29,7 +29,7 @@ static const char *const PRECISIONS[] = {"double", "single", NULL};             
 static const char *const PRECONDITIONERS[] = {"scalar", "corotated", "two-level", NULL}; /* in the order of sn_preconditioning */
 
 static const setting_key KEYS[] = {
-    {"substeps", XPBD | QN, WHOLE, 1, 1e6, NULL, SOLVER(substeps)},
+    {"substeps", XPBD | QN, AUTO, 1, 1e6, NULL, SOLVER(substeps)},
     {"iterations", XPBD | QN, WHOLE, 1, 1e6, NULL, SOLVER(iterations)},
     {"tolerance", QN, NUMBER, 0, 1, NULL, SOLVER(tolerance)},
     {"scheme", XPBD, WORD, 0, 0, SCHEMES, SOLVER(scheme)},
@@ -83,13 +83,17 @@ static sn_status parse_word(const setting_key *key, const char *text, size_t len
     return sn_fail(error, SN_ERROR_INPUT, "%s=%.*s: it is %s", key->name, (int)(length < 64 ? length : 64), text, list);
 }
 
-static sn_status parse_value(const setting_key *key, const char *text, size_t length, double *out, sn_error *error) {
+static sn_status parse_value(sn_solver_method method, const setting_key *key, const char *text, size_t length, double *out, sn_error *error) {
     if (key->kind == WORD) return parse_word(key, text, length, out, error);
     const char *end = text + length, *next = text;
+    if (key->kind == AUTO && method == SN_SOLVER_QN && equals("auto", text, length)) {
+        *out = SN_SUBSTEPS_AUTO;
+        return SN_OK;
+    }
     bool good = sn_scan_number(text, end, &next, out) && next == end && *out >= key->low && *out <= key->high;
     if (good && (key->kind == NUMBER || *out == floor(*out))) return SN_OK;
     return sn_fail(error, SN_ERROR_INPUT, "%s=%.*s: it is a %snumber from %g to %g", key->name, (int)(length < 64 ? length : 64), text,
-                   key->kind == WHOLE ? "whole " : "", key->low, key->high);
+                   key->kind == NUMBER ? "" : "whole ", key->low, key->high);
 }
 
 /* One "KEY=VALUE". */
@@ -102,7 +106,7 @@ static sn_status parse_item(const char *text, size_t length, sn_setting *out, sn
         if (!equals(KEYS[i].name, text, name) || !(KEYS[i].methods & (1U << out->method))) continue;
         if (out->given & (1U << i)) return sn_fail(error, SN_ERROR_INPUT, "%s is given twice", KEYS[i].name);
         out->given |= 1U << i;
-        return parse_value(&KEYS[i], sign + 1, length - name - 1, &out->values[i], error);
+        return parse_value(out->method, &KEYS[i], sign + 1, length - name - 1, &out->values[i], error);
     }
     return unknown_key(out->method, text, name, error);
 }
@@ -175,7 +179,10 @@ sn_status sn_settings_parse(const char *text, size_t size, sn_setting **out, sn_
 
 static void format_key(int i, double value, char *out, size_t size) {
     char number[48];
-    sn_format_number(value, number);
+    if (KEYS[i].kind == AUTO && value == SN_SUBSTEPS_AUTO)
+        snprintf(number, sizeof number, "auto");
+    else
+        sn_format_number(value, number);
     snprintf(out, size, " %s=%s", KEYS[i].name, KEYS[i].kind == WORD ? KEYS[i].words[(int)value] : number);
 }
 
@@ -194,7 +201,7 @@ void sn_setting_format(const sn_setting *setting, char out[SN_SETTING_LENGTH]) {
 void sn_setting_family(const sn_setting *setting, char out[SN_SETTING_LENGTH]) { format_keys(setting, true, out); }
 
 static void put(const setting_key *key, double value, char *base) {
-    if (key->kind == WHOLE) memcpy(base + key->offset, &(sn_index){(sn_index)value}, sizeof(sn_index));
+    if (key->kind == WHOLE || key->kind == AUTO) memcpy(base + key->offset, &(sn_index){(sn_index)value}, sizeof(sn_index));
     if (key->kind == NUMBER) memcpy(base + key->offset, &value, sizeof value);
     if (key->kind == WORD) memcpy(base + key->offset, &(int){(int)value}, sizeof(int));
 }

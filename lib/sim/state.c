@@ -26,7 +26,7 @@ sn_status sn_state_create(const sn_model *model, sn_state **out, sn_error *error
     *out = NULL;
     sn_state *state = SN_NEW(sn_state, 1);
     if (state == NULL) return sn_fail_memory(error, "the state");
-    size_t joints = (size_t)model->scene->motion.joint_count, substeps = (size_t)model->scene->solver.substeps;
+    size_t joints = (size_t)model->scene->motion.joint_count, substeps = (size_t)sn_solver_substeps(&model->scene->solver);
     state->muscles = SN_NEW(sn_muscle_state, model->muscle_count);
     state->poses = joints > 0 && substeps > SIZE_MAX / joints ? NULL : SN_NEW(sn_rigid, joints * substeps);
     bool made = state->muscles != NULL && state->poses != NULL;
@@ -64,12 +64,15 @@ static void reset_muscle(const sn_model_muscle *m, sn_muscle_state *s, const sn_
     s->pair_count = s->pair_next = 0;
     s->factor_stiffness = NAN;
     s->stopped = SN_STOP_ITERATIONS;
-    s->turned = s->torn = false;
+    s->turned = s->torn = s->whole = false;
+    s->progress = (sn_progress){.parts = SN_SUBSTEP_PARTS, .size = SN_SUBSTEP_PARTS};
     for (sn_index i = 0; i < m->point_count; i++) {
         s->points[i].w = m->inverse_mass[i];
         s->velocities[i] = sn_v3(0, 0, 0);
     }
-    sn_kinematics_carry(m, s, poses);
+    sn_kinematics_aim(m, s, poses);
+    sn_kinematics_carry(m, s, s->points);
+    sn_kinematics_place(m, s);
     if (m->single) sn_single_enter(m, s);
     sn_inputs_update(m, s, time);
     sn_statistics_measure(m, s);

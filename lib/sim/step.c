@@ -37,15 +37,28 @@ typedef struct run {
     sn_point *start; /* (points of all muscles, one after the other) where they are before an iteration; NULL = nobody asks */
 } run;
 
-static double substep_time(const run *r, sn_index substep) {
+/* When so many parts of a substep are done. */
+static double time_of(const run *r, sn_index substep, sn_index parts) {
     const sn_scene *scene = r->model->scene;
     if (r->frozen) return r->begin / scene->rate;
-    return (r->begin + (substep + 1) / (double)scene->solver.substeps) / scene->rate;
+    return (r->begin + (substep + parts / (double)SN_SUBSTEP_PARTS) / (double)sn_solver_substeps(&scene->solver)) / scene->rate;
 }
 
-static const sn_rigid *substep_poses(const run *r, sn_index substep) {
+static double substep_time(const run *r, sn_index substep) { return time_of(r, substep, SN_SUBSTEP_PARTS); }
+
+/* Of all joints, at the end of a substep. */
+static sn_rigid *substep_poses(const run *r, sn_index substep) {
     size_t slot = r->frozen ? 0 : (size_t)substep;
     return r->state->poses + slot * (size_t)r->model->scene->motion.joint_count;
+}
+
+/* What a muscle is told of the moment in a substep when so many of its parts are done: only there do muscles that halve their steps need
+ * poses of their own. */
+static void take_poses(const run *r, const sn_model_muscle *m, sn_muscle_state *s, sn_index substep, sn_index parts) {
+    if (parts == SN_SUBSTEP_PARTS || r->frozen)
+        sn_kinematics_aim(m, s, substep_poses(r, substep));
+    else
+        sn_kinematics_aim_at(m, s, &r->model->scene->motion, time_of(r, substep, parts));
 }
 
 /* Does the work of this run end in or with this substep? */
@@ -69,9 +82,9 @@ static void watch_rest(const run *r, const sn_model_muscle *m, sn_muscle_state *
 /* After a frame at rest a muscle sleeps until an input changes. */
 static bool sleeps(const run *r, const sn_model_muscle *m, sn_muscle_state *s, sn_index substep) {
     const sn_scene *scene = r->model->scene;
-    bool rested = scene->solver.sleep && s->still >= scene->solver.substeps;
+    bool rested = scene->solver.sleep && s->still >= sn_solver_substeps(&scene->solver);
     if (rested && sn_channel_at(&m->source->activation, substep_time(r, substep)) == s->activation &&
-        !sn_kinematics_moved(m, s, substep_poses(r, substep)))
+        !sn_kinematics_moved(m, s))
         return true;
     if (rested) s->still = 0;
     return false;
@@ -84,32 +97,60 @@ static sn_point *start_of(const run *r, sn_index muscle) {
     return start;
 }
 
-/* Iterations [begin, end) of one substep; a muscle with fewer iterations than that has nothing left to do. */
-static void do_substep(const run *r, sn_index muscle, sn_index substep, sn_index begin, sn_index end) {
+/* The step at hand, or so many iterations of it that the muscle has spent `until` of them in the substep. */
+static void do_step(const run *r, sn_index muscle, sn_index substep, sn_index until) {
     const sn_model_muscle *m = &r->model->muscles[muscle];
     sn_muscle_state *s = &r->state->muscles[muscle];
-    if (end > m->iterations) end = m->iterations;
-    if (begin >= end) return;
-    s->statistics.asleep = sleeps(r, m, s, substep);
-    if (s->statistics.asleep) return;
-    const sn_substep part = {.h = r->model->substep_duration,
+    sn_progress *at = &s->progress;
+    sn_index parts = at->parts + at->size, wanted = until - at->spent, left = m->iterations - at->iteration;
+    sn_index done = wanted < left ? wanted : left, end = at->iteration + done;
+    const sn_substep part = {.h = r->model->substep_duration * (at->size / (double)SN_SUBSTEP_PARTS),
                              .gravity = r->model->scene->gravity,
                              .rules = sn_scheme_rules_of(r->model->scene->solver.scheme),
-                             .poses = substep_poses(r, substep),
-                             .begin = begin,
+                             .begin = at->iteration,
                              .end = end,
+                             .may_halve = r->model->halves && at->size > 1,
                              .measure = r->measure && end == m->iterations && is_last(r, substep),
                              .start = start_of(r, muscle)};
-    sn_inputs_update(m, s, substep_time(r, substep));
-    r->backend->substep(m, s, &part);
-    if (end == m->iterations) watch_rest(r, m, s);
+    take_poses(r, m, s, substep, parts);
+    sn_inputs_update(m, s, time_of(r, substep, parts));
+    sn_verdict verdict = r->backend->substep(m, s, &part);
+    if (verdict != SN_STEP_REFUSED) at->spent += done;
+    if (verdict != SN_STEP_HOLDS) {
+        at->size /= 2, at->iteration = 0;
+        s->statistics.halvings++;
+        return;
+    }
+    at->iteration = end;
+    if (end < m->iterations) return;
+    at->parts = parts, at->iteration = 0;
+    s->statistics.steps++;
+    watch_rest(r, m, s);
+}
+
+/* One substep, from its start or from where the muscle is in it, until it has spent so many iterations or is through. */
+static void do_substep(const run *r, sn_index muscle, sn_index substep, bool fresh, sn_index until) {
+    const sn_model_muscle *m = &r->model->muscles[muscle];
+    sn_muscle_state *s = &r->state->muscles[muscle];
+    sn_progress *at = &s->progress;
+    if (fresh) {
+        *at = (sn_progress){.size = SN_SUBSTEP_PARTS};
+        take_poses(r, m, s, substep, SN_SUBSTEP_PARTS);
+        if (sleeps(r, m, s, substep)) at->size = 0;
+    }
+    s->statistics.asleep = at->size == 0;
+    if (at->size == 0) { /* it counts the iterations that it would have made */
+        at->spent = until < m->iterations ? until : m->iterations;
+        at->parts = at->spent == m->iterations ? SN_SUBSTEP_PARTS : 0;
+    }
+    while (at->parts < SN_SUBSTEP_PARTS && at->spent < until && at->size > 0) do_step(r, muscle, substep, until);
 }
 
 static void do_muscle(const run *r, sn_index muscle) {
     for (sn_index substep = r->from.substep; substep <= r->to.substep; substep++) {
-        sn_index begin = substep == r->from.substep ? r->from.iteration : 0;
-        sn_index end = substep == r->to.substep ? r->to.iteration : SN_INDEX_MAX;
-        do_substep(r, muscle, substep, begin, end);
+        bool fresh = substep > r->from.substep || r->from.iteration == 0;
+        sn_index until = substep == r->to.substep ? r->to.iteration : SN_INDEX_MAX;
+        if (until > 0) do_substep(r, muscle, substep, fresh, until);
     }
 }
 
@@ -127,7 +168,7 @@ static void do_muscles(void *user, sn_index begin, sn_index end, sn_index chunk)
 
 static void prepare_poses(const run *r) {
     const sn_scene *scene = r->model->scene;
-    sn_index slots = r->frozen ? 1 : scene->solver.substeps;
+    sn_index slots = r->frozen ? 1 : sn_solver_substeps(&scene->solver);
     for (sn_index i = 0; i < slots; i++) sn_motion_poses(&scene->motion, substep_time(r, i), (sn_rigid *)substep_poses(r, i));
 }
 
@@ -137,6 +178,7 @@ static void clear_counters(sn_state *state, sn_index muscle_count) {
         statistics->skipped_edges = statistics->skipped_hinges = statistics->clamped_hinges = 0;
         statistics->held_triangles = statistics->skipped_triangles = 0;
         statistics->iterations = statistics->rejected_steps = statistics->refactorisations = statistics->restarts = 0;
+        statistics->steps = statistics->halvings = 0;
     }
 }
 
@@ -160,7 +202,7 @@ static double mean_move(const run *r, sn_index muscle) {
 static bool trace_iteration(const run *r, moment done, sn_trace *trace) {
     for (sn_index i = 0; i < r->model->muscle_count; i++) {
         const sn_statistics *st = &r->state->muscles[i].statistics;
-        if (done.iteration > r->model->muscles[i].iterations) continue;
+        if (r->state->muscles[i].progress.spent < done.iteration) continue; /* it was through before */
         if (SN_TRACE(trace, "iteration", sn_trace_number("frame", r->state->frame), sn_trace_number("substep", done.substep + 1),
                      sn_trace_number("iteration", done.iteration), sn_trace_text("muscle", r->model->muscles[i].source->name),
                      sn_trace_number("activation", st->activation), sn_trace_number("volume_error", st->volume_error),
@@ -177,28 +219,24 @@ static bool trace_iteration(const run *r, moment done, sn_trace *trace) {
     return false;
 }
 
-static sn_index most_iterations(const sn_model *model) {
-    sn_index most = 1;
-    for (sn_index i = 0; i < model->muscle_count; i++)
-        if (model->muscles[i].iterations > most) most = model->muscles[i].iterations;
-    return most;
+/* Are all muscles through with the substep? */
+static bool all_through(const run *r) {
+    for (sn_index i = 0; i < r->model->muscle_count; i++)
+        if (r->state->muscles[i].progress.parts < SN_SUBSTEP_PARTS) return false;
+    return true;
 }
 
-/* The moment one iteration later; the last iteration of a substep is the start of the next one. */
-static moment next_iteration(moment now, sn_index iterations) {
-    if (now.iteration + 1 < iterations) return (moment){now.substep, now.iteration + 1};
-    return (moment){now.substep + 1, 0};
-}
+/* Where a run that was to go to `to` has come: the last iteration of a substep is the start of the next one. */
+static moment reached(const run *r, moment to) { return to.iteration > 0 && all_through(r) ? (moment){to.substep + 1, 0} : to; }
 
 /* Iteration after iteration, with a record of each; where it stops, the state says how far it came. */
 static sn_status watch(run *r, moment last, sn_pool *pool, sn_trace *trace) {
-    sn_index iterations = most_iterations(r->model);
     r->measure = true;
     while (before(r->from, last)) {
         r->to = (moment){r->from.substep, r->from.iteration + 1};
         sn_parallel_for(pool, r->model->muscle_count, 1, do_muscles, r);
         moment done = r->to;
-        r->from = next_iteration(r->from, iterations);
+        r->from = reached(r, done);
         r->state->substep = r->from.substep;
         r->state->iteration = r->from.iteration;
         if (trace_iteration(r, done, trace)) return SN_STOPPED;
@@ -245,7 +283,7 @@ sn_status sn_settle(const sn_model *model, sn_state *state, const sn_step_option
 }
 
 sn_status sn_hold(const sn_model *model, sn_state *state, const sn_step_options *options, sn_error *error) {
-    sn_index substeps = model->scene->solver.substeps;
+    sn_index substeps = sn_solver_substeps(&model->scene->solver);
     if (state->substep != 0 || state->iteration != 0)
         return sn_fail(error, SN_ERROR_USAGE, "cannot hold a state in the middle of its frame");
     run r = {.model = model, .state = state, .begin = state->frame, .frozen = true};
@@ -256,25 +294,24 @@ sn_status sn_hold(const sn_model *model, sn_state *state, const sn_step_options 
 
 /* Where the options stop within a frame; the frame's end where they do not. */
 static moment stop_of(const sn_model *model, const sn_step_options *options) {
-    sn_index substeps = model->scene->solver.substeps;
-    if (options == NULL || options->stop_substep == 0) return (moment){substeps, 0};
-    sn_index iteration = options->stop_iteration;
-    if (iteration == 0 || iteration >= most_iterations(model)) return (moment){options->stop_substep, 0};
-    return (moment){options->stop_substep - 1, iteration};
+    if (options == NULL || options->stop_substep == 0) return (moment){sn_solver_substeps(&model->scene->solver), 0};
+    if (options->stop_iteration == 0) return (moment){options->stop_substep, 0};
+    return (moment){options->stop_substep - 1, options->stop_iteration};
 }
 
 sn_status sn_step(const sn_model *model, sn_state *state, const sn_step_options *options, sn_error *error) {
-    sn_index substeps = model->scene->solver.substeps;
+    sn_index substeps = sn_solver_substeps(&model->scene->solver);
     if (options != NULL && (options->stop_substep < 0 || options->stop_substep > substeps || options->stop_iteration < 0))
         return sn_fail(error, SN_ERROR_USAGE, "cannot stop after substep %d: a frame has %d", (int)options->stop_substep, (int)substeps);
-    moment from = {state->substep, state->iteration}, stop = stop_of(model, options), end = {substeps, 0};
+    moment from = {state->substep, state->iteration}, stop = stop_of(model, options);
     bool fresh = from.substep == 0 && from.iteration == 0;
     if (before(stop, from)) return sn_fail(error, SN_ERROR_USAGE, "cannot stop there: the state is beyond it already");
     run r = {.model = model, .state = state, .begin = fresh ? state->frame : state->frame - 1, .from = from};
     if (fresh) state->frame++;
     sn_status status = do_run(&r, stop, options, error);
     if (status != SN_OK) return status;
-    bool whole = !before(stop, end);
+    stop = reached(&r, stop);
+    bool whole = stop.substep == substeps;
     state->substep = whole ? 0 : stop.substep;
     state->iteration = whole ? 0 : stop.iteration;
     return options != NULL && options->stop_substep > 0 && !whole ? SN_STOPPED : SN_OK;

@@ -97,10 +97,10 @@ static void update_velocities(const sn_model_muscle *m, sn_muscle_state *s, cons
     sn_kinematics_limit_speed(m, s, most);
 }
 
-static void xpbd_substep(const sn_model_muscle *m, sn_muscle_state *s, const sn_substep *substep) {
+static sn_verdict xpbd_substep(const sn_model_muscle *m, sn_muscle_state *s, const sn_substep *substep) {
     if (substep->begin == 0) {
         predict(m, s, substep);
-        sn_kinematics_place(m, s, substep->poses);
+        sn_kinematics_place(m, s);
         if (m->single) sn_single_enter(m, s);
     }
     if (substep->start != NULL) memcpy(substep->start, s->points, (size_t)m->point_count * sizeof *s->points);
@@ -108,6 +108,7 @@ static void xpbd_substep(const sn_model_muscle *m, sn_muscle_state *s, const sn_
     if (m->single) sn_single_leave(m, s);
     s->statistics.residual = NAN;
     if (substep->end == m->iterations) update_velocities(m, s, substep); /* until then they are the predicted ones */
+    return SN_STEP_HOLDS;
 }
 
 const sn_backend sn_backend_xpbd = {.name = "xpbd", .substep = xpbd_substep};

@@ -300,7 +300,7 @@ static sn_status mark_worst(const scene_view *s, sn_error *error) {
 
 /* A substep in which iterations are done has the inputs of its end. */
 double sn_view_state_frame(const sn_model *model, const sn_state *state) {
-    double substeps = model->scene->solver.substeps;
+    double substeps = sn_solver_substeps(&model->scene->solver);
     if (state->substep == 0 && state->iteration == 0) return state->frame;
     return (double)state->frame - 1.0 + (state->substep + (state->iteration > 0 ? 1 : 0)) / substeps;
 }

@@ -76,7 +76,7 @@ static void an_empty_scene_has_every_default(void **state) {
     const sn_scene_muscle *m = &scene.muscles[0];
     assert_true(scene.meters_per_unit == 1 && scene.rate == 24 && scene.first_frame == 0 && scene.last_frame == 0 && scene.preroll == 0);
     assert_true(sn_norm(scene.gravity) == 0);
-    assert_true(scene.solver.method == SN_SOLVER_QN && scene.solver.substeps == 1 && scene.solver.iterations == 10);
+    assert_true(scene.solver.method == SN_SOLVER_QN && scene.solver.substeps == SN_SUBSTEPS_AUTO && scene.solver.iterations == 10);
     assert_int_equal(scene.solver.threads, 0);
     assert_true(m->enabled && m->law == SN_LAW_PROJECTED && m->contraction == 0.5 && m->rest_activation == 0 && m->iterations == 0);
     assert_true(m->stiffness_relaxed == 5e5 && m->stiffness_active == 5e7 && m->stiffness_internal == 1 && m->stiffness_dihedral == 7.5e-5);

@@ -28,6 +28,7 @@ static void text_has_one_canonical_form(void **state) {
     check_canonical("qn", "qn", "qn");
     check_canonical("xpbd substeps=64 iterations=1", "xpbd substeps=64 iterations=1", "xpbd");
     check_canonical(" \tqn  iterations=5\tsubsteps=2\r", "qn substeps=2 iterations=5", "qn");
+    check_canonical("qn substeps=auto", "qn substeps=auto", "qn");
     check_canonical("qn tolerance=1e-3", "qn tolerance=0.001", "qn");
     check_canonical("xpbd scheme=kohout iterations=10", "xpbd iterations=10 scheme=kohout", "xpbd scheme=kohout");
     check_canonical("qn preconditioner=scalar tolerance=0", "qn tolerance=0 preconditioner=scalar", "qn");
@@ -58,6 +59,7 @@ static void what_is_unknown_is_refused_by_name(void **state) {
 
 static void numbers_out_of_range_are_refused(void **state) {
     (void)state;
+    check_refused("xpbd substeps=auto", "a whole number from 1 to 1e+06");
     check_refused("qn substeps=0", "a whole number from 1 to 1e+06");
     check_refused("qn substeps=1.5", "a whole number");
     check_refused("qn substeps=1000001", "a whole number");

@@ -268,6 +268,7 @@ static void jumps_under_every_matrix(void **state) {
             make_scene(&scenes[k], &FUSIFORM);
             scenes[k].solver = sn_solver_defaults(SN_SOLVER_QN);
             scenes[k].solver.preconditioner = (sn_preconditioning)matrix;
+            scenes[k].solver.substeps = 1;
             scenes[k].motion.joints[0].point = sn_v3(0, 0, 0.1);
             set_keys(&scenes[k].motion.joints[0].angle, 1.5 / 24, 0.0, 1.5 / 24 + 1e-6, -1.4);
             runs[k] = start(&scenes[k]);
@@ -285,6 +286,91 @@ static void jumps_under_every_matrix(void **state) {
     }
 }
 
+/* A bone that folds a muscle in its middle, by 40 degrees a frame. */
+static void make_folded(sn_scene *scene, sn_index substeps, sn_preconditioning matrix) {
+    make_scene(scene, &FUSIFORM);
+    scene->solver = sn_solver_defaults(SN_SOLVER_QN);
+    scene->solver.substeps = substeps;
+    scene->solver.preconditioner = matrix;
+    scene->motion.joints[0].point = sn_v3(0, 0, 0.1);
+    set_keys(&scene->motion.joints[0].angle, 1.0 / 24, 0.0, 3.0 / 24, -1.4);
+}
+
+typedef struct tally {
+    int64_t iterations, steps, halvings;
+} tally;
+
+static tally step_and_count(simulation *s, sn_index frames) {
+    tally sum = {0};
+    for (sn_index i = 0; i < frames; i++) {
+        step_frames(s, 1, NULL);
+        sum.iterations += statistics(s)->iterations;
+        sum.steps += statistics(s)->steps;
+        sum.halvings += statistics(s)->halvings;
+    }
+    return sum;
+}
+
+/* Where a step would tear the muscle, and only there, it is taken in halves; a number of substeps is that number. */
+static void a_step_that_is_too_long_is_halved(void **state) {
+    (void)state;
+    sn_scene scenes[3];
+    simulation s[3];
+    tally t[3];
+    for (int k = 0; k < 3; k++) {
+        make_folded(&scenes[k], k == 0 ? SN_SUBSTEPS_AUTO : k == 1 ? 1 : 4, SN_PRECONDITION_SCALAR);
+        s[k] = start(&scenes[k]);
+        t[k] = step_and_count(&s[k], 5);
+    }
+    assert_true(t[0].halvings > 0 && t[0].steps > 5 && t[0].steps <= 5 * SN_SUBSTEP_PARTS);
+    assert_true(t[1].steps == 5 && t[2].steps == 20 && t[1].halvings == 0 && t[2].halvings == 0);
+    assert_true(t[0].iterations < t[1].iterations);
+    assert_true(statistics(&s[0])->smallest_triangle > 0.05);
+    t[0] = step_and_count(&s[0], 3); /* the bone stands still again */
+    assert_true(t[0].steps == 3 && t[0].halvings == 0);
+    for (int k = 0; k < 3; k++) finish(&s[k]);
+}
+
+static void ignore(void *user, int64_t number, const char *stage, const sn_trace_value *values, int value_count) {
+    (void)user, (void)number, (void)stage, (void)values, (void)value_count;
+}
+
+/* Stopped after any iteration of a frame with halved steps, packed and unpacked elsewhere; or watched: the same bits. */
+static void halved_steps_are_stopped_at_any_iteration(void **state) {
+    (void)state;
+    for (int matrix = SN_PRECONDITION_SCALAR; matrix <= SN_PRECONDITION_TWO_LEVEL; matrix++) {
+        sn_scene scenes[3];
+        simulation s[3];
+        for (int k = 0; k < 3; k++) {
+            make_folded(&scenes[k], SN_SUBSTEPS_AUTO, (sn_preconditioning)matrix);
+            s[k] = start(&scenes[k]);
+        }
+        size_t bytes = (size_t)s[0].model->muscles[0].point_count * sizeof(sn_point);
+        sn_trace trace = {.receive = ignore, .stop_after = -1};
+        for (sn_index frame = 1; frame <= 4; frame++) {
+            step_frames(&s[0], 1, NULL);
+            step_frames(&s[2], 1, &(sn_step_options){.trace = &trace});
+            sn_status status = SN_STOPPED;
+            for (sn_index i = frame; status == SN_STOPPED; i += 3) {
+                char *packed;
+                size_t size;
+                status = sn_step(s[1].model, s[1].state, &(sn_step_options){.stop_substep = 1, .stop_iteration = i}, NULL);
+                assert_int_equal(sn_state_pack(s[1].model, s[1].state, &packed, &size, NULL), SN_OK);
+                sn_state_destroy(s[1].model, s[1].state);
+                assert_int_equal(sn_state_create(s[1].model, &s[1].state, NULL), SN_OK);
+                assert_int_equal(sn_state_unpack(s[1].model, packed, size, s[1].state, NULL), SN_OK);
+                free(packed);
+            }
+            assert_int_equal(status, SN_OK);
+            for (int k = 1; k < 3; k++) {
+                assert_memory_equal(s[0].state->muscles[0].points, s[k].state->muscles[0].points, bytes);
+                assert_true(statistics(&s[k])->halvings == statistics(&s[0])->halvings);
+            }
+        }
+        for (int k = 0; k < 3; k++) finish(&s[k]);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_gradient_is_that_of_the_energy),
@@ -297,6 +383,8 @@ int main(void) {
         cmocka_unit_test(threads_change_no_bit),
         cmocka_unit_test(a_stop_changes_no_bit),
         cmocka_unit_test(jumps_under_every_matrix),
+        cmocka_unit_test(a_step_that_is_too_long_is_halved),
+        cmocka_unit_test(halved_steps_are_stopped_at_any_iteration),
         cmocka_unit_test(the_factor_is_kept_while_stiffness_changes_little),
     };
     return cmocka_run_group_tests_name("qn", tests, NULL, NULL);
