@@ -249,8 +249,7 @@ static void check_stop(const job *j, sn_index first, bool whole) {
         cli_usage_error(&j->c, "--stop-after %s: the run starts at frame %d%s", j->c.stop_after, (int)first,
                         whole && j->stop_parts > 1 ? ", which has no substeps" : "");
     if (j->stop_parts > 1 && j->stop[1] > sn_solver_substeps(&j->scene.solver))
-        cli_usage_error(&j->c, "--stop-after %s: a frame has %d substeps", j->c.stop_after,
-                        (int)sn_solver_substeps(&j->scene.solver));
+        cli_usage_error(&j->c, "--stop-after %s: a frame has %d substeps", j->c.stop_after, (int)sn_solver_substeps(&j->scene.solver));
 }
 
 /* ---- --choose ------------------------------------------------------------------------------------------------------------- */

@@ -290,13 +290,14 @@ typedef struct sn_muscle_state {
 #define SN_STATE_MEMBER(type, name, count, kept) type *name;
     SN_STATE_ARRAYS(SN_STATE_MEMBER)
 #undef SN_STATE_MEMBER
-    sn_progress progress;           /* in the substep at hand, or through with the last one */
+    sn_progress progress; /* in the substep at hand, or through with the last one */
     double volume_lambda;
     sn_bone_motion bones;           /* over the last step */
     sn_index pair_count, pair_next; /* qn: pairs at hand, and the slot of the next */
     sn_stop_reason stopped;         /* qn: why the substep needs no further iteration; SN_STOP_ITERATIONS = it may */
-    bool whole;                     /* qn: the step began with a muscle that was not torn */
+    double stretch_before;          /* qn: greatest error of the surface where the step began; infinite: the muscle was torn already */
     bool torn;                      /* qn: the step began far from any shape of rest: more effort */
+    bool abrupt;                    /* qn: its bones set out, or stop, by many edges: more effort too */
     bool turned;                    /* qn: the substep goes by the corotated or the two-level matrix */
     double energy;                  /* qn: Phi at the points, J */
     double factor_stiffness;        /* qn: k that the matrix is factored for, N/m; NaN = none yet */

@@ -29,9 +29,7 @@ sn_solver_settings sn_solver_defaults(sn_solver_method method) {
         .method = method, .substeps = newton ? SN_SUBSTEPS_AUTO : 16, .iterations = newton ? 10 : 2, .tolerance = 1e-5, .sleep = true};
 }
 
-sn_index sn_solver_substeps(const sn_solver_settings *settings) {
-    return settings->substeps == SN_SUBSTEPS_AUTO ? 1 : settings->substeps;
-}
+sn_index sn_solver_substeps(const sn_solver_settings *settings) { return settings->substeps == SN_SUBSTEPS_AUTO ? 1 : settings->substeps; }
 
 void sn_solver_change(sn_solver_settings *settings, sn_solver_method method) {
     const sn_solver_settings before = *settings;

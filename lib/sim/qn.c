@@ -25,6 +25,10 @@ enum { TORN_EFFORT = 10 };
 /* Bones that move a point farther than so many mean edges in a substep, or did in the last, tear the rings next to them: there a smaller
  * stretch counts. */
 static const double FAST_EDGES = 4.0, FAST_STRETCHED = 1.0;
+/* Where a point's way from one substep to the next changes by so many mean edges (bones set out, or stop), no predictor knows of it, and
+ * the strain of the first rings takes longer to spread: 20 iterations for what else takes 10. */
+static const double ABRUPT_EDGES = 2.0;
+enum { ABRUPT_EFFORT = 2 };
 /* A bone that moves a point farther than this share of the diagonal in one substep has jumped. */
 static const double FAR = 0.2;
 /* No triangle shrinks below this share of its area in one step: hinges have no barrier against collapse. */
@@ -271,16 +275,20 @@ static double place_carried(const sn_model_muscle *m, sn_muscle_state *s) {
     return sqrt(most);
 }
 
-/* Where the predictor starts: everything where it was; or, where the carried points go on as in the last substep (to within an edge), the
- * free points where their velocity takes them (without the weight, which the muscle bears already or will). trial and jump are then base
- * and what is left of the way. */
-static void choose_base(const sn_model_muscle *m, sn_muscle_state *s, double h, sn_vec3 weight) {
+/* How much farther or less far than in the last step a carried point comes: 0 where bones go on as they did. */
+static double change_of_motion(const sn_model_muscle *m, const sn_muscle_state *s, double h) {
     double change = 0.0;
     for (sn_index k = 0; k < m->kinematic_count; k++) {
         sn_index i = m->kinematic_points[k];
         change = fmax(change, sn_distance(s->qn->jump[i], sn_scale(s->velocities[i], h)));
     }
-    bool smooth = change <= m->mean_edge;
+    return change;
+}
+
+/* Where the predictor starts: everything where it was; or, where the carried points go on smoothly (as in the last step, to within an
+ * edge), the free points where their velocity takes them (without the weight, which the muscle bears already or will). trial and jump are
+ * then base and what is left of the way. */
+static void choose_base(const sn_model_muscle *m, sn_muscle_state *s, double h, sn_vec3 weight, bool smooth) {
     for (sn_index i = 0; i < m->point_count; i++) {
         bool carried = s->points[i].w == 0.0;
         sn_vec3 jump = s->qn->jump[i], before = carried ? sn_scale(s->velocities[i], h) : sn_v3(0, 0, 0);
@@ -293,11 +301,11 @@ static void choose_base(const sn_model_muscle *m, sn_muscle_state *s, double h, 
 
 /* d = -(A_ff + k_V g_f g_fT)^-1 (grad_f Phi(base) + A_fk jump + k_V g_f (g_k . jump)) takes the place of a first iteration: without it
  * fast bones crush the first ring of triangles (numerics.md 7). Leaves the predicted points in trial; false: no direction. */
-static bool predict(const sn_model_muscle *m, sn_muscle_state *s, double h, sn_vec3 weight) {
+static bool predict(const sn_model_muscle *m, sn_muscle_state *s, double h, sn_vec3 weight, bool smooth) {
     sn_qn *qn = s->qn;
     sn_objective objective = objective_of(m, s, h);
     double k_volume = volume_stiffness(m, s);
-    choose_base(m, s, h, weight);
+    choose_base(m, s, h, weight, smooth);
     sn_objective_evaluate(&objective, qn->trial, qn->gradient);
     sn_preconditioner_turn(qn->preconditioner, qn->trial);
     sn_preconditioner_add_jump(qn->preconditioner, qn->jump, s->volume_gradient, &k_volume, qn->gradient);
@@ -453,7 +461,7 @@ static void look_around(const sn_model_muscle *m, sn_muscle_state *s, double h) 
         now = condition_of(m, s);
         guard_triangles(m, s);
     }
-    s->whole = now.collapsed == 0 && !is_stretched(&now.stretch, false);
+    s->stretch_before = now.collapsed == 0 && !is_stretched(&now.stretch, false) ? now.stretch.max : INFINITY;
     s->turned = may_turn(m, &now);
 }
 
@@ -466,6 +474,13 @@ static void take_matrix(const sn_model_muscle *m, sn_muscle_state *s, double h) 
     s->statistics.refactorisations += changed;
 }
 
+/* Does the step, as far as it has come, tear a muscle that was whole? */
+static bool tears(const sn_model_muscle *m, const sn_muscle_state *s) {
+    condition now = condition_of(m, s);
+    if (s->stretch_before == INFINITY) return false;
+    return now.collapsed > 0 || now.stretch.max > s->stretch_before + FAST_STRETCHED || now.stretch.rms > FAR_IN_THE_MEAN;
+}
+
 /* false: the step is too long. */
 static bool begin(const sn_model_muscle *m, sn_muscle_state *s, const sn_substep *substep) {
     double h = substep->h;
@@ -473,15 +488,16 @@ static bool begin(const sn_model_muscle *m, sn_muscle_state *s, const sn_substep
     sn_preconditioner_correct(s->qn->preconditioner, NULL, h, &s->stiffness); /* the predictor goes by the scalar matrix */
     look_around(m, s, h);
     aim(m, s, substep->gravity, h);
-    double jump = place_carried(m, s);
+    double jump = place_carried(m, s), change = change_of_motion(m, s, h);
     bool fast = fmax(jump, h * fastest_carried(m, s)) > FAST_EDGES * m->mean_edge;
     take_matrix(m, s, h);
     sn_vec3 weight = sn_scale(substep->gravity, h * h); /* how far it alone moves a free point */
     bool pushed = jump > 0.0 || (m->kinematic_count > 0 && sn_norm2(weight) > 0.0);
-    bool predicted = pushed && s->stopped != SN_STOP_FAILED && predict(m, s, h, weight);
+    bool predicted = pushed && s->stopped != SN_STOP_FAILED && predict(m, s, h, weight, change <= m->mean_edge);
     choose_start(m, s, h, predicted);
+    s->abrupt = change > ABRUPT_EDGES * m->mean_edge;
     s->torn = mend_start(m, s, h, jump, fast);
-    if (s->torn && s->whole && substep->may_halve && jump <= m->diagonal) return false;
+    if (s->torn && substep->may_halve && jump <= m->diagonal && tears(m, s)) return false;
     s->turned = s->turned && !s->torn;
     sn_preconditioner_turn(s->qn->preconditioner, s->points);
     place_sections(m, s, h);
@@ -516,13 +532,6 @@ static void go_back(const sn_model_muscle *m, sn_muscle_state *s) {
     forget_pairs(s);
 }
 
-/* Has the step, after all of its iterations, torn a muscle that was whole? */
-static bool has_torn(const sn_model_muscle *m, const sn_muscle_state *s) {
-    if (!s->whole || s->stopped != SN_STOP_ITERATIONS) return false;
-    condition now = condition_of(m, s);
-    return now.collapsed > 0 || is_stretched(&now.stretch, true);
-}
-
 static sn_verdict qn_substep(const sn_model_muscle *m, sn_muscle_state *s, const sn_substep *substep) {
     if (substep->begin > 0) {
         resume(m, s, substep->h);
@@ -530,15 +539,16 @@ static sn_verdict qn_substep(const sn_model_muscle *m, sn_muscle_state *s, const
         go_back(m, s);
         return SN_STEP_REFUSED;
     }
-    sn_index each = s->torn ? TORN_EFFORT : 1;
+    bool mends = s->torn && !substep->halved; /* of a step that was halved, that is to help */
+    sn_index each = mends ? TORN_EFFORT : s->torn || s->abrupt ? ABRUPT_EFFORT : 1;
     for (sn_index i = each * substep->begin; i < each * substep->end && s->stopped == SN_STOP_ITERATIONS; i++) {
-        if (s->torn && i % TORN_EFFORT == 0) take_matrix_here(m, s, substep->h);
+        if (mends && i % TORN_EFFORT == 0) take_matrix_here(m, s, substep->h);
         if (s->stopped == SN_STOP_ITERATIONS) iterate(m, s, substep->h, i);
     }
     double force = sqrt(dot(m->point_count, s->qn->gradient, s->qn->gradient));
     s->statistics.residual = s->stiffness > 0.0 ? force / (s->stiffness * m->diagonal) : NAN;
     if (substep->end < m->iterations) return SN_STEP_HOLDS;
-    if (substep->may_halve && has_torn(m, s)) {
+    if (substep->may_halve && s->stopped == SN_STOP_ITERATIONS && tears(m, s)) {
         go_back(m, s);
         return SN_STEP_GIVEN_UP;
     }

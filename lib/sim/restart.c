@@ -35,11 +35,12 @@ static void pass(cursor *c, void *data, size_t size) {
 
 static void pass_muscle(cursor *c, const sn_model_muscle *m, sn_muscle_state *s) {
     sn_statistics *st = &s->statistics;
-    int64_t *counters[] = {&st->skipped_edges, &st->skipped_hinges, &st->clamped_hinges,   &st->held_triangles, &st->skipped_triangles,
-                           &st->iterations,    &st->rejected_steps, &st->refactorisations, &st->restarts, &st->steps, &st->halvings};
+    int64_t *counters[] = {&st->skipped_edges,     &st->skipped_hinges, &st->clamped_hinges, &st->held_triangles,
+                           &st->skipped_triangles, &st->iterations,     &st->rejected_steps, &st->refactorisations,
+                           &st->restarts,          &st->steps,          &st->halvings};
     for (size_t i = 0; i < sizeof counters / sizeof *counters; i++) pass(c, counters[i], sizeof *counters[i]);
-    double *numbers[] = {&s->volume_lambda, &s->activation, &s->contraction,      &s->stiffness,
-                         &s->volume_goal,   &s->energy,     &s->factor_stiffness, &st->residual};
+    double *numbers[] = {&s->volume_lambda, &s->activation,       &s->contraction, &s->stiffness,     &s->volume_goal,
+                         &s->energy,        &s->factor_stiffness, &st->residual,   &s->stretch_before};
     for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++) pass(c, numbers[i], sizeof *numbers[i]);
     pass(c, &s->progress, sizeof s->progress);
     pass(c, &s->bones, sizeof s->bones);
@@ -49,7 +50,7 @@ static void pass_muscle(cursor *c, const sn_model_muscle *m, sn_muscle_state *s)
     pass(c, &s->stopped, sizeof s->stopped);
     pass(c, &s->turned, sizeof s->turned);
     pass(c, &s->torn, sizeof s->torn);
-    pass(c, &s->whole, sizeof s->whole);
+    pass(c, &s->abrupt, sizeof s->abrupt);
 #define PASS(type, name, count, kept)                                                                                                      \
     if (kept) pass(c, s->name, (size_t)(count) * sizeof(type));
     SN_STATE_ARRAYS(PASS)

@@ -71,8 +71,9 @@ typedef struct sn_substep {
     const sn_scheme_rules *rules;
     sn_index begin, end; /* iterations; the step starts with 0 and ends with m->iterations */
     bool may_halve;      /* it may be given up for two of half the length */
-    bool measure;          /* leave the residual at the end in the statistics */
-    sn_point *start;       /* (points) nullable; xpbd: where they are when the iterations begin */
+    bool halved;         /* it is one of those */
+    bool measure;        /* leave the residual at the end in the statistics */
+    sn_point *start;     /* (points) nullable; xpbd: where they are when the iterations begin */
 } sn_substep;
 
 typedef enum sn_verdict {

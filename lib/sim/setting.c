@@ -83,7 +83,8 @@ static sn_status parse_word(const setting_key *key, const char *text, size_t len
     return sn_fail(error, SN_ERROR_INPUT, "%s=%.*s: it is %s", key->name, (int)(length < 64 ? length : 64), text, list);
 }
 
-static sn_status parse_value(sn_solver_method method, const setting_key *key, const char *text, size_t length, double *out, sn_error *error) {
+static sn_status parse_value(sn_solver_method method, const setting_key *key, const char *text, size_t length, double *out,
+                             sn_error *error) {
     if (key->kind == WORD) return parse_word(key, text, length, out, error);
     const char *end = text + length, *next = text;
     if (key->kind == AUTO && method == SN_SOLVER_QN && equals("auto", text, length)) {

@@ -64,7 +64,8 @@ static void reset_muscle(const sn_model_muscle *m, sn_muscle_state *s, const sn_
     s->pair_count = s->pair_next = 0;
     s->factor_stiffness = NAN;
     s->stopped = SN_STOP_ITERATIONS;
-    s->turned = s->torn = s->whole = false;
+    s->turned = s->torn = s->abrupt = false;
+    s->stretch_before = 0.0;
     s->progress = (sn_progress){.parts = SN_SUBSTEP_PARTS, .size = SN_SUBSTEP_PARTS};
     for (sn_index i = 0; i < m->point_count; i++) {
         s->points[i].w = m->inverse_mass[i];

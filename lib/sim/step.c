@@ -83,8 +83,7 @@ static void watch_rest(const run *r, const sn_model_muscle *m, sn_muscle_state *
 static bool sleeps(const run *r, const sn_model_muscle *m, sn_muscle_state *s, sn_index substep) {
     const sn_scene *scene = r->model->scene;
     bool rested = scene->solver.sleep && s->still >= sn_solver_substeps(&scene->solver);
-    if (rested && sn_channel_at(&m->source->activation, substep_time(r, substep)) == s->activation &&
-        !sn_kinematics_moved(m, s))
+    if (rested && sn_channel_at(&m->source->activation, substep_time(r, substep)) == s->activation && !sn_kinematics_moved(m, s))
         return true;
     if (rested) s->still = 0;
     return false;
@@ -110,6 +109,7 @@ static void do_step(const run *r, sn_index muscle, sn_index substep, sn_index un
                              .begin = at->iteration,
                              .end = end,
                              .may_halve = r->model->halves && at->size > 1,
+                             .halved = at->size < SN_SUBSTEP_PARTS,
                              .measure = r->measure && end == m->iterations && is_last(r, substep),
                              .start = start_of(r, muscle)};
     take_poses(r, m, s, substep, parts);
