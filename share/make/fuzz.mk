@@ -8,7 +8,7 @@ F := build/fuzz
 # memory: ten times the largest input and 64 MB, and what the sanitizers take themselves
 FUZZ_INPUT := 65536
 FUZZ_OPTIONS := -max_len=$(FUZZ_INPUT) -timeout=5 -malloc_limit_mb=65 -rss_limit_mb=1024 -print_final_stats=1 -verbosity=0
-FUZZ_FLAGS := -std=c17 -O1 -g -fno-omit-frame-pointer -ffp-contract=off -pthread -fsanitize=address,undefined -fno-sanitize-recover=undefined
+FUZZ_FLAGS := -std=c17 -Wno-psabi -O1 -g -fno-omit-frame-pointer -ffp-contract=off -pthread -fsanitize=address,undefined -fno-sanitize-recover=undefined
 # what the readers are made of, but for Embree and CHOLMOD
 FUZZ_SOURCES := $(filter-out lib/geom/embree.c lib/geom/sparse.c,$(sort $(wildcard lib/base/*.c lib/geom/*.c lib/motion/*.c lib/io/*.c)))
 FUZZ_OBJECTS := $(FUZZ_SOURCES:%.c=$(F)/%.o)
