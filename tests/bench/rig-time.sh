@@ -3,12 +3,12 @@
 # Usage: BIN=... DATA=... tests/bench/rig-time.sh (make rig-time).
 set -eu
 : "${BIN:?set BIN to the folder of the tools}" "${DATA:?set DATA to the folder of real anatomy}"
-out=$(mktemp -d)
+data=$(cd "$DATA" && pwd) out=$(mktemp -d)
 trap 'rm -rf "$out"' EXIT
-meshes=$DATA/leg-vhf/meshes
+meshes=$data/leg-vhf/meshes
 name=$(awk -F '\t' '$2 == "muscle" { d = $4 - 26000; if (d < 0) d = -d; if (best == "" || d < least) { least = d; best = $1 } } END { print best }' \
-    "$DATA/leg-vhf/manifest.tsv")
-awk -F '\t' -v dir="$meshes/" '$2 == "bone" { n = $1; sub(/\.[a-z]+$/, "", n); print n "\t" dir $1 }' "$DATA/leg-vhf/manifest.tsv" > "$out/bones"
+    "$data/leg-vhf/manifest.tsv")
+awk -F '\t' -v dir="$meshes/" '$2 == "bone" { n = $1; sub(/\.[a-z]+$/, "", n); print n "\t" dir $1 }' "$data/leg-vhf/manifest.tsv" > "$out/bones"
 chain() {
     "$BIN/mesh-clean" --units mm "$meshes/$name" -o "$out/m.json"
     "$BIN/root-select" "$out/m.json" -o "$out/m.json"
