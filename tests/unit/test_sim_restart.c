@@ -248,11 +248,30 @@ static void the_next_frame_is_the_one_a_state_is_in_or_the_one_after(void **stat
     assert_int_equal(sn_state_next_frame(&(sn_state){.frame = -1}), 0);
 }
 
+/* Their differences, and the one after the last, are whole numbers of 32 bits too. */
+static void frames_have_bounds(void **state) {
+    (void)state;
+    const sn_index bad[][2] = {{0, SN_FRAME_LIMIT + 1}, {-SN_FRAME_LIMIT - 1, 0}, {INT32_MIN, INT32_MAX}};
+    sn_scene scene;
+    simulation s;
+    make_kind(ANY, &scene, &s);
+    for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
+        sn_error error = {0};
+        scene.first_frame = bad[i][0], scene.last_frame = bad[i][1];
+        assert_int_equal(sn_scene_validate(&scene, &error), SN_ERROR_INPUT);
+        assert_non_null(strstr(error.text, "must be within -100000000 and 100000000"));
+    }
+    scene.first_frame = -SN_FRAME_LIMIT, scene.last_frame = SN_FRAME_LIMIT;
+    assert_int_equal(sn_scene_validate(&scene, NULL), SN_OK);
+    finish(&s);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(what_no_run_comes_to_is_refused_and_changes_nothing),
         cmocka_unit_test(inputs_are_made_anew),
         cmocka_unit_test(the_reason_to_stop_comes_back),
+        cmocka_unit_test(frames_have_bounds),
         cmocka_unit_test(the_next_frame_is_the_one_a_state_is_in_or_the_one_after),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
