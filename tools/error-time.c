@@ -121,8 +121,9 @@ static void apply_frames(job *j) {
     int64_t a = 0, b = 0;
     if (text == NULL) return;
     bool good = sn_scan_integer(text, end, &text, &a) && *text == ':' && sn_scan_integer(text + 1, end, &text, &b) && text == end;
-    if (!good || a > b || a < -SN_INDEX_MAX || b > SN_INDEX_MAX)
-        cli_usage_error(&j->c, "--frames %s: write A:B with A not greater than B", given.frames);
+    if (!good || a > b) cli_usage_error(&j->c, "--frames %s: write A:B with A not greater than B", given.frames);
+    if (a < -SN_FRAME_LIMIT || b > SN_FRAME_LIMIT)
+        cli_usage_error(&j->c, "--frames %s: frames go from %d to %d", given.frames, -SN_FRAME_LIMIT, SN_FRAME_LIMIT);
     j->scene.first_frame = (sn_index)a;
     j->scene.last_frame = (sn_index)b;
 }

@@ -62,8 +62,8 @@ SN_MUST_CHECK sn_status fibers_bind(fiber_run *run, const cli *c, const fiber_ch
                                     sn_pool *pool, sn_error *error);
 /* Open the table of lengths, of `rows` frames. */
 SN_MUST_CHECK sn_status fibers_open_lengths(fiber_run *run, int64_t rows, sn_error *error);
-/* Open the frames of one muscle, beside its own at `path`: its extension, if any, gives way to "-fibers". */
-SN_MUST_CHECK sn_status fibers_open_frames(fiber_run *run, sn_index muscle, const char *path, sn_error *error);
+/* Open the frames of one muscle from `first` on, beside its own at `path`: its extension, if any, gives way to "-fibers". */
+SN_MUST_CHECK sn_status fibers_open_frames(fiber_run *run, sn_index muscle, const char *path, sn_index first, sn_error *error);
 /* Take the fibres to where the surfaces are. */
 void fibers_move(fiber_run *run, const sn_state *state);
 /* Write frames and lengths. */

@@ -518,23 +518,12 @@ static void apply_settings(const cli *c, sn_scene *scene) {
     for (sn_index i = 0; cli_given(c, "law") && i < scene->muscle_count; i++) scene->muscles[i].law = (sn_fiber_law)given.law;
 }
 
-static sn_status check_finite(const stills *s, const sn_state *state, sn_error *error) {
-    for (sn_index i = 0; i < s->model->muscle_count; i++) {
-        const sn_statistics *st = &state->muscles[i].statistics;
-        if (st->nan_points > 0)
-            return sn_fail(error, SN_ERROR_INPUT, "point %d of muscle '%s' is not finite", (int)st->first_nan,
-                           s->model->muscles[i].source->name);
-    }
-    return SN_OK;
-}
-
 static sn_status load_state(stills *s, int number, sn_error *error) {
     const char *path = given.states.items[number];
     sn_blob blob = {0};
     sn_status status = sn_state_create(s->model, &s->states[number], error);
     if (!status) status = sn_blob_read(path, &blob, error);
     if (!status) status = sn_state_unpack(s->model, blob.data, blob.size, s->states[number], error);
-    if (!status) status = check_finite(s, s->states[number], error);
     if (status) sn_error_set_file(error, path);
     sn_blob_free(&blob);
     return status;

@@ -188,11 +188,12 @@ typedef struct job {
     target *targets; /* (muscle_count); NULL = no frames */
     fiber_run fibers;
     limits limits;
-    sn_index stop[3]; /* frame, substep, iteration */
-    int stop_parts;   /* how many of them were given */
+    sn_index stop[3];     /* frame, substep, iteration */
+    int stop_parts;       /* how many of them were given */
+    sn_index first, last; /* frames that the run writes: the scene's, or what is left of them after a state's (choose_range) */
     double setup_seconds;
-    double *frame_seconds; /* (frames) */
-    sn_index frames_done;
+    double *frame_seconds; /* (frames_done) */
+    size_t frames_done, frames_room;
 } job;
 
 /* The method asked for, with its own defaults; a paper's scheme and single precision ask for xpbd. */
@@ -213,6 +214,8 @@ static void apply_options(job *j) {
     if (given.frames != NULL) {
         if (parse_parts(given.frames, 2, range) != 2 || range[0] > range[1])
             cli_usage_error(&j->c, "--frames %s: write A:B with A not greater than B", given.frames);
+        if (range[0] < -SN_FRAME_LIMIT || range[1] > SN_FRAME_LIMIT)
+            cli_usage_error(&j->c, "--frames %s: frames go from %d to %d", given.frames, -SN_FRAME_LIMIT, SN_FRAME_LIMIT);
         scene->first_frame = range[0];
         scene->last_frame = range[1];
     }
@@ -313,7 +316,8 @@ static sn_status load_scene(job *j, sn_error *error) {
     if (status == SN_OK) status = choose_setting(j, &blob, error);
     if (status == SN_OK) {
         apply_options(j);
-        if (given.from == NULL) check_stop(j, j->scene.first_frame, true);
+        j->first = j->scene.first_frame, j->last = j->scene.last_frame;
+        if (given.from == NULL) check_stop(j, j->first, true);
         status = sn_model_create(&j->scene, &j->model, error);
     }
     if (status != SN_OK) sn_error_set_file(error, blob.name);
@@ -323,26 +327,31 @@ static sn_status load_scene(job *j, sn_error *error) {
 
 /* ---- the state ------------------------------------------------------------------------------------------------------------ */
 
-/* The frame that the next step ends: that of the state where it stopped in the middle of it. */
-static sn_index next_number(const job *j) {
-    const sn_state *state = j->state;
-    return state->frame + (state->substep == 0 && state->iteration == 0 ? 1 : 0);
+/* What is left of the frames after a state's. --frames says which they are: from the state's frame, or the one that comes next. */
+static void choose_range(job *j) {
+    sn_index frame = j->state->frame, next = sn_state_next_frame(j->state), first = j->scene.first_frame, last = j->scene.last_frame;
+    const char *at = next == frame ? "stopped in the middle of" : "is at";
+    if (next > last)
+        cli_usage_error(&j->c, "--from %s: the state %s frame %d, and the run ends at %d; write --frames %d:B with B from %d on",
+                        given.from, at, (int)frame, (int)last, (int)next, (int)next);
+    if (given.frames != NULL && first != frame && first != next)
+        cli_usage_error(&j->c, "--frames %s: the state in %s %s frame %d; to go on from there write --frames %d:%d", given.frames,
+                        given.from, at, (int)frame, (int)next, (int)last);
+    if (first > frame && first != next)
+        cli_usage_error(&j->c, "--from %s: the state %s frame %d, before the scene's first, %d; to go on from there write --frames %d:%d",
+                        given.from, at, (int)frame, (int)first, (int)next, (int)last);
+    j->first = next;
+    check_stop(j, next, false);
 }
 
-/* Take up the state; the run's first frame is the one that it ends next. */
 static sn_status read_state(job *j, sn_error *error) {
     sn_blob blob = {0};
     sn_status status = sn_blob_read(given.from, &blob, error);
     if (status == SN_OK) status = sn_state_unpack(j->model, blob.data, blob.size, j->state, error);
     if (status != SN_OK) sn_error_set_file(error, given.from);
     sn_blob_free(&blob);
-    if (status != SN_OK) return status;
-    j->scene.first_frame = next_number(j);
-    if (j->scene.first_frame > j->scene.last_frame)
-        cli_usage_error(&j->c, "--from %s: its frame is %d, and the run ends at %d", given.from, (int)j->state->frame,
-                        (int)j->scene.last_frame);
-    check_stop(j, j->scene.first_frame, false);
-    return SN_OK;
+    if (status == SN_OK) choose_range(j);
+    return status;
 }
 
 static sn_status write_state(const job *j, sn_error *error) {
@@ -359,7 +368,7 @@ static sn_status write_state(const job *j, sn_error *error) {
 }
 
 static sn_status save_now_and_then(const job *j, sn_error *error) {
-    if (!cli_given(&j->c, "save-every") || ((int64_t)j->state->frame - j->scene.first_frame) % given.save_every != 0) return SN_OK;
+    if (!cli_given(&j->c, "save-every") || ((int64_t)j->state->frame - j->first) % given.save_every != 0) return SN_OK;
     return write_state(j, error);
 }
 
@@ -412,9 +421,9 @@ static sn_status open_target(job *j, sn_index muscle, bool file, sn_error *error
     t->path = file ? sn_strdup(j->c.output) : path_in_folder(j->c.output, m->source->name, suffix);
     t->positions = SN_NEW(sn_vec3, m->vertex_count);
     if (t->path == NULL || t->positions == NULL) return sn_fail_memory(error, "the frames");
-    sn_status status = fibers_open_frames(&j->fibers, muscle, t->path, error);
+    sn_status status = fibers_open_frames(&j->fibers, muscle, t->path, j->first, error);
     if (status != SN_OK) return status;
-    if (given.format == FORMAT_PC2) return sn_pc2_create(t->path, m->vertex_count, j->scene.first_frame, 1.0, &t->cache, error);
+    if (given.format == FORMAT_PC2) return sn_pc2_create(t->path, m->vertex_count, j->first, 1.0, &t->cache, error);
     return sn_mesh_copy(&m->source->rig.mesh, &t->mesh, error);
 }
 
@@ -579,18 +588,31 @@ static sn_status finish_frame(job *j, bool stopped, sn_error *error) {
     if (status == SN_OK) status = fibers_write(&j->fibers, j->state->frame, error);
     if (status == SN_OK && !stopped) status = save_now_and_then(j, error);
     check_limits(j);
-    cli_progress(&j->c, j->state->frame - j->scene.first_frame, j->scene.last_frame - j->scene.first_frame, "frame");
+    cli_progress(&j->c, (int64_t)j->state->frame - j->first, (int64_t)j->last - j->first, "frame");
     return status;
 }
 
+/* How long a frame took; false: no memory. */
+static bool note_frame(job *j, double seconds) {
+    if (j->frames_done == j->frames_room) {
+        size_t room = j->frames_room > 0 ? 2 * j->frames_room : 256;
+        double *more = sn_realloc(j->frame_seconds, room, sizeof *more);
+        if (more == NULL) return false;
+        j->frame_seconds = more;
+        j->frames_room = room;
+    }
+    j->frame_seconds[j->frames_done++] = seconds;
+    return true;
+}
+
 static sn_status next_frame(job *j, sn_error *error) {
-    bool last = j->stop_parts > 0 && next_number(j) == j->stop[0];
+    bool last = j->stop_parts > 0 && sn_state_next_frame(j->state) == j->stop[0];
     sn_step_options options = {.pool = j->pool, .trace = &j->c.trace};
     if (last && j->stop_parts > 1) options.stop_substep = j->stop[1];
     if (last && j->stop_parts > 2) options.stop_iteration = j->stop[2];
     double started = cli_seconds();
     sn_status status = sn_step(j->model, j->state, &options, error);
-    j->frame_seconds[j->frames_done++] = cli_seconds() - started;
+    if (!note_frame(j, cli_seconds() - started)) return sn_fail_memory(error, "the times of the frames");
     if (status != SN_OK && status != SN_STOPPED) return status;
     sn_status finished = finish_frame(j, status == SN_STOPPED, error);
     return finished != SN_OK ? finished : last ? SN_STOPPED : status;
@@ -601,23 +623,21 @@ static sn_status run_frames(job *j, sn_error *error) {
     sn_status status = given.from != NULL ? SN_OK : sn_settle(j->model, j->state, &options, error);
     if (status == SN_OK && given.from == NULL) {
         status = finish_frame(j, false, error);
-        if (status == SN_OK && j->stop_parts > 0 && j->stop[0] == j->scene.first_frame) return SN_STOPPED;
+        if (status == SN_OK && j->stop_parts > 0 && j->stop[0] == j->first) return SN_STOPPED;
     }
-    while (status == SN_OK && next_number(j) <= j->scene.last_frame) status = next_frame(j, error);
+    while (status == SN_OK && sn_state_next_frame(j->state) <= j->last) status = next_frame(j, error);
     return status;
 }
 
 /* Frames of the run, as far as --stop-after lets it go. */
 static int64_t rows_to_write(const job *j) {
-    sn_index last = j->stop_parts > 0 && j->stop[0] < j->scene.last_frame ? j->stop[0] : j->scene.last_frame;
-    return (int64_t)last - j->scene.first_frame + 1;
+    sn_index last = j->stop_parts > 0 && j->stop[0] < j->last ? j->stop[0] : j->last;
+    return (int64_t)last - j->first + 1;
 }
 
 static sn_status prepare(job *j, sn_error *error) {
-    size_t frames = (size_t)((int64_t)j->scene.last_frame - j->scene.first_frame) + 1;
     j->pool = sn_pool_create(j->scene.solver.threads);
-    j->frame_seconds = SN_NEW(double, frames);
-    if (j->pool == NULL || j->frame_seconds == NULL) return sn_fail_memory(error, "the run");
+    if (j->pool == NULL) return sn_fail_memory(error, "the run");
     sn_status status = sn_state_create(j->model, &j->state, error);
     if (status == SN_OK && given.from != NULL) status = read_state(j, error);
     if (status == SN_OK) status = fibers_bind(&j->fibers, &j->c, &given.fibers, &j->scene, j->model, j->pool, error);
@@ -757,12 +777,12 @@ static int compare_numbers(const void *a, const void *b) {
 
 static void write_report(sn_json *json, const void *data) {
     const job *j = data;
-    sn_index n = j->frames_done;
+    size_t n = j->frames_done;
     sn_json_number(json, "setupSeconds", j->setup_seconds);
     sn_json_integer(json, "threads", sn_pool_threads(j->pool));
-    sn_json_integer(json, "frames", n);
+    sn_json_integer(json, "frames", (int64_t)n);
     if (n > 0) {
-        qsort(j->frame_seconds, (size_t)n, sizeof *j->frame_seconds, compare_numbers);
+        qsort(j->frame_seconds, n, sizeof *j->frame_seconds, compare_numbers);
         sn_json_number(json, "medianFrameSeconds", j->frame_seconds[n / 2]);
         sn_json_number(json, "longestFrameSeconds", j->frame_seconds[n - 1]);
     }

@@ -88,6 +88,9 @@ typedef struct sn_solver_settings {
     bool sleep; /* a muscle at rest whose inputs keep still is not stepped; default true; moves nothing by 1e-9 of its size */
 } sn_solver_settings;
 
+/* Frames are numbered from -SN_FRAME_LIMIT to SN_FRAME_LIMIT: differences of two, and the one after, are sn_index too. */
+#define SN_FRAME_LIMIT 100000000
+
 typedef struct sn_scene {
     char *name;
     double meters_per_unit; /* of points and lengths in the scene document itself: hinges, key translations */

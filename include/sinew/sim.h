@@ -236,31 +236,38 @@ typedef struct sn_single_point {
 
 static inline sn_vec3 sn_point_position(const sn_point *p) { return sn_v3(p->x, p->y, p->z); }
 
-/* Arrays of one muscle's state: type, name, count in terms of `m` (its model), kept when a run is saved and continued. */
+/* Is an array kept when a run is saved and continued? restart.c then holds its elements to what their type may be. */
+enum {
+    SN_LEFT = false, /* no: it is made anew before it is read */
+    SN_KEPT = true,
+    SN_KEPT_LIVE /* of each of the L-BFGS pairs as much; only those at hand are ever read */
+};
+
+/* Arrays of one muscle's state: type, name, count in terms of `m` (its model), kept. */
 #define SN_STATE_ARRAYS(X)                                                                                                                 \
-    X(sn_point, points, m->point_count, true)                                                                                              \
-    X(sn_vec3, velocities, m->point_count, true)                                                                                           \
-    X(sn_vec3, previous, m->point_count, true)                                                                                             \
-    X(double, goals, m->distance_start[SN_DISTANCE_KINDS], false)                                                                          \
-    X(double, membrane_goals, SN_MEMBRANE_GOALS *(size_t)m->membrane_count, false)                                                         \
-    X(double, distance_lambda, m->distance_start[SN_DISTANCE_KINDS], true)                                                                 \
-    X(double, hinge_lambda, m->hinge_count, true)                                                                                          \
-    X(sn_vec3, volume_gradient, m->keeps_volume ? m->vertex_count : 0, false)                                                              \
-    X(sn_rigid, placed, m->site_count, true)                                                                                               \
-    X(sn_rigid, poses, m->site_count, false) /* of the sites' bones at the end of the step at hand */                                      \
+    X(sn_point, points, m->point_count, SN_KEPT)                                                                                           \
+    X(sn_vec3, velocities, m->point_count, SN_KEPT)                                                                                        \
+    X(sn_vec3, previous, m->point_count, SN_KEPT)                                                                                          \
+    X(double, goals, m->distance_start[SN_DISTANCE_KINDS], SN_LEFT)                                                                        \
+    X(double, membrane_goals, SN_MEMBRANE_GOALS *(size_t)m->membrane_count, SN_LEFT)                                                       \
+    X(double, distance_lambda, m->distance_start[SN_DISTANCE_KINDS], SN_KEPT)                                                              \
+    X(double, hinge_lambda, m->hinge_count, SN_KEPT)                                                                                       \
+    X(sn_vec3, volume_gradient, m->keeps_volume ? m->vertex_count : 0, SN_LEFT)                                                            \
+    X(sn_rigid, placed, m->site_count, SN_KEPT)                                                                                            \
+    X(sn_rigid, poses, m->site_count, SN_LEFT) /* of the sites' bones at the end of the step at hand */                                    \
     /* back end `qn`: where inertia takes each point, the L-BFGS pairs, frames, dV/dx of the matrix */                                     \
-    X(sn_vec3, target, m->quasi_newton ? m->point_count : 0, true)                                                                         \
-    X(sn_vec3, pair_steps, m->quasi_newton ? 8 * (size_t)m->point_count : 0, true)                                                         \
-    X(sn_vec3, pair_changes, m->quasi_newton ? 8 * (size_t)m->point_count : 0, true)                                                       \
-    X(double, pair_products, m->quasi_newton ? 8 : 0, true)                                                                                \
-    X(bool, guarded, m->quasi_newton ? m->area_count : 0, true)                                                                            \
-    X(sn_quat, turns, m->corotated ? m->point_count : 0, true)                                                                             \
-    X(sn_vec3, section_points, m->two_level ? m->point_count : 0, true)                                                                    \
-    X(sn_vec3, row_gradient, m->quasi_newton && m->keeps_volume ? m->vertex_count : 0, true)                                               \
+    X(sn_vec3, target, m->quasi_newton ? m->point_count : 0, SN_KEPT)                                                                      \
+    X(sn_vec3, pair_steps, m->quasi_newton ? 8 * (size_t)m->point_count : 0, SN_KEPT_LIVE)                                                 \
+    X(sn_vec3, pair_changes, m->quasi_newton ? 8 * (size_t)m->point_count : 0, SN_KEPT_LIVE)                                               \
+    X(double, pair_products, m->quasi_newton ? 8 : 0, SN_KEPT_LIVE)                                                                        \
+    X(bool, guarded, m->quasi_newton ? m->area_count : 0, SN_KEPT)                                                                         \
+    X(sn_quat, turns, m->corotated ? m->point_count : 0, SN_KEPT)                                                                          \
+    X(sn_vec3, section_points, m->two_level ? m->point_count : 0, SN_KEPT)                                                                 \
+    X(sn_vec3, row_gradient, m->quasi_newton && m->keeps_volume ? m->vertex_count : 0, SN_KEPT)                                            \
     /* single precision: the points during a substep, relative to an origin (one), and 6 dV/dx */                                          \
-    X(sn_single_point, single_points, m->single ? m->point_count : 0, true)                                                                \
-    X(sn_vec3, origin, m->single ? 1 : 0, true)                                                                                            \
-    X(sn_single_point, single_gradient, m->single && m->keeps_volume ? m->vertex_count : 0, false)
+    X(sn_single_point, single_points, m->single ? m->point_count : 0, SN_KEPT)                                                             \
+    X(sn_vec3, origin, m->single ? 1 : 0, SN_KEPT)                                                                                         \
+    X(sn_single_point, single_gradient, m->single && m->keeps_volume ? m->vertex_count : 0, SN_LEFT)
 
 struct sn_qn;
 typedef struct sn_qn sn_qn;
@@ -328,8 +335,11 @@ void sn_state_positions(const sn_model *model, const sn_state *state, sn_index m
 
 /* The state as bytes (malloc'ed, the caller frees), with version and checksum, at the end of a frame or in the middle of it. */
 SN_MUST_CHECK sn_status sn_state_pack(const sn_model *model, const sn_state *state, char **bytes, size_t *size, sn_error *error);
-/* Back into a state of the same model. SN_ERROR_INPUT where the bytes are damaged or another model's: the state is as it was. */
+/* Back into a state of the same model. SN_ERROR_INPUT where the bytes are damaged or forged (a number that no run comes to, whatever the
+ * checksum says) or another model's: the state is as it was. Of any frame: that it is one of the scene's is for the caller to ask. */
 SN_MUST_CHECK sn_status sn_state_unpack(const sn_model *model, const char *bytes, size_t size, sn_state *state, sn_error *error);
+/* The frame that the next step ends: the state's own where it was stopped in the middle of it, else the one after. */
+sn_index sn_state_next_frame(const sn_state *state);
 
 /* ---- stepping ------------------------------------------------------------------------------------------------------------- */
 

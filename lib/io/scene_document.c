@@ -5,7 +5,7 @@
 #include <string.h>
 
 #define FORMAT "sinew-scene"
-enum { NEWEST_VERSION = 1, FRAME_LIMIT = 100000000, COUNT_LIMIT = 1000000 };
+enum { NEWEST_VERSION = 1, COUNT_LIMIT = 1000000 };
 
 static const char *const stretch_names[] = {"springs", "membrane", NULL};                     /* of sn_stretch */
 static const char *const preconditioner_names[] = {"scalar", "corotated", "two-level", NULL}; /* of sn_preconditioning */
@@ -29,7 +29,7 @@ static sn_status parse_frames(const sn_json_value *value, sn_scene *scene, sn_er
     sn_status status = sn_json_get_fixed(value, 2, frames, error);
     if (status != SN_OK) return status;
     for (int i = 0; i < 2; i++)
-        if (frames[i] != floor(frames[i]) || fabs(frames[i]) > FRAME_LIMIT)
+        if (frames[i] != floor(frames[i]) || fabs(frames[i]) > SN_FRAME_LIMIT)
             return sn_json_complain(value, error, "expected two whole frame numbers [first,last], found %g", frames[i]);
     if (frames[1] < frames[0]) return sn_json_complain(value, error, "the last frame comes before the first");
     scene->first_frame = (sn_index)frames[0];

@@ -235,6 +235,9 @@ static sn_status check_clock(const sn_scene *scene, sn_error *error) {
         return sn_fail(error, SN_ERROR_INPUT, "metersPerUnit is %g; it must be above 0", scene->meters_per_unit);
     if (!isfinite(scene->rate) || scene->rate <= 0.0)
         return sn_fail(error, SN_ERROR_INPUT, "rate is %g frames per second; it must be above 0", scene->rate);
+    if (scene->first_frame < -SN_FRAME_LIMIT || scene->last_frame > SN_FRAME_LIMIT)
+        return sn_fail(error, SN_ERROR_INPUT, "frames %ld to %ld: they must be within %d and %d", (long)scene->first_frame,
+                       (long)scene->last_frame, -SN_FRAME_LIMIT, SN_FRAME_LIMIT);
     if (scene->last_frame < scene->first_frame)
         return sn_fail(error, SN_ERROR_INPUT, "frames end at %ld, before they begin at %ld", (long)scene->last_frame,
                        (long)scene->first_frame);

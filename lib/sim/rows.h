@@ -176,6 +176,7 @@ void sn_volume_sweep(const sn_model_muscle *m, sn_muscle_state *s, const sn_swee
 double sn_volume_energy(const sn_model_muscle *m, sn_muscle_state *s, double k, sn_forces gradient);
 
 /* ---- single.c: the sweeps in single precision ---- */
+float sn_single_weight(const sn_model_muscle *m, sn_index point); /* inverse mass in floats: over that of a mean point */
 void sn_single_enter(const sn_model_muscle *m, sn_muscle_state *s); /* single_points from points, about a new origin */
 void sn_single_leave(const sn_model_muscle *m, sn_muscle_state *s); /* and back; attached points keep theirs */
 void sn_single_sweep(const sn_model_muscle *m, sn_muscle_state *s, sn_row_kind kind, const sn_sweep *sweep);

@@ -28,6 +28,8 @@ static sn_vec3 middle(const sn_model_muscle *m, const sn_muscle_state *s) {
 /* Inverse masses are in floats over that of a mean point, and compliances over it too: of whatever size the muscle is, its numbers are. */
 static double mean_mass(const sn_model_muscle *m) { return m->mass / m->point_count; }
 
+float sn_single_weight(const sn_model_muscle *m, sn_index point) { return (float)(m->inverse_mass[point] * mean_mass(m)); }
+
 void sn_single_enter(const sn_model_muscle *m, sn_muscle_state *s) {
     sn_vec3 origin = *s->origin = middle(m, s);
     double mass = mean_mass(m);

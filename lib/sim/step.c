@@ -75,7 +75,7 @@ static void watch_rest(const run *r, const sn_model_muscle *m, sn_muscle_state *
     double most = REST * m->diagonal / r->model->frame_duration;
     bool still = true;
     for (sn_index i = 0; still && i < m->point_count; i++) still = sn_norm2(s->velocities[i]) <= most * most;
-    s->still = still ? s->still + 1 : 0;
+    s->still = still ? s->still + (s->still < SN_INDEX_MAX) : 0;
     if (still) s->pair_count = s->pair_next = 0; /* whether it sleeps or not: what moves it next finds it the same */
 }
 

@@ -81,11 +81,10 @@ typedef struct wide_point {
 } wide_point;
 
 SN_INLINE wide_point transpose(wide a, wide b, wide c, wide d) {
-    wide ab = __builtin_shuffle(a, b, (wide_mask){0, 4, 2, 6}), ab1 = __builtin_shuffle(a, b, (wide_mask){1, 5, 3, 7});
-    wide cd = __builtin_shuffle(c, d, (wide_mask){0, 4, 2, 6}), cd1 = __builtin_shuffle(c, d, (wide_mask){1, 5, 3, 7});
-    const wide_mask low = {0, 1, 4, 5}, high = {2, 3, 6, 7};
-    return (wide_point){__builtin_shuffle(ab, cd, low), __builtin_shuffle(ab1, cd1, low), __builtin_shuffle(ab, cd, high),
-                        __builtin_shuffle(ab1, cd1, high)};
+    wide ab = __builtin_shufflevector(a, b, 0, 4, 2, 6), ab1 = __builtin_shufflevector(a, b, 1, 5, 3, 7);
+    wide cd = __builtin_shufflevector(c, d, 0, 4, 2, 6), cd1 = __builtin_shufflevector(c, d, 1, 5, 3, 7);
+    return (wide_point){__builtin_shufflevector(ab, cd, 0, 1, 4, 5), __builtin_shufflevector(ab1, cd1, 0, 1, 4, 5),
+                        __builtin_shufflevector(ab, cd, 2, 3, 6, 7), __builtin_shufflevector(ab1, cd1, 2, 3, 6, 7)};
 }
 SN_INLINE wide load_record(const sn_point *p) {
     wide a;

@@ -68,12 +68,11 @@ typedef struct wide_point {
 
 /* Four by four in either half: from records 0 and 4, 1 and 5, 2 and 6, 3 and 7 to x, y, z, w; and back. */
 SN_INLINE wide_point transpose(wide a, wide b, wide c, wide d) {
-    const wide_mask low = {0, 8, 1, 9, 4, 12, 5, 13}, high = {2, 10, 3, 11, 6, 14, 7, 15};
-    const wide_mask first = {0, 1, 8, 9, 4, 5, 12, 13}, second = {2, 3, 10, 11, 6, 7, 14, 15};
-    wide ab = __builtin_shuffle(a, b, low), ab1 = __builtin_shuffle(a, b, high);
-    wide cd = __builtin_shuffle(c, d, low), cd1 = __builtin_shuffle(c, d, high);
-    return (wide_point){__builtin_shuffle(ab, cd, first), __builtin_shuffle(ab, cd, second), __builtin_shuffle(ab1, cd1, first),
-                        __builtin_shuffle(ab1, cd1, second)};
+    wide ab = __builtin_shufflevector(a, b, 0, 8, 1, 9, 4, 12, 5, 13), ab1 = __builtin_shufflevector(a, b, 2, 10, 3, 11, 6, 14, 7, 15);
+    wide cd = __builtin_shufflevector(c, d, 0, 8, 1, 9, 4, 12, 5, 13), cd1 = __builtin_shufflevector(c, d, 2, 10, 3, 11, 6, 14, 7, 15);
+    return (wide_point){
+        __builtin_shufflevector(ab, cd, 0, 1, 8, 9, 4, 5, 12, 13), __builtin_shufflevector(ab, cd, 2, 3, 10, 11, 6, 7, 14, 15),
+        __builtin_shufflevector(ab1, cd1, 0, 1, 8, 9, 4, 5, 12, 13), __builtin_shufflevector(ab1, cd1, 2, 3, 10, 11, 6, 7, 14, 15)};
 }
 SN_INLINE wide load_records(const sn_single_point *p, const sn_single_point *q) {
     single_record a, b;

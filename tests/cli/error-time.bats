@@ -134,7 +134,7 @@ xpbd, qn = (s["points"] for s in report["settings"])
 assert [p["held"] for p in xpbd] == [0, 1, 2, 4, 8, 16, 32, 64]
 assert [p["held"] for p in qn[:-1]] == [0, 1, 2, 4, 8, 16, 32, 64][:len(qn) - 1] and qn[-1]["held"] <= 64
 assert qn[-1]["error"] < 1e-5 < 1e-4 < xpbd[-1]["error"] < qn[0]["error"] * 2
-assert all(a["cpuSeconds"] < b["cpuSeconds"] for a, b in zip(qn, qn[1:]))
+assert all(a["cpuSeconds"] <= b["cpuSeconds"] for a, b in zip(qn, qn[1:])) # of one run: the time up to each moment
 END
 }
 
@@ -148,10 +148,11 @@ END
 
 @test "a setting that takes too long is ended, warned of, and has no error" {
     printf 'xpbd substeps=100000 iterations=1\nqn\n' > slow.txt
-    error-time tip/tip.scene.json --frames 0:2 --settings slow.txt --runs 3 --most-seconds 0.2 --reference 4 --floor 1 > table.tsv 2> err
-    grep -q "xpbd substeps=100000 iterations=1: not done after 0.2 s" err
+    # a frame of the first takes some thousand times as long as one of the other, 1 s or so to 1 ms: the limit lies far from both
+    error-time tip/tip.scene.json --frames 0:2 --settings slow.txt --runs 1 --most-seconds 0.05 --reference 4 --floor 1 > table.tsv 2> err
+    grep -q "xpbd substeps=100000 iterations=1: not done after 0.05 s" err
     [ "$(awk -F '\t' 'NR == 2 { print $4, $NF }' table.tsv)" = "nan failed" ]
-    [ "$(awk -F '\t' 'NR == 3 { print ($4 < 0.1), $12, ($NF != "failed") }' table.tsv)" = "1 3 1" ]
+    [ "$(awk -F '\t' 'NR == 3 { print ($4 < 0.1), $12, ($NF != "failed") }' table.tsv)" = "1 1 1" ]
 }
 
 @test "bad settings, scenes and requests: one sentence, nothing written" {

@@ -175,7 +175,7 @@ END
     done
     grep -q "missing" err
     "$BIN/rig-view" turn.scene.json --state nan.state -o x.png 2> err || true
-    grep -q "not finite" err
+    grep -q "points of muscle" err
     run -1 "$BIN/rig-view" tetra.muscle.json --state half.state -o x.png
     [[ "$output" == *"needs the scene"* ]]
 }

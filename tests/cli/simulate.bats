@@ -140,7 +140,7 @@ END
         if [ $solver = xpbd ]; then stops="1 2 2:3 3:16 4:16:1"; else stops="1 2 2:1:1 4:1:2"; fi
         for stop in $stops; do
             $run --stop-after $stop --state stop.state > log.jsonl
-            $run --frames 0:4 --from stop.state --state end.state -o end.pc2 > end.jsonl
+            $run --frames ${stop%%:*}:4 --from stop.state --state end.state -o end.pc2 > end.jsonl
             cmp end.state whole.state
             tail -n 1 end.jsonl | cmp - wanted
             python3 -c 'a=open("whole.pc2","rb").read(); b=open("end.pc2","rb").read(); n=len(b)-32; assert n>0 and a[-n:]==b[32:]'
@@ -148,7 +148,7 @@ END
     done
     [ "$(wc -l < end.jsonl)" -eq 1 ]
     simulate one.scene.json --iterations 3 --frames 0:3 --save-every 2 --state saved.state --stop-after 3:1 > log.jsonl
-    simulate one.scene.json --iterations 3 --frames 0:4 --from saved.state --state end.state > log.jsonl
+    simulate one.scene.json --iterations 3 --frames 3:4 --from saved.state --state end.state > log.jsonl
     cmp end.state whole.state
     run -2 simulate one.scene.json --iterations 3 --frames 0:4 --from whole.state
     run -2 simulate one.scene.json --save-every 2
@@ -159,6 +159,174 @@ END
     [[ "$output" == *"another scene"* ]]
     run -1 simulate one.scene.json --frames 0:9 --from biceps.ply
     [[ "$output" == *"not a state"* ]]
+}
+
+# two frames, and the third stopped in the middle: whole.state, half.state, part.state; all six of them in six.jsonl and six.pc2
+make_states() {
+    one_muscle
+    run="simulate one.scene.json --solver xpbd --substeps 6"
+    $run --frames 0:2 --state whole.state > log.jsonl
+    $run --frames 0:6 --stop-after 3:4 --state half.state > log.jsonl
+    $run --frames 0:6 --stop-after 3:4:1 --state part.state > log.jsonl
+    $run --frames 0:6 -o six.pc2 > six.jsonl
+}
+
+# refused WORDS ARGUMENT...: wrong usage, in one sentence that has the words; nothing is written
+refused() {
+    words=$1 code=0
+    shift
+    rm -f out.pc2
+    simulate one.scene.json --solver xpbd --substeps 6 "$@" -o out.pc2 > out.jsonl 2> err || code=$?
+    [ "$code" -eq 2 ] || { echo "$*: $code"; cat err; return 1; }
+    [ "$(wc -l < err)" -eq 1 ] || { echo "$*"; cat err; return 1; }
+    grep -q -e "$words" err || { echo "$*"; cat err; return 1; }
+    [ ! -s out.jsonl ]
+    [ ! -e out.pc2 ]
+}
+
+# goes_on FIRST LAST ARGUMENT...: log and cache hold these frames, with the bytes of the run that did not stop
+goes_on() {
+    first=$1 last=$2
+    shift 2
+    simulate one.scene.json --solver xpbd --substeps 6 "$@" -o out.pc2 > out.jsonl
+    sed -n "$((first + 1)),$((last + 1))p" six.jsonl | cmp - out.jsonl
+    python3 - "$first" "$last" <<'END'
+import struct, sys
+first, last = int(sys.argv[1]), int(sys.argv[2])
+six, out = open("six.pc2", "rb").read(), open("out.pc2", "rb").read()
+points, start, rate, samples = struct.unpack("<iffi", out[16:32])
+assert (start, samples) == (first, last - first + 1), (start, samples)
+assert out[32:] == six[32 + 12 * points * first:32 + 12 * points * (last + 1)]
+END
+}
+
+@test "--frames with --from: from the state's frame or the one that comes next, or refused with what to write" {
+    make_states
+    # before, at, next, after; one frame; the end at or before the state
+    for range in 2:6 3:6; do goes_on 3 6 --frames $range --from whole.state; done
+    for range in 2:3 3:3; do goes_on 3 3 --frames $range --from whole.state; done
+    for range in 0:6 1:6 4:6 -3:6 1:3 6:6; do refused "write --frames 3:${range#*:};" --frames $range --from whole.state; done
+    for range in 90:90 90:92; do refused "is at frame 2; .*write --frames 3:" --frames $range --from whole.state; done
+    for range in 2:2 0:2 0:1 1:1 -5:-5; do refused "the run ends at ${range#*:}; write --frames 3:B" --frames $range --from whole.state; done
+    for state in half part; do
+        goes_on 3 6 --frames 3:6 --from $state.state
+        goes_on 3 3 --frames 3:3 --from $state.state
+        for range in 0:6 2:6 4:6 1:3 4:4 90:90 90:92; do
+            refused "stopped in the middle of frame 3; .*write --frames 3:${range#*:};" --frames $range --from $state.state
+        done
+        for range in 2:2 0:2 0:0; do refused "the run ends at ${range#*:}; write --frames 3:B" --frames $range --from $state.state; done
+    done
+    # the scene's own frames
+    for frames in 0,6 2,6 3,6 3,3 4,6 0,2; do
+        python3 -c 'import json,sys; s=json.load(open("one.scene.json")); s["frames"]=[int(f) for f in sys.argv[1].split(",")]; json.dump(s,open("one.scene.json","w"))' $frames
+        case $frames in
+            0,6 | 2,6 | 3,6) goes_on 3 6 --from whole.state && goes_on 3 6 --from half.state ;;
+            3,3) goes_on 3 3 --from whole.state && goes_on 3 3 --from part.state ;;
+            4,6) refused "before the scene's first, 4; .*write --frames 3:6;" --from whole.state ;;
+            0,2) refused "the run ends at 2; write --frames 3:B" --from whole.state ;;
+        esac
+    done
+}
+
+@test "frames beyond all bounds are wrong usage, or a scene that is wrong" {
+    make_states
+    for range in -2147483647:2147483647 0:2147483647 -2147483647:0 0:100000001 -100000001:0; do
+        refused 'frames go from -100000000 to 100000000' --frames $range
+        refused 'frames go from -100000000 to 100000000' --frames $range --from whole.state
+    done
+    refused 'A:B' --frames 0:2147483648
+    # as long as it may be: memory grows with the frames that are done, not with those that are asked for
+    goes_on 0 6 --frames 0:100000000 --stop-after 6
+    (ulimit -v 2000000 && simulate one.scene.json --frames -1:100000000 --stop-after 0 -o long.pc2 > long.jsonl) || [ "$CONFIG" = sanitize ]
+    python3 -c 'import json; s=json.load(open("one.scene.json")); s["frames"]=[-2147483647, 2147483647]; json.dump(s,open("one.scene.json","w"))'
+    run -1 simulate one.scene.json
+    [[ "$output" == *"whole frame numbers"* ]]
+}
+
+@test "going on with lengths, a folder, states on the way, and stopping again" {
+    make_states
+    fiber-fill -q biceps.muscle.json -o filled.muscle.json
+    sed -i 's/biceps.muscle.json/filled.muscle.json/' one.scene.json
+    run="simulate -q one.scene.json --solver xpbd --substeps 6"
+    for lengths in tsv sto; do
+        $run --frames 0:6 --lengths all.$lengths -o all --fibers > all.jsonl
+        for state in whole half part; do
+            rm -rf out
+            $run --frames 3:6 --from $state.state --lengths out.$lengths -o out --fibers --save-every 2 --state again.state --stop-after 5:2 > out.jsonl
+            [ "$(wc -l < out.jsonl)" -eq 3 ]
+            [ "$(grep -c '^[0-9]' out.$lengths)" -eq 3 ]
+            if [ $lengths = sto ]; then grep -q '^nRows=3$' out.sto; fi
+            python3 -c 'import struct, glob
+for path in ("out/biceps.pc2", "out/biceps-fibers.pc2"): assert struct.unpack("<ffi", open(path, "rb").read()[20:32]) == (3, 1, 3), path
+assert len(glob.glob("out/biceps-fibers.*.vtp")) == 3'
+            $run --frames 5:6 --from again.state --lengths rest.$lengths -o out --fibers > rest.jsonl
+            tail -n 2 all.jsonl | cmp - rest.jsonl
+            [ "$(tail -n 2 rest.$lengths)" = "$(tail -n 2 all.$lengths)" ]
+            [ "$(grep '^[0-9]' out.$lengths | head -n 2)" = "$(grep '^[0-9]' all.$lengths | sed -n 4,5p)" ]
+        done
+    done
+    # what cannot be: a stop before the state, or beyond what is left
+    refused 'the run starts at frame 3' --frames 3:6 --from whole.state --stop-after 2
+    run -2 $run --frames 3:6 --from half.state --stop-after 3:2
+    [[ "$output" == *"beyond it already"* ]]
+}
+
+# forge IN OUT OFFSET,FORMAT,VALUE...: a state with other numbers and a right checksum
+forge() {
+    python3 - "$@" <<'END'
+import hashlib, struct, sys
+state = bytearray(open(sys.argv[1], "rb").read())
+for change in sys.argv[3:]:
+    offset, kind, value = change.split(",")
+    struct.pack_into("<" + kind, state, int(offset), float(value) if kind == "d" else int(value))
+state[16:88] = b"sha256:" + hashlib.sha256(state[88:]).hexdigest().encode() + b"\0"
+open(sys.argv[2], "wb").write(state)
+END
+}
+
+@test "a forged state with a right checksum is refused by simulate and rig-view, or drawn and gone on from" {
+    one_muscle
+    python3 -c 'import json; s=json.load(open("one.scene.json")); s["frames"]=[0, 4]; s["solver"]={"method": "qn"}; json.dump(s,open("one.scene.json","w"))'
+    simulate one.scene.json --stop-after 2 --state good.state > log.jsonl
+    forge good.state same.state 160,i,2
+    cmp good.state same.state # the offsets are those of restart.c
+    told() { # WORD CHANGE...
+        word=$1
+        shift
+        forge good.state forged.state "$@"
+        for tool in "simulate one.scene.json --from" "rig-view one.scene.json -o forged.png --state"; do
+            run -1 $tool forged.state
+            [ "$(echo "$output" | wc -l)" -eq 1 ]
+            [[ "$output" == *"forged.state: this state "*"$word"* ]] || { echo "$output"; return 1; }
+        done
+    }
+    for frame in 2147483647 -2147483648 100000001; do told "frame $frame" 160,i,$frame; done
+    for substep in -1 1 2147483647; do told substep 164,i,$substep; done
+    for iteration in -1 10 2147483647; do told iteration 168,i,$iteration; done
+    for muscles in 0 2 -1; do told muscles 172,i,$muscles; done
+    told statistics.skipped_edges 176,q,9223372036854775807
+    told volume_lambda 248,d,nan
+    told activation 256,d,7
+    told stiffness 272,d,-1
+    told factor_stiffness 296,d,inf
+    told still 312,i,-1
+    for count in -1 9 2147483647; do told pair_count 316,i,$count; done
+    told pair_next 316,i,8 320,i,-2147483648
+    told stopped 324,i,77
+    told turned 328,B,2
+    told torn 329,B,200
+    told points 330,d,nan
+    told points 354,d,12345
+    refute [ -e forged.png ]
+    for far in 1e3 1e38 1e160 1e300; do # a place that no muscle comes to, and still a place
+        forge good.state forged.state "$(((330 + 32 * 200))),d,$far"
+        for tool in "simulate one.scene.json --from" "rig-view one.scene.json -o forged.png --state"; do
+            code=0
+            $tool forged.state > out 2> err || code=$?
+            [ "$code" -le 1 ]
+            [ "$(wc -l < err)" -eq "$code" ]
+        done
+    done
 }
 
 @test "maps, curves, forms and schemes come back from --plan, are checked, and change the result" {
@@ -336,9 +504,9 @@ END
     simulate one.scene.json --solver xpbd --plan | grep -q '"precision": "double"'
     # stopped in the middle of a substep
     simulate float.scene.json --frames 0:12 --stop-after 6:3:1 --state half.state --log half.jsonl -o half.pc2
-    simulate float.scene.json --frames 0:12 --from half.state --log rest.jsonl -o rest.pc2
+    simulate float.scene.json --frames 6:12 --from half.state --log rest.jsonl -o rest.pc2
     [ "$(tail -n 1 rest.jsonl)" = "$(tail -n 1 single.jsonl)" ]
-    run -1 simulate one.scene.json --frames 0:12 --from half.state
+    run -1 simulate one.scene.json --frames 6:12 --from half.state
     [[ "$output" == *half.state* ]]
     # not under qn
     run -1 simulate float.scene.json --solver qn --precision single --frames 0:1
