@@ -11,6 +11,13 @@
  */
 #include "rows.h"
 
+/* [K21] but for its hinges; [SN_SCHEME_KOHOUT] is by the published program, the one after all schemes by the equations as printed. */
+enum { KOHOUT_PRINTED = SN_SCHEME_KOHOUT + 1 };
+#define KOHOUT                                                                                                                             \
+    .count = 3, .order = {SN_ROWS_MESH, SN_ROWS_VOLUME, SN_ROWS_DIHEDRAL},                                                                 \
+    .gain = {[SN_ROWS_MESH] = 1.0, [SN_ROWS_VOLUME] = 1.0, [SN_ROWS_DIHEDRAL] = 0.9}, .volume_projections = 1, .keep = 0.99,               \
+    .plain = true, .unit_mass = true, .yields = true
+
 static const sn_scheme_rules RULES[] = {
     [SN_SCHEME_GUARDED] = {.count = 8,
                            .order = {SN_ROWS_INTERNAL, SN_ROWS_RADIAL, SN_ROWS_MESH, SN_ROWS_AREA, SN_ROWS_DIHEDRAL, SN_ROWS_AREA,
@@ -29,19 +36,14 @@ static const sn_scheme_rules RULES[] = {
                          .hinge_step = INFINITY,
                          .volume_projections = 1,
                          .contracts = true},
-    [SN_SCHEME_KOHOUT] = {.count = 3,
-                          .order = {SN_ROWS_MESH, SN_ROWS_VOLUME, SN_ROWS_DIHEDRAL},
-                          .gain = {[SN_ROWS_MESH] = 1.0, [SN_ROWS_VOLUME] = 1.0, [SN_ROWS_DIHEDRAL] = 0.9},
-                          .hinge_clamp = INFINITY,
-                          .hinge_step = INFINITY,
-                          .volume_projections = 1,
-                          .keep = 0.99,
-                          .plain = true,
-                          .unit_mass = true,
-                          .yields = true},
+    [SN_SCHEME_KOHOUT] = {KOHOUT, .hinges_published = true},
+    [KOHOUT_PRINTED] = {KOHOUT, .hinge_clamp = INFINITY, .hinge_step = 0.1},
 };
 
-const sn_scheme_rules *sn_scheme_rules_of(sn_scheme scheme) { return &RULES[scheme]; }
+const sn_scheme_rules *sn_scheme_rules_of(const sn_solver_settings *solver) {
+    bool printed = solver->scheme == SN_SCHEME_KOHOUT && solver->hinges == SN_HINGES_PRINTED;
+    return &RULES[printed ? KOHOUT_PRINTED : (int)solver->scheme];
+}
 
 int sn_scheme_sweeps(sn_scheme scheme, sn_row_kind kind) {
     int sweeps = 0;

@@ -94,7 +94,7 @@ static void do_substep(const run *r, sn_index muscle, sn_index substep, sn_index
     if (s->statistics.asleep) return;
     const sn_substep part = {.h = r->model->substep_duration,
                              .gravity = r->model->scene->gravity,
-                             .rules = sn_scheme_rules_of(r->model->scene->solver.scheme),
+                             .rules = sn_scheme_rules_of(&r->model->scene->solver),
                              .poses = substep_poses(r, substep),
                              .begin = begin,
                              .end = end,
