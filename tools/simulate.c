@@ -21,7 +21,7 @@ static const char *const STRETCHES[] = {"springs", "membrane", NULL};
 static const char *const LAWS[] = {"projected", "paper", "isochoric", NULL};
 static const char *const SCHEMES[] = {"guarded", "romeo", "kohout", NULL};
 static const char *const HINGES[] = {"scheme", "published", "printed", NULL}; /* in the order of sn_hinge_rule */
-static const char *const PRECISIONS[] = {"double", "single", NULL}; /* in the order of sn_precision */
+static const char *const PRECISIONS[] = {"double", "single", NULL};           /* in the order of sn_precision */
 static const char *const ANISOTROPIES[] = {"scheme", "none", "pbd", "xpbd", NULL};
 
 typedef struct choices {
@@ -257,7 +257,8 @@ static void check_stop(const job *j, sn_index first, bool whole) {
 /* ---- --choose ------------------------------------------------------------------------------------------------------------- */
 
 static void check_choice(const job *j) {
-    static const char *const excluded[] = {"solver", "scheme", "hinges", "precision", "preconditioner", "substeps", "iterations", "tolerance"};
+    static const char *const excluded[] = {"solver",         "scheme",   "hinges",     "precision",
+                                           "preconditioner", "substeps", "iterations", "tolerance"};
     if (cli_given(&j->c, "choose") != cli_given(&j->c, "target-error"))
         cli_usage_error(&j->c, "--choose REPORT and --target-error E go together");
     for (size_t i = 0; given.choose != NULL && i < sizeof excluded / sizeof *excluded; i++)

@@ -39,8 +39,8 @@ static sn_status parse_frames(const sn_json_value *value, sn_scene *scene, sn_er
 }
 
 static sn_status parse_solver(const sn_json_value *value, sn_solver_settings *out, sn_error *error) {
-    static const char *const known[] = {"method",    "scheme",         "hinges", "precision", "substeps", "iterations",
-                                        "tolerance", "preconditioner", "threads",   "sleep",    NULL};
+    static const char *const known[] = {"method",    "scheme",         "hinges",  "precision", "substeps", "iterations",
+                                        "tolerance", "preconditioner", "threads", "sleep",     NULL};
     if (!sn_json_has(value)) return SN_OK;
     sn_json_value scheme_name = sn_json_member(value, "scheme"), sleep = sn_json_member(value, "sleep");
     sn_json_value precision_name = sn_json_member(value, "precision"), hinge_name = sn_json_member(value, "hinges");

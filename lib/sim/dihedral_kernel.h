@@ -80,8 +80,7 @@ SN_INLINE wide_mask hinge(const wide_point p[4], wide rest, wide *value, wide_ve
     return good;
 }
 
-/* The limits of the published program, whose data are in millimetres: here in metres. On sum |q|^2 (1e-4), on lambda (0.1 and 10), and
- * on 1 - d^2 of hinges that are flat or closed (|d| > 1 - 1e-10). */
+/* The limits of the published program (dihedral.c) in metres: on sum |q|^2, on lambda, and on 1 - d^2 of flat and of closed hinges. */
 #define PUBLISHED_LEAST_SQUARE 1e2 /* 1/m^2 */
 #define PUBLISHED_LEAST 1e-7       /* m^2 */
 #define PUBLISHED_MOST 1e-5        /* m^2 */
@@ -117,8 +116,8 @@ SN_INLINE wide printed_change(const wide_point p[4], const wide_vec3 g[4], wide 
     return wide_select(wide_less(most, step), change * (most / step), change);
 }
 
-/* The same factor as the published program has it (dihedral.c), at the angle theta; *acts is narrowed to the hinges that it does not leave
- * out. The gradients of c and d are along the normals, so that they tell sin theta; from them it is exact where the normals are parallel. */
+/* The same factor by the published program's rule, at the angle theta; *acts is narrowed to the hinges that it does not leave out. The
+ * gradients of c and d are along the normals: sin theta by their product keeps its digits where they are nearly parallel. */
 SN_INLINE wide published_change(const wide_point p[4], const wide_vec3 g[4], wide theta, wide rest, double gain, wide_mask *acts) {
     wide squares = wide_splat(0.0), weights = squares;
     SN_UNROLL

@@ -41,7 +41,8 @@ static const setting_key KEYS[] = {
 enum { KEY_COUNT = sizeof KEYS / sizeof *KEYS };
 
 _Static_assert(KEY_COUNT <= SN_SETTING_KEYS, "every key has a place in a setting");
-_Static_assert(sizeof(sn_scheme) == sizeof(int) && sizeof(sn_precision) == sizeof(int) && sizeof(sn_hinge_rule) == sizeof(int) && sizeof(sn_preconditioning) == sizeof(int),
+_Static_assert(sizeof(sn_scheme) == sizeof(int) && sizeof(sn_precision) == sizeof(int) && sizeof(sn_hinge_rule) == sizeof(int) &&
+                   sizeof(sn_preconditioning) == sizeof(int),
                "a word is kept as an int");
 
 /* ---- text in ---------------------------------------------------------------------------------------------------------------- */
