@@ -100,8 +100,8 @@ typedef struct hinge_tally {
     int64_t skipped, clamped;
 } hinge_tally;
 
-/* The factor on w g of each point by C and its gradients, and by the guards of the sweep. */
-SN_INLINE wide printed_change(const wide_point p[4], const wide_vec3 g[4], wide c, wide lambda, wide compliance, const sn_sweep *sweep) {
+/* The factor on w g of each point that C and its gradients call for, within the bounds of the sweep. */
+SN_INLINE wide constraint_change(const wide_point p[4], const wide_vec3 g[4], wide c, wide lambda, wide compliance, const sn_sweep *sweep) {
     wide sum = wide_splat(0.0), farthest = sum;
     SN_UNROLL
     for (int i = 0; i < 4; i++) {
@@ -149,7 +149,7 @@ SN_INLINE void project_hinges(const hinge_rows *in, sn_index r, const sn_sweep *
         out->clamped += wide_count(far, lanes);
         c = wide_select(far, wide_copysign(wide_splat(sweep->clamp), c), c);
         if (in->softness != NULL) compliance = compliance * wide_load(in->softness + r, lanes);
-        change = printed_change(p, g, c, lambda, compliance, sweep);
+        change = constraint_change(p, g, c, lambda, compliance, sweep);
     }
     wide_store(in->lambda + r, wide_select(acts, lambda + change, lambda), lanes);
     SN_UNROLL
