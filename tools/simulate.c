@@ -20,14 +20,15 @@ static const char *const PRECONDITIONERS[] = {"scalar", "corotated", "two-level"
 static const char *const STRETCHES[] = {"springs", "membrane", NULL};
 static const char *const LAWS[] = {"projected", "paper", "isochoric", NULL};
 static const char *const SCHEMES[] = {"guarded", "romeo", "kohout", NULL};
-static const char *const PRECISIONS[] = {"double", "single", NULL}; /* in the order of sn_precision */
+static const char *const HINGES[] = {"scheme", "published", "printed", NULL}; /* in the order of sn_hinge_rule */
+static const char *const PRECISIONS[] = {"double", "single", NULL};           /* in the order of sn_precision */
 static const char *const ANISOTROPIES[] = {"scheme", "none", "pbd", "xpbd", NULL};
 
 typedef struct choices {
     const char *frames, *log, *fail_on, *state, *from, *choose;
     double rate, preroll, tolerance, target_error;
     int64_t substeps, iterations, save_every;
-    int format, law, solver, scheme, anisotropy, stretch, preconditioner, precision;
+    int format, law, solver, scheme, hinges, anisotropy, stretch, preconditioner, precision;
     bool plan, no_sleep;
     fiber_choices fibers;
 } choices;
@@ -45,6 +46,7 @@ static const cli_option OPTIONS[] = {
      "what resists the stretching of all surfaces: springs, or (qn) a membrane"},
     {0, NULL, NULL, CLI_HEADING, NULL, 0, 0, 0, NULL, "Solver:"},
     {0, "scheme", "SCHEME", CLI_CHOICE, &given.scheme, 0, 0, 0, SCHEMES, "guarded, or a paper to the letter: romeo, kohout"},
+    {0, "hinges", "RULE", CLI_CHOICE, &given.hinges, 0, 0, 0, HINGES, "kohout: angles as its program does (published), or as printed"},
     {0, "solver", "METHOD", CLI_CHOICE, &given.solver, 0, 0, 0, SOLVERS, "qn or xpbd, with its own defaults, instead of the scene's"},
     {0, "precision", "PRECISION", CLI_CHOICE, &given.precision, 0, 0, 0, PRECISIONS, "xpbd: project in double, or in single: faster"},
     {0, "substeps", "N", CLI_AUTO, &given.substeps, 0, 1, 1e6, NULL,
@@ -232,6 +234,7 @@ static void apply_options(job *j) {
     if (cli_given(&j->c, "preconditioner")) scene->solver.preconditioner = (sn_preconditioning)given.preconditioner;
     if (given.no_sleep) scene->solver.sleep = false;
     if (cli_given(&j->c, "scheme")) scene->solver.scheme = (sn_scheme)given.scheme;
+    if (cli_given(&j->c, "hinges")) scene->solver.hinges = (sn_hinge_rule)given.hinges;
     if (cli_given(&j->c, "precision")) scene->solver.precision = (sn_precision)given.precision;
     if (j->c.threads > 0) scene->solver.threads = j->c.threads;
 }
@@ -258,7 +261,8 @@ static void check_stop(const job *j, sn_index first, bool whole) {
 /* ---- --choose ------------------------------------------------------------------------------------------------------------- */
 
 static void check_choice(const job *j) {
-    static const char *const excluded[] = {"solver", "scheme", "precision", "preconditioner", "substeps", "iterations", "tolerance"};
+    static const char *const excluded[] = {"solver",         "scheme",   "hinges",     "precision",
+                                           "preconditioner", "substeps", "iterations", "tolerance"};
     if (cli_given(&j->c, "choose") != cli_given(&j->c, "target-error"))
         cli_usage_error(&j->c, "--choose REPORT and --target-error E go together");
     for (size_t i = 0; given.choose != NULL && i < sizeof excluded / sizeof *excluded; i++)

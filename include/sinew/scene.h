@@ -66,6 +66,10 @@ typedef enum sn_solver_method { SN_SOLVER_XPBD, SN_SOLVER_QN } sn_solver_method;
 /* How `xpbd` goes about it: guarded is sinew's own; the others are the papers', to the letter ([R18] alg. 1, [K21] alg. 2). */
 typedef enum sn_scheme { SN_SCHEME_GUARDED, SN_SCHEME_ROMEO, SN_SCHEME_KOHOUT } sn_scheme;
 
+/* What the scheme `kohout` does at a hinge. PUBLISHED: as the program of its authors does; PRINTED: by the paper's equations, bounded.
+ * SCHEME: PUBLISHED under `kohout`; the other schemes have their own and no choice. */
+typedef enum sn_hinge_rule { SN_HINGES_SCHEME, SN_HINGES_PUBLISHED, SN_HINGES_PRINTED } sn_hinge_rule;
+
 /* The matrix that `qn` goes by (numerics.md 2, 7): one number for x, y and z of two points; the Hessian of the rest shape, turned with
  * the muscle; or the first and, beside it, the rigid motions of sections. */
 typedef enum sn_preconditioning { SN_PRECONDITION_SCALAR, SN_PRECONDITION_COROTATED, SN_PRECONDITION_TWO_LEVEL } sn_preconditioning;
@@ -78,6 +82,7 @@ typedef enum sn_precision { SN_PRECISION_DOUBLE, SN_PRECISION_SINGLE } sn_precis
 typedef struct sn_solver_settings {
     sn_solver_method method;
     sn_scheme scheme;
+    sn_hinge_rule hinges; /* kohout; default SCHEME */
     sn_precision precision;
     sn_index substeps;   /* per frame; default 16 under xpbd, SN_SUBSTEPS_AUTO under qn */
     sn_index iterations; /* per substep; xpbd: default 2, since a single one lets rows that disagree pump energy into the muscle; qn: at

@@ -12,6 +12,7 @@ static const char *const preconditioner_names[] = {"scalar", "corotated", "two-l
 static const char *const precision_names[] = {"double", "single", NULL};
 static const char *const law_names[] = {"projected", "paper", "isochoric", NULL};      /* in the order of sn_fiber_law */
 static const char *const scheme_names[] = {"guarded", "romeo", "kohout", NULL};        /* in the order of sn_scheme */
+static const char *const hinge_names[] = {"scheme", "published", "printed", NULL};     /* in the order of sn_hinge_rule */
 static const char *const anisotropy_names[] = {"scheme", "none", "pbd", "xpbd", NULL}; /* in the order of sn_anisotropy */
 static const char *const method_names[] = {"xpbd", "qn", NULL};                        /* in the order of sn_solver_method */
 
@@ -47,19 +48,21 @@ static sn_status parse_substeps(const sn_json_value *value, sn_solver_settings *
 }
 
 static sn_status parse_solver(const sn_json_value *value, sn_solver_settings *out, sn_error *error) {
-    static const char *const known[] = {"method",    "scheme",         "precision", "substeps", "iterations",
-                                        "tolerance", "preconditioner", "threads",   "sleep",    NULL};
+    static const char *const known[] = {"method",    "scheme",         "hinges",  "precision", "substeps", "iterations",
+                                        "tolerance", "preconditioner", "threads", "sleep",     NULL};
     if (!sn_json_has(value)) return SN_OK;
     sn_json_value scheme_name = sn_json_member(value, "scheme"), sleep = sn_json_member(value, "sleep");
-    sn_json_value precision_name = sn_json_member(value, "precision");
+    sn_json_value precision_name = sn_json_member(value, "precision"), hinge_name = sn_json_member(value, "hinges");
     sn_json_value method = sn_json_member(value, "method"), substeps = sn_json_member(value, "substeps"),
                   iterations = sn_json_member(value, "iterations"), tolerance = sn_json_member(value, "tolerance"),
                   threads = sn_json_member(value, "threads"), matrix = sn_json_member(value, "preconditioner");
     int choice = (int)out->method, scheme = (int)out->scheme, preconditioner = SN_PRECONDITION_SCALAR, precision = (int)out->precision;
+    int hinges = (int)out->hinges;
     sn_index thread_count = out->threads;
     sn_status status = sn_json_expect_object(value, error);
     if (status == SN_OK) status = sn_json_get_choice(&method, method_names, &choice, error);
     if (status == SN_OK) status = sn_json_get_choice(&scheme_name, scheme_names, &scheme, error);
+    if (status == SN_OK) status = sn_json_get_choice(&hinge_name, hinge_names, &hinges, error);
     if (status == SN_OK) status = sn_json_get_choice(&precision_name, precision_names, &precision, error);
     bool papers = scheme != SN_SCHEME_GUARDED || precision != SN_PRECISION_DOUBLE; /* which xpbd alone has */
     if (papers && !sn_json_has(&method)) choice = SN_SOLVER_XPBD;
@@ -72,6 +75,7 @@ static sn_status parse_solver(const sn_json_value *value, sn_solver_settings *ou
     if (status == SN_OK) status = sn_json_get_bool(&sleep, &out->sleep, error);
     if (status != SN_OK) return status;
     out->scheme = (sn_scheme)scheme;
+    out->hinges = (sn_hinge_rule)hinges;
     out->precision = (sn_precision)precision;
     out->preconditioner = (sn_preconditioning)preconditioner;
     out->threads = thread_count;
@@ -375,6 +379,8 @@ static void write_solver(const sn_solver_settings *solver, sn_json *json) {
     sn_json_object(json, "solver");
     sn_json_text(json, "method", method_names[solver->method]);
     sn_json_text(json, "scheme", scheme_names[solver->scheme]);
+    if (solver->scheme == SN_SCHEME_KOHOUT)
+        sn_json_text(json, "hinges", hinge_names[solver->hinges == SN_HINGES_PRINTED ? SN_HINGES_PRINTED : SN_HINGES_PUBLISHED]);
     if (solver->method == SN_SOLVER_XPBD) sn_json_text(json, "precision", precision_names[solver->precision]);
     if (solver->substeps == SN_SUBSTEPS_AUTO)
         sn_json_text(json, "substeps", "auto");

@@ -252,6 +252,8 @@ static sn_status check_clock(const sn_scene *scene, sn_error *error) {
         return sn_fail(error, SN_ERROR_INPUT, "solver.iterations is %ld; it must be at least 1", (long)solver->iterations);
     if (solver->method != SN_SOLVER_XPBD && solver->scheme != SN_SCHEME_GUARDED)
         return sn_fail(error, SN_ERROR_INPUT, "solver.scheme is a scheme of xpbd; leave it out or choose the method xpbd");
+    if (solver->scheme != SN_SCHEME_KOHOUT && solver->hinges != SN_HINGES_SCHEME)
+        return sn_fail(error, SN_ERROR_INPUT, "solver.hinges is a choice of the scheme kohout; leave it out or choose that scheme");
     if (solver->method != SN_SOLVER_QN && solver->preconditioner != SN_PRECONDITION_SCALAR)
         return sn_fail(error, SN_ERROR_INPUT, "solver.preconditioner is for the method qn; leave it out or choose that method");
     if (solver->method != SN_SOLVER_XPBD && solver->precision != SN_PRECISION_DOUBLE)

@@ -6,6 +6,14 @@
  * (not arccos, which loses the sign and whose gradient is singular when flat). With q = |n|^2:
  *   g_c = -|e| n1/q1                                      g_a =  ((b-c).e/|e|) n1/q1 + ((b-d).e/|e|) n2/q2
  *   g_d = -|e| n2/q2                                      g_b = -((a-c).e/|e|) n1/q1 - ((a-d).e/|e|) n2/q2
+ *
+ * The program of [K21] (github.com/cervenkam/muscle-deformation-PBD, src/pbd.cxx) does otherwise. With d the cosine between the normals
+ * (a-b) x (c-b) and (a-b) x (d-b), which is -1 where the hinge is flat, phi0 = |theta0|, q_i the vectors of Mueller et al. 2007 and s =
+ * 0.9: lambda = -4 s sqrt(1 - d^2) (acos d - (pi - phi0)) / (max(1e-4, sum |q|^2) sum w),   dp_i = lambda w_i q_i unless |d| > 1 - 1e-10,
+ * lambda < 0.1 or lambda > 10. So it flattens hinges that are bent more than at rest, to whichever side, and lets all others be. In the
+ * terms from above acos d = pi - |theta|, sqrt(1 - d^2) = |sin theta| and q_i = -sin theta g_i. Its limits are in the unit of its data, the
+ * millimetre: 1e-4 mm^-2, 0.1 and 10 mm^2. Here they are the same lengths whatever the unit of a document is, so that a muscle moves alike
+ * in metres and in millimetres, and as it does there.
  */
 #include "dihedral_kernel.h"
 

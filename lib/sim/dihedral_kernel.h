@@ -80,6 +80,12 @@ SN_INLINE wide_mask hinge(const wide_point p[4], wide rest, wide *value, wide_ve
     return good;
 }
 
+/* The limits of the published program (dihedral.c) in metres: on sum |q|^2, on lambda, and on 1 - d^2 of flat and of closed hinges. */
+#define PUBLISHED_LEAST_SQUARE 1e2 /* 1/m^2 */
+#define PUBLISHED_LEAST 1e-7       /* m^2 */
+#define PUBLISHED_MOST 1e-5        /* m^2 */
+#define PUBLISHED_FLAT 2e-10
+
 /* What the rows of one sweep share. */
 typedef struct hinge_rows {
     wide_record *points;
@@ -94,18 +100,9 @@ typedef struct hinge_tally {
     int64_t skipped, clamped;
 } hinge_tally;
 
-/* Rows r .. r + lanes - 1, which share no point. */
-SN_INLINE void project_hinges(const hinge_rows *in, sn_index r, const sn_sweep *sweep, int lanes, hinge_tally *out) {
-    const sn_index *index = in->index + 4 * (size_t)r;
-    wide_point p[4];
-    wide_vec3 g[4];
-    wide c, sum = wide_splat(0.0), farthest = sum;
-    SN_UNROLL
-    for (int i = 0; i < 4; i++) p[i] = wide_gather(in->points, index + i, 4, lanes);
-    wide_mask good = hinge(p, wide_load(in->angles + r, lanes), &c, g), far = wide_less(wide_splat(sweep->clamp), wide_abs(c)) & good;
-    c = wide_select(far, wide_copysign(wide_splat(sweep->clamp), c), c);
-    wide lambda = sweep->first ? wide_splat(0.0) : wide_load(in->lambda + r, lanes), compliance = wide_splat(sweep->compliance);
-    if (in->softness != NULL) compliance = compliance * wide_load(in->softness + r, lanes);
+/* The factor on w g of each point that C and its gradients call for, within the bounds of the sweep. */
+SN_INLINE wide constraint_change(const wide_point p[4], const wide_vec3 g[4], wide c, wide lambda, wide compliance, const sn_sweep *sweep) {
+    wide sum = wide_splat(0.0), farthest = sum;
     SN_UNROLL
     for (int i = 0; i < 4; i++) {
         wide moved = p[i].w * wide_dot(g[i], g[i]);
@@ -116,12 +113,48 @@ SN_INLINE void project_hinges(const hinge_rows *in, sn_index r, const sn_sweep *
     wide change = wide_splat(sweep->gain) * (-c - compliance * lambda) / (sum + compliance);
     /* an arm that is stretched to many times its length would throw its end as far: no point moves farther than most_step */
     wide step = wide_sqrt(farthest) * wide_abs(change), most = wide_splat(sweep->most_step);
-    change = wide_select(wide_less(most, step), change * (most / step), change);
-    wide_store(in->lambda + r, wide_select(good, lambda + change, lambda), lanes);
+    return wide_select(wide_less(most, step), change * (most / step), change);
+}
+
+/* The same factor by the published program's rule, at the angle theta; *acts is narrowed to the hinges that it does not leave out. The
+ * gradients of c and d are along the normals: sin theta by their product keeps its digits where they are nearly parallel. */
+SN_INLINE wide published_change(const wide_point p[4], const wide_vec3 g[4], wide theta, wide rest, double gain, wide_mask *acts) {
+    wide squares = wide_splat(0.0), weights = squares;
     SN_UNROLL
-    for (int i = 0; i < 4; i++) wide_scatter(in->points, index + i, 4, wide_move(p[i], g[i], p[i].w * change, good), lanes);
+    for (int i = 0; i < 4; i++) squares = squares + wide_dot(g[i], g[i]), weights = weights + p[i].w;
+    wide_vec3 normal = wide_cross(g[2], g[3]);
+    wide sine2 = wide_dot(normal, normal) / (wide_dot(g[2], g[2]) * wide_dot(g[3], g[3])), sine = wide_sqrt(sine2);
+    wide least = wide_splat(PUBLISHED_LEAST_SQUARE), q2 = sine2 * squares;
+    q2 = wide_select(wide_less(q2, least), least, q2);
+    wide lambda = wide_splat(4.0 * gain) * sine * (wide_abs(theta) - wide_abs(rest)) / (q2 * weights);
+    *acts = *acts & wide_less(wide_splat(PUBLISHED_LEAST), lambda) & wide_less(lambda, wide_splat(PUBLISHED_MOST)) &
+            wide_less(wide_splat(PUBLISHED_FLAT), sine2);
+    return wide_copysign(lambda * sine, -theta);
+}
+
+/* Rows r .. r + lanes - 1, which share no point. */
+SN_INLINE void project_hinges(const hinge_rows *in, sn_index r, const sn_sweep *sweep, int lanes, hinge_tally *out) {
+    const sn_index *index = in->index + 4 * (size_t)r;
+    wide_point p[4];
+    wide_vec3 g[4];
+    wide c, rest = wide_load(in->angles + r, lanes), compliance = wide_splat(sweep->compliance), change;
+    SN_UNROLL
+    for (int i = 0; i < 4; i++) p[i] = wide_gather(in->points, index + i, 4, lanes);
+    wide_mask good = hinge(p, sweep->published ? wide_splat(0.0) : rest, &c, g), acts = good;
+    wide lambda = sweep->first ? wide_splat(0.0) : wide_load(in->lambda + r, lanes);
+    if (sweep->published) {
+        change = published_change(p, g, c, rest, sweep->gain, &acts);
+    } else {
+        wide_mask far = wide_less(wide_splat(sweep->clamp), wide_abs(c)) & good;
+        out->clamped += wide_count(far, lanes);
+        c = wide_select(far, wide_copysign(wide_splat(sweep->clamp), c), c);
+        if (in->softness != NULL) compliance = compliance * wide_load(in->softness + r, lanes);
+        change = constraint_change(p, g, c, lambda, compliance, sweep);
+    }
+    wide_store(in->lambda + r, wide_select(acts, lambda + change, lambda), lanes);
+    SN_UNROLL
+    for (int i = 0; i < 4; i++) wide_scatter(in->points, index + i, 4, wide_move(p[i], g[i], p[i].w * change, acts), lanes);
     out->skipped += wide_count(~good, lanes);
-    out->clamped += wide_count(far, lanes);
 }
 
 SN_WIDE_KERNEL static hinge_tally sweep_hinges(const hinge_rows *in, sn_index batched, sn_index end, const sn_sweep *sweep) {

@@ -112,7 +112,7 @@ static sn_status make_stiffness_curve(const sn_build *build, sn_error *error) {
 
 static sn_status build_muscle(sn_build *build, sn_error *error) {
     sn_model_muscle *m = build->model;
-    const sn_scheme_rules *rules = sn_scheme_rules_of(build->scene->solver.scheme);
+    const sn_scheme_rules *rules = sn_scheme_rules_of(&build->scene->solver);
     sn_status status;
     m->contracts = rules->contracts;
     m->source = build->source;
@@ -158,7 +158,7 @@ static sn_status add_muscle(sn_model *model, const sn_scene_muscle *source, sn_p
     *plan = (sn_plan_muscle){.name = source->name, .enabled = source->enabled};
     if (!source->enabled) return SN_OK;
     sn_topology topology = {0};
-    const sn_scheme_rules *rules = sn_scheme_rules_of(model->scene->solver.scheme);
+    const sn_scheme_rules *rules = sn_scheme_rules_of(&model->scene->solver);
     sn_build build = {.scene = model->scene,
                       .source = source,
                       .topology = &topology,

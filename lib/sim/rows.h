@@ -27,6 +27,7 @@ typedef struct sn_scheme_rules {
     double gain[SN_ROW_KINDS]; /* factor on each correction */
     double hinge_clamp;        /* rad */
     double hinge_step;         /* most move of a point by one hinge, mean edges */
+    bool hinges_published;     /* hinges by the rule of [K21]'s program (dihedral.c), which has limits of its own, instead */
     int volume_projections;    /* at most */
     double most_speed;         /* of a point, beside its bones: diagonals of the muscle per second; 0 = any */
     double keep;               /* factor on the velocities per step; 0 = the muscle's rate of damping */
@@ -38,7 +39,7 @@ typedef struct sn_scheme_rules {
     bool yields;               /* anisotropy where the muscle leaves it to the scheme */
 } sn_scheme_rules;
 
-const sn_scheme_rules *sn_scheme_rules_of(sn_scheme scheme);
+const sn_scheme_rules *sn_scheme_rules_of(const sn_solver_settings *solver);
 int sn_scheme_sweeps(sn_scheme scheme, sn_row_kind kind); /* in an iteration; 0 = it has no such rows */
 
 /* How one group is projected now. */
@@ -47,6 +48,7 @@ typedef struct sn_sweep {
     double gain;       /* factor on the correction */
     double clamp;      /* of hinges, rad */
     double most_step;  /* of a point by one hinge, m */
+    bool published;    /* hinges by the rule of [K21]'s program */
     int projections;   /* of the volume, at most */
     bool first;        /* lambda starts at 0 */
 } sn_sweep;

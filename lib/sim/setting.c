@@ -25,6 +25,7 @@ typedef struct setting_key {
 
 static const char *const METHODS[] = {"xpbd", "qn", NULL}; /* in the order of sn_solver_method */
 static const char *const SCHEMES[] = {"guarded", "romeo", "kohout", NULL};
+static const char *const HINGES[] = {"scheme", "published", "printed", NULL};            /* in the order of sn_hinge_rule */
 static const char *const PRECISIONS[] = {"double", "single", NULL};                      /* in the order of sn_precision */
 static const char *const PRECONDITIONERS[] = {"scalar", "corotated", "two-level", NULL}; /* in the order of sn_preconditioning */
 
@@ -33,13 +34,15 @@ static const setting_key KEYS[] = {
     {"iterations", XPBD | QN, WHOLE, 1, 1e6, NULL, SOLVER(iterations)},
     {"tolerance", QN, NUMBER, 0, 1, NULL, SOLVER(tolerance)},
     {"scheme", XPBD, WORD, 0, 0, SCHEMES, SOLVER(scheme)},
+    {"hinges", XPBD, WORD, 0, 0, HINGES, SOLVER(hinges)},
     {"precision", XPBD, WORD, 0, 0, PRECISIONS, SOLVER(precision)},
     {"preconditioner", QN, WORD, 0, 0, PRECONDITIONERS, SOLVER(preconditioner)},
 };
 enum { KEY_COUNT = sizeof KEYS / sizeof *KEYS };
 
 _Static_assert(KEY_COUNT <= SN_SETTING_KEYS, "every key has a place in a setting");
-_Static_assert(sizeof(sn_scheme) == sizeof(int) && sizeof(sn_precision) == sizeof(int) && sizeof(sn_preconditioning) == sizeof(int),
+_Static_assert(sizeof(sn_scheme) == sizeof(int) && sizeof(sn_precision) == sizeof(int) && sizeof(sn_hinge_rule) == sizeof(int) &&
+                   sizeof(sn_preconditioning) == sizeof(int),
                "a word is kept as an int");
 
 /* ---- text in ---------------------------------------------------------------------------------------------------------------- */

@@ -105,7 +105,7 @@ static void do_step(const run *r, sn_index muscle, sn_index substep, sn_index un
     sn_index done = wanted < left ? wanted : left, end = at->iteration + done;
     const sn_substep part = {.h = r->model->substep_duration * (at->size / (double)SN_SUBSTEP_PARTS),
                              .gravity = r->model->scene->gravity,
-                             .rules = sn_scheme_rules_of(r->model->scene->solver.scheme),
+                             .rules = sn_scheme_rules_of(&r->model->scene->solver),
                              .begin = at->iteration,
                              .end = end,
                              .may_halve = r->model->halves && at->size > 1,

@@ -52,6 +52,7 @@ static void project_kind(const sn_model_muscle *m, sn_muscle_state *s, sn_row_ki
                             .gain = rules->gain[kind],
                             .clamp = rules->hinge_clamp,
                             .most_step = rules->hinge_step * m->mean_edge,
+                            .published = rules->hinges_published,
                             .projections = rules->volume_projections,
                             .first = first};
     sweep_rows(m, s, kind, &sweep);
@@ -68,7 +69,7 @@ void sn_project(const sn_model *model, sn_state *state, sn_index muscle, sn_row_
         sn_rows_evaluate(&model->muscles[muscle], &state->muscles[muscle], kind);
         return;
     }
-    const sn_scheme_rules *rules = sn_scheme_rules_of(model->scene->solver.scheme);
+    const sn_scheme_rules *rules = sn_scheme_rules_of(&model->scene->solver);
     project_kind(&model->muscles[muscle], &state->muscles[muscle], kind, rules, model->substep_duration, true);
 }
 

@@ -42,6 +42,7 @@ $(PROGRAM_STAMPS): $(STAMPS)/program-%: $(B)/tests/%
 	@DATA=$(DATA) tests/suite $@ $* $<
 $(CLI_STAMPS): $(STAMPS)/cli-%: tests/cli/%.bats $(EVERYTHING)
 	@BIN=$(CURDIR)/$(B)/bin EXAMPLES=$(CURDIR)/$(B)/examples DATA=$(abspath $(DATA)) CONFIG=$(CONFIG) tests/suite $@ cli/$* bats --tap $<
+$(STAMPS)/cli-papers: tests/kohout-table $(B)/tests/numerics/hinge_rules
 $(STAMPS)/examples: tests/run-man-examples tests/sample-folder README.md $(wildcard share/man/*.[17]) $(EVERYTHING)
 	@tests/suite $@ examples tests/run-man-examples $(B)/bin $(B)/examples
 $(STAMPS)/anatomy: tests/anatomy $(EVERYTHING)
@@ -73,6 +74,10 @@ golden:
 	tests/golden
 stability: programs $(B)/tests/numerics/sim_extremes
 	tests/stability $(B)/bin $(B)/tests/numerics/sim_extremes $(DATA) $(B)/stability
+# the scheme kohout at its paper's setting: what is left of the arm's muscles and of two of the leg, by hinges and iterations
+.PHONY: kohout-table
+kohout-table: programs examples $(B)/tests/numerics/hinge_rules
+	@tests/kohout-table $(B)/bin $(B)/tests/numerics/hinge_rules $(B)/examples $(DATA) $(B)/kohout-table
 # error against run time: the charts of share/doc, and what they are made of
 .PHONY: error-time-charts
 error-time-charts: programs examples

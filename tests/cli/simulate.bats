@@ -87,7 +87,7 @@ import json
 cold, warm = (json.loads(open(name).readline()) for name in ("cold.jsonl", "warm.jsonl"))
 assert warm["errors"]["mesh"]["rms"] < 0.5 * cold["errors"]["mesh"]["rms"]
 END
-    for option in "--law projected" "--law paper" "--substeps 7" "--iterations 3" "--solver xpbd" "--stretch membrane" "--preconditioner corotated" "--scheme romeo" "--scheme kohout" "--anisotropy pbd" "--anisotropy xpbd"; do
+    for option in "--law projected" "--law paper" "--substeps 7" "--iterations 3" "--solver xpbd" "--stretch membrane" "--preconditioner corotated" "--scheme romeo" "--scheme kohout" "--scheme kohout --hinges printed" "--anisotropy pbd" "--anisotropy xpbd"; do
         simulate one.scene.json --frames 36:38 $option > other.jsonl
         simulate one.scene.json --frames 36:38 > plain.jsonl
         refute cmp -s other.jsonl plain.jsonl
@@ -512,6 +512,33 @@ END
     run -1 simulate float.scene.json --solver qn --precision single --frames 0:1
     [[ "$output" == *"solver.precision single is for xpbd"* ]]
     run -2 simulate one.scene.json --precision half
+}
+
+@test "the hinges of the scheme kohout are published or printed, in both precisions; no other scheme has a choice" {
+    one_muscle
+    run_kohout() { simulate one.scene.json --scheme kohout --substeps 1 --iterations 3 --frames 0:12 "$@" > log.jsonl; }
+    run_kohout -o plain.pc2
+    run_kohout --hinges scheme -o scheme.pc2
+    run_kohout --hinges published -o published.pc2
+    run_kohout --hinges printed --threads 1 -o printed.pc2
+    run_kohout --hinges printed --precision single -o single.pc2
+    cmp plain.pc2 scheme.pc2
+    cmp plain.pc2 published.pc2
+    refute cmp -s plain.pc2 printed.pc2
+    refute cmp -s single.pc2 printed.pc2
+    # in the scene, and back from --plan
+    python3 -c 'import json; s=json.load(open("one.scene.json")); s["solver"]={"scheme": "kohout", "hinges": "printed", "substeps": 1, "iterations": 3}; json.dump(s, open("printed.scene.json", "w"))'
+    simulate printed.scene.json --threads 3 --frames 0:12 -o again.pc2 > log.jsonl
+    cmp printed.pc2 again.pc2
+    simulate --plan printed.scene.json | grep -q '"hinges": "printed"'
+    simulate --plan one.scene.json --scheme kohout | grep -q '"hinges": "published"'
+    simulate --plan one.scene.json > plan.json
+    refute grep -q hinges plan.json
+    for words in "--hinges published" "--hinges printed --scheme romeo" "--hinges published --solver xpbd" "--hinges printed --solver qn"; do
+        run -1 simulate one.scene.json $words
+        [[ "$output" == *"solver.hinges is a choice of the scheme kohout; leave it out or choose that scheme"* ]]
+    done
+    run -2 simulate one.scene.json --scheme kohout --hinges paper
 }
 
 @test "the quasi-Newton solver holds the volume in a few iterations a frame and stops where it says" {

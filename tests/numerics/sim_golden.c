@@ -15,12 +15,17 @@ static const struct {
     sn_preconditioning preconditioner;
     sn_stretch stretch; /* of the muscles that can have it */
     sn_precision precision;
-} SOLVERS[] = {{"xpbd", SN_SOLVER_XPBD, SN_PRECONDITION_SCALAR, SN_STRETCH_SPRINGS, SN_PRECISION_DOUBLE},
-               {"xpbd-single", SN_SOLVER_XPBD, SN_PRECONDITION_SCALAR, SN_STRETCH_SPRINGS, SN_PRECISION_SINGLE},
-               {"qn-scalar", SN_SOLVER_QN, SN_PRECONDITION_SCALAR, SN_STRETCH_SPRINGS, SN_PRECISION_DOUBLE},
-               {"qn-corotated", SN_SOLVER_QN, SN_PRECONDITION_COROTATED, SN_STRETCH_SPRINGS, SN_PRECISION_DOUBLE},
-               {"qn-two-level", SN_SOLVER_QN, SN_PRECONDITION_TWO_LEVEL, SN_STRETCH_SPRINGS, SN_PRECISION_DOUBLE},
-               {"qn-membrane", SN_SOLVER_QN, SN_PRECONDITION_SCALAR, SN_STRETCH_MEMBRANE, SN_PRECISION_DOUBLE}};
+    sn_scheme scheme;
+    sn_hinge_rule hinges;
+} SOLVERS[] = {{.name = "xpbd", .method = SN_SOLVER_XPBD},
+               {.name = "xpbd-single", .method = SN_SOLVER_XPBD, .precision = SN_PRECISION_SINGLE},
+               {.name = "xpbd-kohout", .method = SN_SOLVER_XPBD, .scheme = SN_SCHEME_KOHOUT},
+               {.name = "xpbd-kohout-printed", .method = SN_SOLVER_XPBD, .scheme = SN_SCHEME_KOHOUT, .hinges = SN_HINGES_PRINTED},
+               {.name = "xpbd-kohout-single", .method = SN_SOLVER_XPBD, .scheme = SN_SCHEME_KOHOUT, .precision = SN_PRECISION_SINGLE},
+               {.name = "qn-scalar", .method = SN_SOLVER_QN},
+               {.name = "qn-corotated", .method = SN_SOLVER_QN, .preconditioner = SN_PRECONDITION_COROTATED},
+               {.name = "qn-two-level", .method = SN_SOLVER_QN, .preconditioner = SN_PRECONDITION_TWO_LEVEL},
+               {.name = "qn-membrane", .method = SN_SOLVER_QN, .stretch = SN_STRETCH_MEMBRANE}};
 static int solver; /* index of SOLVERS */
 
 /* Three muscles that use every kind of row, every law, and every factor on a row. */
@@ -31,6 +36,8 @@ static void make_everything(sn_scene *scene) {
     scene->solver = sn_solver_defaults(SOLVERS[solver].method);
     scene->solver.preconditioner = SOLVERS[solver].preconditioner;
     scene->solver.precision = SOLVERS[solver].precision;
+    scene->solver.scheme = SOLVERS[solver].scheme;
+    scene->solver.hinges = SOLVERS[solver].hinges;
     if (SOLVERS[solver].method == SN_SOLVER_QN) scene->solver.substeps = 2;
     add_muscle(scene, "isochoric", &small);
     add_muscle(scene, "paper", &FUSIFORM);
@@ -96,7 +103,7 @@ static void run(int threads, bool watched, bool stops, char hash[SN_HASH_LENGTH]
 
 static void compare(const char *name, const char *one, const char *other) {
     bool same = memcmp(one, other, SN_HASH_LENGTH) == 0;
-    printf("%-12s %-40s %s\n", SOLVERS[solver].name, name, same ? "the same" : "FAILED: not the same");
+    printf("%-19s %-40s %s\n", SOLVERS[solver].name, name, same ? "the same" : "FAILED: not the same");
     if (same)
         passed++;
     else

@@ -223,6 +223,8 @@ static void every_mistake_is_named(void **state) {
         {"-9.81", "\"down\"", 2, "gravity[2]: expected a number, found \"down\""},
         {"\"substeps\": 16", "\"substeps\": 0", 2, "solver.substeps: expected a whole number in [1,"},
         {"\"substeps\": 16", "\"method\": \"fem\"", 2, "solver.method: expected \"xpbd\" or \"qn\", found \"fem\""},
+        {"\"substeps\": 16", "\"scheme\": \"kohout\", \"hinges\": \"paper\"", 2,
+         "solver.hinges: expected \"scheme\", \"published\" or \"printed\", found \"paper\""},
         {"\"type\": \"hinge\", \"axis\": [1,2,3]", "\"type\": \"ball\", \"axis\": [1,2,3]", 4,
          "motion.joints[0].type: expected \"hinge\" or \"pose\""},
         {"[1,2,3]", "[0,0,0]", 4, "motion.joints[0].axis: the axis has no length"},

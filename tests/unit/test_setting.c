@@ -31,6 +31,8 @@ static void text_has_one_canonical_form(void **state) {
     check_canonical("qn substeps=auto", "qn substeps=auto", "qn");
     check_canonical("qn tolerance=1e-3", "qn tolerance=0.001", "qn");
     check_canonical("xpbd scheme=kohout iterations=10", "xpbd iterations=10 scheme=kohout", "xpbd scheme=kohout");
+    check_canonical("xpbd hinges=printed scheme=kohout", "xpbd scheme=kohout hinges=printed", "xpbd scheme=kohout hinges=printed");
+    check_canonical("xpbd scheme=kohout hinges=scheme", "xpbd scheme=kohout hinges=scheme", "xpbd scheme=kohout");
     check_canonical("qn preconditioner=scalar tolerance=0", "qn tolerance=0 preconditioner=scalar", "qn");
     check_canonical("qn preconditioner=corotated", "qn preconditioner=corotated", "qn preconditioner=corotated");
     check_canonical("qn preconditioner=two-level", "qn preconditioner=two-level", "qn preconditioner=two-level");
@@ -52,6 +54,8 @@ static void what_is_unknown_is_refused_by_name(void **state) {
     check_refused("qn 5", "cannot read \"5\"");
     check_refused("qn speed=5", "qn has no \"speed\"; it has substeps, iterations");
     check_refused("qn scheme=kohout", "qn has no \"scheme\"");
+    check_refused("qn hinges=printed", "qn has no \"hinges\"");
+    check_refused("xpbd scheme=kohout hinges=paper", "hinges=paper: it is scheme, published or printed");
     check_refused("xpbd tolerance=1e-5", "xpbd has no \"tolerance\"");
     check_refused("xpbd scheme=papers", "scheme=papers: it is guarded, romeo or kohout");
     check_refused("xpbd scheme=", "scheme=: it is guarded");
@@ -121,6 +125,9 @@ static void a_setting_stands_for_itself(void **state) {
     assert_int_equal(sn_setting_parse("xpbd scheme=romeo", &setting, NULL), SN_OK);
     sn_setting_apply(&setting, &scene);
     assert_int_equal(scene.solver.scheme, SN_SCHEME_ROMEO);
+    assert_int_equal(sn_setting_parse("xpbd scheme=kohout hinges=printed", &setting, NULL), SN_OK);
+    sn_setting_apply(&setting, &scene);
+    assert_int_equal(scene.solver.hinges, SN_HINGES_PRINTED);
     sn_scene_free(&scene);
 }
 
