@@ -20,7 +20,7 @@ static const double STEP_NOISE = 1e-14;
 static const double STEP_CAP = 0.1;
 /* An edge as far as the first from its goal, in mean edges (or such a strain), all of them as far as the second in the mean, or a bone that
  * has jumped: the matrix of the rest shape says little then, and each iteration that the scene allows stands for several. */
-static const double FAR_STRETCHED = 3.0, FAR_IN_THE_MEAN = 0.5;
+static const double FAR_STRETCHED = SN_FAR_STRETCHED, FAR_IN_THE_MEAN = SN_FAR_IN_THE_MEAN;
 enum { TORN_EFFORT = 10 };
 /* Bones that move a point farther than so many mean edges in a substep, or did in the last, tear the rings next to them: there a smaller
  * stretch counts. */
@@ -314,9 +314,7 @@ static sn_index guard_triangles(const sn_model_muscle *m, sn_muscle_state *s) {
 }
 
 /* How far the surface is from its goal shape: edges over the mean edge, or strains. */
-static sn_residual stretch(const sn_model_muscle *m, const sn_muscle_state *s) {
-    return sn_rows_residual(m, s, m->membrane_count > 0 ? SN_ROWS_MEMBRANE : SN_ROWS_MESH);
-}
+static sn_residual stretch(const sn_model_muscle *m, const sn_muscle_state *s) { return sn_rows_residual(m, s, sn_stretch_kind(m), NULL); }
 
 /* May this be no shape that the muscle came to by moving: a tenth of it collapsed, half a mean edge off in the mean, or half of its volume
  * gone? */
@@ -449,6 +447,7 @@ static void begin(const sn_model_muscle *m, sn_muscle_state *s, const sn_substep
     if (jump == 0.0) memset(s->last_jump, 0, (size_t)m->point_count * sizeof *s->last_jump);
     choose_start(m, s, substep->h, predicted);
     s->torn = mend_start(m, s, substep, jump, fast);
+    s->statistics.torn_substeps += s->torn;
     s->turned = s->turned && !s->torn;
     sn_preconditioner_turn(s->qn->preconditioner, s->points);
     place_sections(m, s, substep->h);

@@ -13,7 +13,7 @@
 #include <string.h>
 
 static const char MAGIC[12] = "sinew state\n";
-enum { VERSION = 2, HEADER = sizeof MAGIC + sizeof(int32_t) + SN_HASH_LENGTH };
+enum { VERSION = 3, HEADER = sizeof MAGIC + sizeof(int32_t) + SN_HASH_LENGTH };
 
 /* ---- a cursor that counts, writes or reads ---------------------------------------------------------------------------------- */
 
@@ -36,7 +36,7 @@ static void pass(cursor *c, void *data, size_t size) {
 static void pass_muscle(cursor *c, const sn_model_muscle *m, sn_muscle_state *s) {
     sn_statistics *st = &s->statistics;
     int64_t *counters[] = {&st->skipped_edges, &st->skipped_hinges, &st->clamped_hinges,   &st->held_triangles, &st->skipped_triangles,
-                           &st->iterations,    &st->rejected_steps, &st->refactorisations, &st->restarts};
+                           &st->iterations,    &st->rejected_steps, &st->refactorisations, &st->restarts,       &st->torn_substeps};
     for (size_t i = 0; i < sizeof counters / sizeof *counters; i++) pass(c, counters[i], sizeof *counters[i]);
     double *numbers[] = {&s->volume_lambda, &s->activation, &s->contraction,      &s->stiffness,
                          &s->volume_goal,   &s->energy,     &s->factor_stiffness, &st->residual};
