@@ -100,7 +100,7 @@ static const char *help(const outcome *o, const sn_state *state, sn_index muscle
     const sn_solver_settings *solver = &o->model->scene->solver;
     const sn_model_muscle *m = &o->model->muscles[muscle];
     const sn_muscle_state *s = &state->muscles[muscle];
-    if (sign == SN_EXPLODED_EDGE && spread_of_bones(m, s) > 3.0) return "its bones have gone far apart: look at their motion and units";
+    if (spread_of_bones(m, s) > 3.0) return "its bones have gone far apart: look at their motion and units";
     if (sign == SN_EXPLODED_VOLUME && !m->keeps_volume) return "nothing keeps its volume (see --plan): give it a volume stiffness";
     if (solver->scheme != SN_SCHEME_GUARDED) return "--scheme guarded, --solver qn or more --iterations may help";
     if (solver->method == SN_SOLVER_XPBD && solver->precision == SN_PRECISION_SINGLE)
@@ -115,10 +115,10 @@ static void tell_explosion(outcome *o, const sn_state *state, sn_index muscle, s
     const sn_statistics *s = &state->muscles[muscle].statistics;
     const char *name = name_of(o, muscle), *may_help = help(o, state, muscle, sign);
     if (sign == SN_EXPLODED_VOLUME)
-        cli_shortfall(o->c, "frame %d: muscle \"%s\" has exploded, its volume is %.3g times its goal; %s", (int)state->frame, name,
+        cli_shortfall(o->c, "frame %d: muscle \"%s\" has exploded, its volume is %.4g times its goal; %s", (int)state->frame, name,
                       1.0 + s->volume_error, may_help);
     else
-        cli_shortfall(o->c, "frame %d: muscle \"%s\" has exploded, its edge between vertices %d and %d is %.3g times its goal length; %s",
+        cli_shortfall(o->c, "frame %d: muscle \"%s\" has exploded, its edge between vertices %d and %d is %.4g times its goal length; %s",
                       (int)state->frame, name, (int)s->largest_edge[0], (int)s->largest_edge[1], s->largest_edge_ratio, may_help);
 }
 
@@ -252,10 +252,13 @@ void outcome_say(const outcome *o) {
     sn_index stepped = time_frames(o, &median, &longest);
     if (o->frame_count > 0 && stepped == 0) cli_tell(o->c, "1 frame");
     if (stepped > 0) cli_tell(o->c, "%d frame%s, %.3g ms each (median)", (int)o->frame_count, o->frame_count == 1 ? "" : "s", 1e3 * median);
-    if (find_worst(o, WORST_VOLUME, sizeof where, where))
-        cli_tell(o->c, "volume farthest from its goal: %+.2g %% (%s)", 100.0 * o->worst[WORST_VOLUME].value, where);
+    double volume = o->worst[WORST_VOLUME].value;
+    if (find_worst(o, WORST_VOLUME, sizeof where, where) && fabs(volume) < 1.0)
+        cli_tell(o->c, "volume farthest from its goal: %+.2g %% (%s)", 100.0 * volume, where);
+    else if (!isnan(volume))
+        cli_tell(o->c, "volume farthest from its goal: %.4g times it (%s)", 1.0 + volume, where);
     if (find_worst(o, WORST_EDGE, sizeof where, where))
-        cli_tell(o->c, "longest edge: %.3g times its goal length (%s)", o->worst[WORST_EDGE].value, where);
+        cli_tell(o->c, "longest edge: %.4g times its goal length (%s)", o->worst[WORST_EDGE].value, where);
     if (find_worst(o, WORST_TRIANGLE, sizeof where, where))
         cli_tell(o->c, "smallest triangle: %.2g of its rest area (%s)", o->worst[WORST_TRIANGLE].value, where);
     if (find_worst(o, WORST_ITERATIONS, sizeof where, where) && o->worst[WORST_ITERATIONS].value > 0.0)
