@@ -249,6 +249,7 @@ static bool find_worst(const outcome *o, int which, size_t size, char *where) {
 void outcome_say(const outcome *o) {
     double median, longest;
     char where[160];
+    if (o->model->muscle_count == 0) return;
     sn_index stepped = time_frames(o, &median, &longest);
     if (o->frame_count > 0 && stepped == 0) cli_tell(o->c, "1 frame");
     if (stepped > 0) cli_tell(o->c, "%d frame%s, %.3g ms each (median)", (int)o->frame_count, o->frame_count == 1 ? "" : "s", 1e3 * median);
