@@ -45,10 +45,11 @@ sn_status grips_warn(const cli *c, const char *name, const sn_muscle *muscle, sn
     if (grips == NULL) return sn_fail_memory(error, "the attachments");
     sn_status status = sn_muscle_grips(muscle, grips, error);
     if (status == SN_OK && only != NULL)
-        cli_warn(c,
-                 "muscle \"%s\" is held by one bone only, %s, and moves with it alone; attach-detect holds it by others named with --bone, or "
-                 "with a larger --distance",
-                 known, only);
+        cli_warn(
+            c,
+            "muscle \"%s\" is held by one bone only, %s, and moves with it alone; attach-detect holds it by others named with --bone, or "
+            "with a larger --distance",
+            known, only);
     if (status == SN_OK) warn_of_grips(c, known, muscle, grips);
     free(grips);
     return status;

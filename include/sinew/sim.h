@@ -203,8 +203,8 @@ typedef struct sn_statistics {
     sn_residual residuals[SN_ROW_KINDS];
     double smallest_triangle;         /* least area over rest area; NaN where no triangle has a rest area */
     sn_index smallest_triangle_index; /* SN_NONE = none */
-    double largest_edge_ratio;        /* greatest length over goal length of an edge of the surface, see sn_largest_edge; NaN = no edge */
-    sn_index largest_edge[2];         /* its vertices; SN_NONE = none */
+    double largest_edge_ratio;        /* greatest length over goal length of an edge of the surface, see SN_LEAST_GOAL; NaN = no edge */
+    sn_index largest_edge[2];         /* its vertices, of equal ones the first; SN_NONE = none */
     bool torn;                        /* far from any shape of rest (SN_FAR_...) now or, under qn, where a substep of the frame began */
     double residual;                  /* |dPhi/dx| / (k L) of the last substep, Phi = |x - y|^2_M / (2 h^2) + E; NaN inside a substep */
     double kinetic_energy;            /* J */
@@ -221,6 +221,11 @@ typedef struct sn_statistics {
     int64_t restarts;           /* wrecked shapes that were given up for the rest pose, carried along with the bones */
     sn_stop_reason stop_reason; /* of the last substep */
 } sn_statistics;
+
+/* The edges of the surface are those of the rows SN_ROWS_MESH; under the membrane those of its triangles, against the goal shape; where
+ * neither runs, all of them against their rest lengths. A goal below this share of the mean edge counts as this long: an edge that is
+ * (nearly) to vanish has no ratio of its own, and is too long where the mean edge would be. An edge whose length is NaN does not count. */
+#define SN_LEAST_GOAL 0.1
 
 /* An edge of the surface as far as the first from its goal, in mean edges (or such a strain of the membrane), or all of them as far as the
  * second in the root mean square: the muscle is torn. */
@@ -350,13 +355,6 @@ sn_index sn_row_count(const sn_model *model, sn_index muscle, sn_row_kind kind);
 int sn_row_points(const sn_model *model, sn_index muscle, sn_row_kind kind, sn_index row, sn_index points[4]);
 /* |C| of every row of a kind now: errors (sn_row_count), in the units of sn_statistics; NaN: a hinge that has no angle (its guard). */
 void sn_row_errors(const sn_model *model, const sn_state *state, sn_index muscle, sn_row_kind kind, double *errors);
-/* A goal length below this share of the mean edge counts as this long: an edge that is (nearly) to vanish has no ratio of its own, and is
- * too long where the mean edge would be. */
-#define SN_LEAST_GOAL 0.1
-/* Greatest ratio of length to goal length of an edge of the surface now; the first of equal ones, its vertices in edge. The edges are those
- * of the rows SN_ROWS_MESH; under the membrane those of its triangles, against the triangle's goal shape; where neither runs, all of the
- * surface against their rest lengths. NaN and SN_NONE where there is no edge; an edge whose length is NaN does not count. */
-double sn_largest_edge(const sn_model *model, const sn_state *state, sn_index muscle, sn_index edge[2]);
 /* How far one rigid projection of the volume would move each vertex, w_i |dV/dx_i| |C| / sum w |dV/dx|^2, over the mean edge:
  * moves (vertex_count), zeros where no volume is kept; gradients (vertex_count) is scratch, and holds dV/dx then. */
 void sn_volume_moves(const sn_model *model, const sn_state *state, sn_index muscle, sn_vec3 *gradients, double *moves);

@@ -111,19 +111,6 @@ void sn_rest_longest(const sn_model_muscle *m, const sn_muscle_state *s, sn_long
     }
 }
 
-double sn_largest_edge(const sn_model *model, const sn_state *state, sn_index muscle, sn_index edge[2]) {
-    const sn_model_muscle *m = &model->muscles[muscle];
-    const sn_muscle_state *s = &state->muscles[muscle];
-    sn_longest_edge longest = {0.0, {SN_NONE, SN_NONE}};
-    sn_row_kind kind = sn_stretch_kind(m);
-    if (row_count(m, kind) > 0)
-        sn_rows_residual(m, s, kind, &longest);
-    else
-        sn_rest_longest(m, s, &longest);
-    edge[0] = longest.point[0], edge[1] = longest.point[1];
-    return edge[0] != SN_NONE ? longest.ratio : NAN;
-}
-
 void sn_row_errors(const sn_model *model, const sn_state *state, sn_index muscle, sn_row_kind kind, double *errors) {
     errors_of(&model->muscles[muscle], &state->muscles[muscle], kind, 0, sn_row_count(model, muscle, kind), errors);
 }
