@@ -61,7 +61,7 @@ LIB_SOURCES := $(sort $(wildcard lib/*/*.c))
 BRIDGE_SOURCES := $(sort $(wildcard lib/geom/cgal_*.cpp))
 LIB_OBJECTS := $(LIB_SOURCES:%.c=$(B)/%.o)
 BRIDGE_OBJECTS := $(BRIDGE_SOURCES:lib/geom/%.cpp=$(BRIDGE)/%.o)
-TOOL_SHARED := $(patsubst %.c,$(B)/%.o,$(wildcard tools/cli.c tools/chain.c tools/selector.c tools/bones.c tools/chart.c))
+TOOL_SHARED := $(patsubst %.c,$(B)/%.o,$(wildcard tools/cli.c tools/chain.c tools/selector.c tools/bones.c tools/chart.c tools/grips.c))
 BUILT_TOOLS := $(foreach t,$(TOOLS),$(if $(wildcard tools/$t.c),$(B)/bin/$t))
 BUILT_LIBEXEC := $(LIBEXEC_TOOLS:%=$(B)/libexec/sinew/%)
 EXAMPLES := $(patsubst share/examples/%.c,$(B)/examples/%,$(wildcard share/examples/*/*.c))
@@ -97,7 +97,7 @@ $(B)/bin/%: $(B)/tools/%.o $(TOOL_SHARED) $(B)/libsinew.a
 	$(call link,$(LIBS_$*))
 
 # sources of one tool alone
-$(B)/bin/simulate: $(B)/tools/fibers.o
+$(B)/bin/simulate: $(B)/tools/fibers.o $(B)/tools/outcome.o
 
 $(B)/libexec/sinew/%: $(B)/tools/%.o $(TOOL_SHARED) $(B)/libsinew.a
 	@mkdir -p $(@D)
@@ -116,5 +116,5 @@ tests: $(UNIT_TESTS) $(EXTRA_TESTS)
 include share/make/project.mk
 include share/make/fuzz.mk
 
--include $(B)/tools/fibers.d $(LIB_OBJECTS:.o=.d) $(BRIDGE_OBJECTS:.o=.d) $(BUILT_TOOLS:$(B)/bin/%=$(B)/tools/%.d) $(LIBEXEC_TOOLS:%=$(B)/tools/%.d) $(TOOL_SHARED:.o=.d)
+-include $(B)/tools/fibers.d $(B)/tools/outcome.d $(LIB_OBJECTS:.o=.d) $(BRIDGE_OBJECTS:.o=.d) $(BUILT_TOOLS:$(B)/bin/%=$(B)/tools/%.d) $(LIBEXEC_TOOLS:%=$(B)/tools/%.d) $(TOOL_SHARED:.o=.d)
 -include $(UNIT_TESTS:=.d) $(EXTRA_TESTS:=.d) $(EXAMPLES:$(B)/examples/%=$(B)/share/examples/%.d)

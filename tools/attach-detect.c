@@ -3,6 +3,7 @@
  */
 #include "bones.h"
 #include "cli.h"
+#include "grips.h"
 #include "selector.h"
 
 #include <stdio.h>
@@ -318,10 +319,12 @@ static void warn_nothing(const cli *c, const outcome *o) {
                  nearest->nearby ? "" : ", with --pairs all");
 }
 
-static void warn(const cli *c, const outcome *o, bool stopped) {
+static sn_status warn(const cli *c, const outcome *o, bool stopped, sn_error *error) {
     warn_of_areas(c, o);
     warn_of_sliding(c, o);
-    if (wants_attachments() && !stopped && o->report.attached == 0) warn_nothing(c, o);
+    if (!wants_attachments() || stopped) return SN_OK;
+    if (o->report.attached == 0) warn_nothing(c, o);
+    return grips_warn(c, o->muscle->name, o->muscle, error);
 }
 
 /* ---- bones ------------------------------------------------------------------------------------------------------------ */
@@ -478,9 +481,9 @@ static sn_status work(cli *c, sn_error *error) {
     if (status == SN_OK && wants_attachments()) status = attach(c, &document.muscle, &pins, &o, error);
     if (status == SN_OK && wants_neighbours()) status = find_neighbours(c, &document.muscle, error);
     if (status == SN_OK || status == SN_STOPPED) {
-        warn(c, &o, status == SN_STOPPED);
+        sn_status warned = warn(c, &o, status == SN_STOPPED, error);
         say_results(c, &document.muscle);
-        status = cli_save(c, &document, changed, error);
+        status = warned == SN_OK ? cli_save(c, &document, changed, error) : warned;
     }
     if (status == SN_OK) status = cli_report(c, write_report, &o, error);
     c->hash_user = NULL; /* the bones go now */

@@ -417,6 +417,14 @@ void cli_say(const cli *c, const char *format, ...) {
     va_end(arguments);
 }
 
+void cli_tell(const cli *c, const char *format, ...) {
+    if (c->verbosity < 0) return;
+    va_list arguments;
+    va_start(arguments, format);
+    message(c, "", format, arguments);
+    va_end(arguments);
+}
+
 void cli_shortfall(cli *c, const char *format, ...) {
     c->is_short = true;
     va_list arguments;

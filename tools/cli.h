@@ -105,6 +105,8 @@ _Noreturn void cli_usage_error(const cli *c, const char *format, ...) SN_PRINTF(
 void cli_warn(const cli *c, const char *format, ...) SN_PRINTF(2, 3);
 /* Information on stderr under -v. */
 void cli_say(const cli *c, const char *format, ...) SN_PRINTF(2, 3);
+/* What a run came to, on stderr: "tool: text" (not under -q). */
+void cli_tell(const cli *c, const char *format, ...) SN_PRINTF(2, 3);
 /* Done, but short of what was asked: says so (also under -q) and makes the exit status 3. */
 void cli_shortfall(cli *c, const char *format, ...) SN_PRINTF(2, 3);
 /* Progress line on stderr if it is a terminal and not -q; at most ten a second; cleared by cli_finish. */

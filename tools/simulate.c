@@ -3,6 +3,8 @@
  */
 #include "cli.h"
 #include "fibers.h"
+#include "grips.h"
+#include "outcome.h"
 #include "sinew/error_time.h"
 
 #include <errno.h>
@@ -89,10 +91,10 @@ static const cli_tool TOOL = {
     .shared = CLI_TAKES_INPUT | CLI_HAS_OUTPUT | CLI_HAS_TRACE | CLI_HAS_REPORT | CLI_HAS_THREADS,
     .options = OPTIONS,
     .option_count = sizeof OPTIONS / sizeof *OPTIONS,
-    .notes = "-o is NAME.pc2 for one muscle, or a folder with one cache per muscle. --stop-after takes FRAME[:SUBSTEP[:ITERATION]].\n"
-             "--fail-on knows volume, nan, triangle, internal, radial, mesh, dihedral, area, membrane, energy, elastic, residual, skipped "
-             "and clamped;\n"
-             "'<' and '>' compare.",
+    .notes =
+        "-o is NAME.pc2 for one muscle, or a folder with one cache per muscle. --stop-after takes FRAME[:SUBSTEP[:ITERATION]].\n"
+        "--fail-on knows volume, nan, triangle, edge, torn, internal, radial, mesh, dihedral, area, membrane, energy, elastic, residual,\n"
+        "skipped and clamped; '<' and '>' compare.",
 };
 
 /* "A:B" or "A" into whole numbers; unset parts keep their value. Returns how many there were; 0 = not of this form. */
@@ -106,68 +108,6 @@ static int parse_parts(const char *text, int most, sn_index *parts) {
         if (*text++ != ':') return 0;
     }
     return 0;
-}
-
-/* ---- --fail-on ------------------------------------------------------------------------------------------------------------ */
-
-typedef struct measure {
-    const char *name;
-    double (*read)(const sn_statistics *);
-} measure;
-
-static double read_volume(const sn_statistics *s) { return fabs(s->volume_error); }
-static double read_nan(const sn_statistics *s) { return s->nan_points; }
-static double read_triangle(const sn_statistics *s) { return s->smallest_triangle; }
-static double read_internal(const sn_statistics *s) { return s->residuals[SN_ROWS_INTERNAL].max; }
-static double read_radial(const sn_statistics *s) { return s->residuals[SN_ROWS_RADIAL].max; }
-static double read_mesh(const sn_statistics *s) { return s->residuals[SN_ROWS_MESH].max; }
-static double read_dihedral(const sn_statistics *s) { return s->residuals[SN_ROWS_DIHEDRAL].max; }
-static double read_area(const sn_statistics *s) { return s->residuals[SN_ROWS_AREA].max; }
-static double read_membrane(const sn_statistics *s) { return s->residuals[SN_ROWS_MEMBRANE].max; }
-static double read_energy(const sn_statistics *s) { return s->kinetic_energy; }
-static double read_elastic(const sn_statistics *s) { return s->elastic_energy; }
-static double read_residual(const sn_statistics *s) { return s->residual; }
-static double read_skipped(const sn_statistics *s) { return (double)(s->skipped_edges + s->skipped_hinges + s->skipped_triangles); }
-static double read_clamped(const sn_statistics *s) { return (double)s->clamped_hinges; }
-
-static const measure MEASURES[] = {
-    {"volume", read_volume},   {"nan", read_nan},           {"triangle", read_triangle}, {"internal", read_internal},
-    {"radial", read_radial},   {"mesh", read_mesh},         {"dihedral", read_dihedral}, {"energy", read_energy},
-    {"area", read_area},       {"elastic", read_elastic},   {"residual", read_residual}, {"skipped", read_skipped},
-    {"clamped", read_clamped}, {"membrane", read_membrane},
-};
-enum { MEASURE_COUNT = sizeof MEASURES / sizeof *MEASURES, MAX_LIMITS = 32 };
-
-typedef struct limit {
-    const measure *measure;
-    bool above;
-    double value;
-} limit;
-typedef struct limits {
-    int count;
-    limit items[MAX_LIMITS];
-} limits;
-
-static bool parse_limit(const char *text, const char *end, limit *out) {
-    size_t name = strcspn(text, "<>,");
-    const char *next;
-    if (text[name] != '<' && text[name] != '>') return false;
-    out->above = text[name] == '>';
-    out->measure = NULL;
-    for (int i = 0; i < MEASURE_COUNT; i++)
-        if (strlen(MEASURES[i].name) == name && strncmp(MEASURES[i].name, text, name) == 0) out->measure = &MEASURES[i];
-    return out->measure != NULL && sn_scan_number(text + name + 1, end, &next, &out->value) && next == end && isfinite(out->value);
-}
-
-static void parse_limits(const cli *c, const char *text, limits *out) {
-    out->count = 0;
-    if (text == NULL) return;
-    for (const char *end; *text != '\0'; text = *end == ',' ? end + 1 : end) {
-        end = text + strcspn(text, ",");
-        if (out->count == MAX_LIMITS) cli_usage_error(c, "--fail-on takes at most %d limits", MAX_LIMITS);
-        if (!parse_limit(text, end, &out->items[out->count++]))
-            cli_usage_error(c, "--fail-on: cannot read \"%.*s\": write NAME>VALUE or NAME<VALUE", (int)(end - text), text);
-    }
 }
 
 /* ---- the run -------------------------------------------------------------------------------------------------------------- */
@@ -189,13 +129,12 @@ typedef struct job {
     sn_output *log;
     target *targets; /* (muscle_count); NULL = no frames */
     fiber_run fibers;
-    limits limits;
+    outcome outcome;
     sn_index stop[3];     /* frame, substep, iteration */
     int stop_parts;       /* how many of them were given */
     sn_index first, last; /* frames that the run writes: the scene's, or what is left of them after a state's (choose_range) */
     double setup_seconds;
-    double *frame_seconds; /* (frames_done) */
-    size_t frames_done, frames_room;
+    bool exploded; /* the run ended at a frame that is not finite, which is not written */
 } job;
 
 /* The method asked for, with its own defaults; a paper's scheme and single precision ask for xpbd. */
@@ -524,6 +463,8 @@ static void write_statistics(const job *j, sn_json *json, sn_index muscle, const
     sn_json_number(json, "volume_error", s->volume_error);
     write_errors(json, s, plan);
     sn_json_number(json, "smallest_triangle", s->smallest_triangle);
+    sn_json_number(json, "largest_edge_ratio", s->largest_edge_ratio);
+    sn_json_bool(json, "torn", s->torn);
     sn_json_number(json, "residual", s->residual);
     sn_json_number(json, "kinetic_energy", s->kinetic_energy);
     sn_json_number(json, "elastic_energy", s->elastic_energy);
@@ -554,59 +495,20 @@ static sn_status write_log(job *j, bool stopped, sn_error *error) {
     return status;
 }
 
-/* ---- checks after each frame ---------------------------------------------------------------------------------------------- */
-
-static sn_status check_nan(const job *j, sn_error *error) {
-    for (sn_index i = 0; i < j->model->muscle_count; i++) {
-        const sn_statistics *s = &j->state->muscles[i].statistics;
-        if (s->nan_points == 0) continue;
-        return sn_fail(error, SN_ERROR_INPUT,
-                       "muscle \"%s\" has %d points that are not finite at frame %d, point %d first; more substeps may help",
-                       j->model->muscles[i].source->name, (int)s->nan_points, (int)j->state->frame, (int)s->first_nan);
-    }
-    return SN_OK;
-}
-
-/* Each limit is reported where it is broken first, and only then. */
-static void check_limits(job *j) {
-    for (int k = 0; k < j->limits.count; k++) {
-        const limit *l = &j->limits.items[k];
-        for (sn_index i = 0; l->measure != NULL && i < j->model->muscle_count; i++) {
-            double value = l->measure->read(&j->state->muscles[i].statistics);
-            if (l->above ? !(value > l->value) : !(value < l->value)) continue;
-            cli_shortfall(&j->c, "frame %d, muscle \"%s\": %s is %g, %s the limit of %g", (int)j->state->frame,
-                          j->model->muscles[i].source->name, l->measure->name, value, l->above ? "above" : "below", l->value);
-            j->limits.items[k].measure = NULL;
-            break;
-        }
-    }
-}
-
 /* ---- frame after frame ------------------------------------------------------------------------------------------------------ */
 
-static sn_status finish_frame(job *j, bool stopped, sn_error *error) {
+/* seconds: of its step; NaN where the run begins with it. SN_STOPPED: it is not finite, and the run ends with the one before. */
+static sn_status finish_frame(job *j, bool stopped, double seconds, sn_error *error) {
     fibers_move(&j->fibers, j->state);
     sn_status status = write_log(j, stopped, error);
-    if (status == SN_OK) status = check_nan(j, error);
+    if (status == SN_OK) status = outcome_check(&j->outcome, j->state, given.state != NULL, error);
+    j->exploded = status == SN_STOPPED;
     if (status == SN_OK) status = write_frames(j, error);
     if (status == SN_OK) status = fibers_write(&j->fibers, j->state->frame, error);
     if (status == SN_OK && !stopped) status = save_now_and_then(j, error);
-    check_limits(j);
+    if (status == SN_OK) status = outcome_take(&j->outcome, j->state, seconds, error);
     cli_progress(&j->c, (int64_t)j->state->frame - j->first, (int64_t)j->last - j->first, "frame");
     return status;
-}
-
-/* How long a frame took; false: no memory. */
-static bool note_frame(job *j, double seconds) {
-    if (j->frames_done == j->frames_room) {
-        size_t room = j->frames_room > 0 ? 2 * j->frames_room : 256;
-        double *more = sn_realloc(j->frame_seconds, room, sizeof *more);
-        if (more == NULL) return false;
-        j->frame_seconds = more;
-        j->frames_room = room;
-    }
-    j->frame_seconds[j->frames_done++] = seconds;
-    return true;
 }
 
 static sn_status next_frame(job *j, sn_error *error) {
@@ -616,9 +518,9 @@ static sn_status next_frame(job *j, sn_error *error) {
     if (last && j->stop_parts > 2) options.stop_iteration = j->stop[2];
     double started = cli_seconds();
     sn_status status = sn_step(j->model, j->state, &options, error);
-    if (!note_frame(j, cli_seconds() - started)) return sn_fail_memory(error, "the times of the frames");
+    double seconds = cli_seconds() - started;
     if (status != SN_OK && status != SN_STOPPED) return status;
-    sn_status finished = finish_frame(j, status == SN_STOPPED, error);
+    sn_status finished = finish_frame(j, status == SN_STOPPED, seconds, error);
     return finished != SN_OK ? finished : last ? SN_STOPPED : status;
 }
 
@@ -626,7 +528,7 @@ static sn_status run_frames(job *j, sn_error *error) {
     sn_step_options options = {.pool = j->pool, .trace = &j->c.trace};
     sn_status status = given.from != NULL ? SN_OK : sn_settle(j->model, j->state, &options, error);
     if (status == SN_OK && given.from == NULL) {
-        status = finish_frame(j, false, error);
+        status = finish_frame(j, false, NAN, error);
         if (status == SN_OK && j->stop_parts > 0 && j->stop[0] == j->first) return SN_STOPPED;
     }
     while (status == SN_OK && sn_state_next_frame(j->state) <= j->last) status = next_frame(j, error);
@@ -642,7 +544,8 @@ static int64_t rows_to_write(const job *j) {
 static sn_status prepare(job *j, sn_error *error) {
     j->pool = sn_pool_create(j->scene.solver.threads);
     if (j->pool == NULL) return sn_fail_memory(error, "the run");
-    sn_status status = sn_state_create(j->model, &j->state, error);
+    sn_status status = outcome_start(&j->outcome, j->model, error);
+    if (status == SN_OK) status = sn_state_create(j->model, &j->state, error);
     if (status == SN_OK && given.from != NULL) status = read_state(j, error);
     if (status == SN_OK) status = fibers_bind(&j->fibers, &j->c, &given.fibers, &j->scene, j->model, j->pool, error);
     if (status == SN_OK) status = fibers_open_lengths(&j->fibers, rows_to_write(j), error);
@@ -661,7 +564,7 @@ static sn_status simulate(job *j, sn_error *error) {
         if (done && committed != SN_OK) return committed;
     }
     if (!done) return status;
-    if (given.state != NULL) {
+    if (given.state != NULL && !j->exploded) {
         sn_status saved = write_state(j, error);
         if (saved != SN_OK) return saved;
     }
@@ -774,40 +677,36 @@ static sn_status print_plan(job *j, sn_error *error) {
     return status;
 }
 
-static int compare_numbers(const void *a, const void *b) {
-    double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
 static void write_report(sn_json *json, const void *data) {
     const job *j = data;
-    size_t n = j->frames_done;
     sn_json_number(json, "setupSeconds", j->setup_seconds);
     sn_json_integer(json, "threads", sn_pool_threads(j->pool));
-    sn_json_integer(json, "frames", (int64_t)n);
-    if (n > 0) {
-        qsort(j->frame_seconds, n, sizeof *j->frame_seconds, compare_numbers);
-        sn_json_number(json, "medianFrameSeconds", j->frame_seconds[n / 2]);
-        sn_json_number(json, "longestFrameSeconds", j->frame_seconds[n - 1]);
-    }
+    outcome_report(&j->outcome, json);
     fibers_report(&j->fibers, json);
     write_plan_members(j, json, false);
 }
 
-static void warn_of_loose_muscles(const job *j) {
+static sn_status warn_of_loose_muscles(const job *j, sn_error *error) {
+    sn_status status = SN_OK;
     if (j->model->muscle_count == 0) cli_warn(&j->c, "the scene has no muscle that is enabled: there is nothing to simulate");
-    for (sn_index i = 0; i < j->model->muscle_count; i++)
-        if (j->model->muscles[i].kinematic_count == 0)
+    for (sn_index i = 0; status == SN_OK && i < j->model->muscle_count; i++) {
+        const sn_model_muscle *m = &j->model->muscles[i];
+        if (m->kinematic_count == 0)
             cli_warn(&j->c, "muscle \"%s\" is attached to no bone and moves freely (attach-detect attaches it)", plan_of(j, i)->name);
+        else
+            status = grips_warn(&j->c, m->source->name, &m->source->rig, error);
+    }
+    return status;
 }
 
 static sn_status work(job *j, sn_error *error) {
     sn_status status = load_scene(j, error);
     if (status != SN_OK) return status;
     if (given.plan) return print_plan(j, error);
-    warn_of_loose_muscles(j);
-    status = simulate(j, error);
+    status = warn_of_loose_muscles(j, error);
+    if (status == SN_OK) status = simulate(j, error);
     if (status != SN_OK && status != SN_STOPPED) return status;
+    outcome_say(&j->outcome);
     sn_status reported = cli_report(&j->c, write_report, j, error);
     return reported != SN_OK ? reported : status;
 }
@@ -816,7 +715,7 @@ int main(int argc, char **argv) {
     job j = {0};
     sn_error error = {0};
     cli_start(&j.c, &TOOL, argc, argv);
-    parse_limits(&j.c, given.fail_on, &j.limits);
+    outcome_parse_limits(&j.outcome, &j.c, given.fail_on);
     parse_stop(&j);
     check_choice(&j);
     if (cli_given(&j.c, "save-every") && given.state == NULL) cli_usage_error(&j.c, "--save-every needs --state FILE");
@@ -824,7 +723,7 @@ int main(int argc, char **argv) {
     sn_status status = work(&j, &error);
     free_targets(&j);
     fibers_free(&j.fibers);
-    free(j.frame_seconds);
+    outcome_free(&j.outcome);
     sn_pool_destroy(j.pool);
     sn_state_destroy(j.model, j.state);
     sn_model_destroy(j.model);

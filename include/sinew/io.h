@@ -228,7 +228,7 @@ void sn_line_frames_abort(sn_line_frames *frames);                              
  * the first and the last row keep their values. Nothing is seen at path before commit. */
 typedef struct sn_table_params {
     const char *title;        /* first line of a storage file */
-    int64_t rows;             /* that will be appended: a storage file's header says so */
+    int64_t rows;             /* that will be appended, at most: a storage file's header tells how many there are */
     sn_index columns;         /* at least 1 */
     const char *const *names; /* (columns) white space in them becomes '_' */
     sn_index smoothed_from;   /* columns before this stay as they are */

@@ -69,6 +69,23 @@ typedef struct sn_attachment {
     double *confidence;  /* (count) in [0,1]; NULL = not known */
 } sn_attachment;
 
+/* How an attachment holds (lib/geom/attachments.c). Its end is what it holds and the surface joined to that within a tenth of the muscle's
+ * length (between vertices far apart) of its middle: of a muscle with several tendons, the one that it is on. */
+typedef struct sn_grip {
+    sn_index patches; /* connected sets of its vertices */
+    sn_index largest; /* vertices of the largest */
+    double share;     /* of the area of its end, in (0, 1]; a vertex has a third of its triangles. NaN where that area is 0 */
+} sn_grip;
+
+/* What that means. Measured on the 1,023 attachments of 291 muscles by contact: the digitations of a serratus have 11 vertices a patch and
+ * more, speckles of contact 5 and fewer. */
+typedef enum sn_grip_quality {
+    SN_GRIP_GOOD,
+    SN_GRIP_SLIGHT,  /* less than 1 % of its end */
+    SN_GRIP_SPECKLED /* four patches or more, of fewer than six vertices on average, none with more than half of the vertices */
+} sn_grip_quality;
+sn_grip_quality sn_grip_judge(const sn_attachment *attachment, const sn_grip *grip);
+
 /* Where a muscle rubs on a neighbour: candidates for [R18] 4.3's external constraints, each from a vertex to a point of the target. */
 typedef struct sn_external {
     char *target;         /* name of a muscle or an envelope */
@@ -110,6 +127,10 @@ void sn_attachments_free(sn_attachment *attachments, sn_index count);
 void sn_externals_free(sn_external *externals, sn_index count);
 void sn_muscle_free(sn_muscle *muscle); /* frees what it owns and zeroes it */
 unsigned sn_muscle_sections(const sn_muscle *muscle); /* the sections that are there: bits of sn_section */
+/* How each attachment holds: grips (attachment_count). The muscle must be valid. */
+SN_MUST_CHECK sn_status sn_muscle_grips(const sn_muscle *muscle, sn_grip *grips, sn_error *error);
+/* The one bone that holds all attached vertices; NULL = none, or there are several. */
+const char *sn_muscle_only_bone(const sn_muscle *muscle);
 /* A copy of the mesh with the sections painted on it, for programs that know meshes only: "fiber" (3 numbers: the unit direction),
  * "sample" (the structure's sample that the vertex hangs on, -1 = none), "attachment" (the index of its bone, -1 = none; the bones are
  * its labels) and "root" (1 on roots). An attribute of the mesh that has one of these names gives way. */

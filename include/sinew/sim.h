@@ -205,6 +205,9 @@ typedef struct sn_statistics {
     sn_residual residuals[SN_ROW_KINDS];
     double smallest_triangle;         /* least area over rest area; NaN where no triangle has a rest area */
     sn_index smallest_triangle_index; /* SN_NONE = none */
+    double largest_edge_ratio;        /* greatest length over goal length of an edge of the surface, see SN_LEAST_GOAL; NaN = no edge */
+    sn_index largest_edge[2];         /* its vertices, of equal ones the first; SN_NONE = none */
+    bool torn;                        /* far from any shape of rest (SN_FAR_...) now or, under qn, where a substep of the frame began */
     double residual;                  /* |dPhi/dx| / (k L) of the last substep, Phi = |x - y|^2_M / (2 h^2) + E; NaN inside a substep */
     double kinetic_energy;            /* J */
     double elastic_energy;            /* J: sum of k C^2 / 2 over the rows, as if none were rigid */
@@ -218,9 +221,30 @@ typedef struct sn_statistics {
     int64_t iterations, rejected_steps, refactorisations;
     int64_t steps;              /* under xpbd too: substeps, or the parts in which they were taken */
     int64_t halvings;           /* steps that were too long, and were given up for two of half the length */
+    int64_t torn_substeps;      /* that began torn */
     int64_t restarts;           /* wrecked shapes that were given up for the rest pose, carried along with the bones */
     sn_stop_reason stop_reason; /* of the last substep */
 } sn_statistics;
+
+/* The edges of the surface are those of the rows SN_ROWS_MESH; under the membrane those of its triangles, against the goal shape; where
+ * neither runs, all of them against their rest lengths. A goal below this share of the mean edge counts as this long: an edge that is
+ * (nearly) to vanish has no ratio of its own, and is too long where the mean edge would be. An edge whose length is NaN does not count. */
+#define SN_LEAST_GOAL 0.1
+
+/* An edge of the surface as far as the first from its goal, in mean edges (or such a strain of the membrane), or all of them as far as the
+ * second in the root mean square: the muscle is torn. */
+#define SN_FAR_STRETCHED 3.0
+#define SN_FAR_IN_THE_MEAN 0.5
+
+/* What no muscle does: signs that a run has exploded, as bits. */
+typedef enum sn_explosion {
+    SN_EXPLODED_POINTS = 1, /* a coordinate is not finite */
+    SN_EXPLODED_VOLUME = 2, /* the volume is off its goal by more than SN_EXPLODED_VOLUME_ERROR; whether or not the volume is kept */
+    SN_EXPLODED_EDGE = 4    /* an edge of the surface is longer than SN_EXPLODED_EDGE_RATIO times its goal */
+} sn_explosion;
+#define SN_EXPLODED_VOLUME_ERROR 0.5
+#define SN_EXPLODED_EDGE_RATIO 10.0
+unsigned sn_explosions(const sn_statistics *statistics);
 
 /* ---- the state ------------------------------------------------------------------------------------------------------------ */
 

@@ -5,6 +5,7 @@
  */
 #include "mesh_reader.h"
 
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -18,8 +19,10 @@ struct sn_table {
     sn_output *output;
     sn_index columns, smoothed_from;
     int rounds;
-    smoother *smoothers; /* (rounds) */
-    double **passing;    /* (rounds) x (columns): what a round hands to the next */
+    int64_t promised, written; /* rows that a storage file's header tells, and those that are there */
+    uint64_t rows_at;          /* where it tells them; 0 = no such header */
+    smoother *smoothers;       /* (rounds) */
+    double **passing;          /* (rounds) x (columns): what a round hands to the next */
 };
 
 static bool ends_with(const char *text, const char *ending) {
@@ -29,11 +32,13 @@ static bool ends_with(const char *text, const char *ending) {
 
 /* ---- the head --------------------------------------------------------------------------------------------------------------- */
 
-/* The lines that OpenSim's readers ask for, in the order of the files that it writes itself. */
-static void write_storage_head(sn_output *output, const sn_table_params *params) {
+/* The lines that OpenSim's readers ask for, in the order of the files that it writes itself. Returns where the number of rows is. */
+static uint64_t write_storage_head(sn_output *output, const sn_table_params *params) {
+    size_t title = strlen(params->title);
     sn_write_name(output, params->title, false);
     sn_output_print(output, "\nversion=1\nnRows=%lld\nnColumns=%d\ninDegrees=yes\n\n", (long long)params->rows, params->columns);
     sn_output_print(output, "Units are S.I. units (second, meters, Newtons, ...)\nAngles are in degrees.\n\nendheader\n");
+    return (title > 0 ? title : 1) + strlen("\nversion=1\nnRows=");
 }
 
 static void write_names(sn_output *output, const sn_table_params *params) {
@@ -59,6 +64,7 @@ sn_status sn_table_create(const char *path, const sn_table_params *params, sn_ta
     table->columns = params->columns;
     table->smoothed_from = params->smoothed_from;
     table->rounds = params->rounds;
+    table->promised = params->rows;
     sn_status status = allocate(table, error);
     if (status == SN_OK) status = sn_output_open(path, false, &table->output, error);
     if (status != SN_OK) {
@@ -66,7 +72,7 @@ sn_status sn_table_create(const char *path, const sn_table_params *params, sn_ta
         *out = NULL;
         return status;
     }
-    if (ends_with(path, ".sto") || ends_with(path, ".mot")) write_storage_head(table->output, params);
+    if (ends_with(path, ".sto") || ends_with(path, ".mot")) table->rows_at = write_storage_head(table->output, params);
     write_names(table->output, params);
     return SN_OK;
 }
@@ -74,6 +80,7 @@ sn_status sn_table_create(const char *path, const sn_table_params *params, sn_ta
 /* ---- rows ------------------------------------------------------------------------------------------------------------------- */
 
 static sn_status write_row(sn_table *table, const double *row, sn_error *error) {
+    table->written++;
     for (sn_index i = 0; i < table->columns; i++) sn_write_number(table->output, i > 0 ? '\t' : '\0', row[i]);
     return sn_output_write(table->output, "\n", 1, error);
 }
@@ -113,8 +120,18 @@ static sn_status release(sn_table *table, sn_error *error) {
     return status;
 }
 
+/* Fewer rows than were promised: the header says so, in as many digits. */
+static sn_status correct_head(sn_table *table, sn_error *error) {
+    char digits[24], right[24];
+    int length = snprintf(digits, sizeof digits, "%lld", (long long)table->promised);
+    if (table->rows_at == 0 || table->written >= table->promised) return SN_OK;
+    snprintf(right, sizeof right, "%0*lld", length, (long long)table->written);
+    return sn_output_patch(table->output, table->rows_at, right, (size_t)length, error);
+}
+
 sn_status sn_table_commit(sn_table *table, sn_error *error) {
     sn_status status = release(table, error);
+    if (status == SN_OK) status = correct_head(table, error);
     if (status == SN_OK) {
         status = sn_output_commit(table->output, error);
         table->output = NULL;

@@ -297,3 +297,43 @@ void sn_distance_errors(const sn_model_muscle *m, const sn_muscle_state *s, sn_i
     const springs in = {.points = s->points, .index = m->distances->point, .goals = s->goals};
     errors_of_rows(&in, begin, end, m->mean_edge, errors);
 }
+
+/* ---- the longest edge ------------------------------------------------------------------------------------------------------ */
+
+static double least_goal(const sn_model_muscle *m) { return SN_LEAST_GOAL * m->mean_edge; }
+
+/* By its error a row is no longer than goal + error x mean edge, to rounding: may one of `lanes` rows be longer over its goal than `ratio`?
+ */
+SN_INLINE bool may_be_longer(const double *goals, const double *errors, double unit, double least, double ratio, int lanes) {
+    wide goal = wide_load(goals, lanes), floor = wide_splat(least), slack = wide_splat(1.0 + 1e-12);
+    wide most = slack * (goal + wide_load(errors, lanes) * wide_splat(unit));
+    return wide_any(wide_less(wide_splat(ratio) * wide_select(wide_less(goal, floor), floor, goal), most));
+}
+
+/* The first row from r on that may be longer, to within a batch; end where there is none. */
+SN_WIDE_KERNEL static sn_index next_longer(const double *goals, const double *errors, double unit, double least, double ratio, sn_index r,
+                                           sn_index end) {
+    for (; r + WIDE_LANES <= end; r += WIDE_LANES)
+        if (may_be_longer(goals + r, errors + r, unit, least, ratio, WIDE_LANES)) return r;
+    for (; r < end; r++)
+        if (may_be_longer(goals + r, errors + r, unit, least, ratio, 1)) return r;
+    return end;
+}
+
+static void compare_edge(const sn_model_muscle *m, const sn_muscle_state *s, sn_index row, sn_longest_edge *longest) {
+    const sn_index *p = m->distances[row].point;
+    double length = sn_distance(sn_point_position(&s->points[p[0]]), sn_point_position(&s->points[p[1]]));
+    double ratio = length / fmax(s->goals[row], least_goal(m));
+    if (ratio > longest->ratio) *longest = (sn_longest_edge){ratio, {p[0], p[1]}};
+}
+
+void sn_distance_longest(const sn_model_muscle *m, const sn_muscle_state *s, sn_index begin, sn_index end, const double *errors,
+                         sn_longest_edge *longest) {
+    const double *goals = s->goals + begin;
+    double unit = m->mean_edge, least = least_goal(m);
+    sn_index count = end - begin;
+    for (sn_index r = 0; r < count; r += SN_BATCH) {
+        r = next_longer(goals, errors, unit, least, longest->ratio, r, count);
+        for (sn_index i = r; i < count && i < r + SN_BATCH; i++) compare_edge(m, s, begin + i, longest);
+    }
+}

@@ -58,7 +58,17 @@ static void count_error(sn_residual *residual, sn_index row, double error) {
     if (residual->worst == SN_NONE || error > residual->max) residual->max = error, residual->worst = row;
 }
 
-sn_residual sn_rows_residual(const sn_model_muscle *m, const sn_muscle_state *s, sn_row_kind kind) {
+sn_row_kind sn_stretch_kind(const sn_model_muscle *m) { return m->membrane_count > 0 ? SN_ROWS_MEMBRANE : SN_ROWS_MESH; }
+
+static void look_for_longest(const sn_model_muscle *m, const sn_muscle_state *s, sn_row_kind kind, sn_index begin, sn_index end,
+                             const double *errors, sn_longest_edge *longest) {
+    if (kind == SN_ROWS_MEMBRANE)
+        sn_membrane_longest(m, s, begin, end, errors, longest);
+    else
+        sn_distance_longest(m, s, m->distance_start[kind] + begin, m->distance_start[kind] + end, errors, longest);
+}
+
+sn_residual sn_rows_residual(const sn_model_muscle *m, const sn_muscle_state *s, sn_row_kind kind, sn_longest_edge *longest) {
     enum { BLOCK = 256 };
     double errors[BLOCK], sum = 0.0;
     sn_residual residual = {.worst = SN_NONE};
@@ -66,6 +76,7 @@ sn_residual sn_rows_residual(const sn_model_muscle *m, const sn_muscle_state *s,
     for (sn_index begin = 0; begin < count; begin += BLOCK) {
         sn_index rows = count - begin < BLOCK ? count - begin : BLOCK;
         errors_of(m, s, kind, begin, begin + rows, errors);
+        if (longest != NULL) look_for_longest(m, s, kind, begin, begin + rows, errors, longest);
         for (sn_index i = 0; i < rows; i++) {
             if (kind == SN_ROWS_DIHEDRAL && isnan(errors[i])) continue; /* it has no angle now */
             sum += errors[i] * errors[i];
@@ -87,6 +98,17 @@ double sn_largest_strain(const sn_model_muscle *m, const sn_muscle_state *s) {
         }
     }
     return most;
+}
+
+void sn_rest_longest(const sn_model_muscle *m, const sn_muscle_state *s, sn_longest_edge *longest) {
+    for (sn_index t = 0; t < m->triangle_count; t++) {
+        for (int i = 0; i < 3; i++) {
+            sn_index a = m->triangles[t].v[i], b = m->triangles[t].v[(i + 1) % 3];
+            double goal = fmax(sn_distance(m->rest[a], m->rest[b]), SN_LEAST_GOAL * m->mean_edge);
+            double ratio = sn_distance(sn_point_position(&s->points[a]), sn_point_position(&s->points[b])) / goal;
+            if (ratio > longest->ratio) *longest = (sn_longest_edge){ratio, {a, b}};
+        }
+    }
 }
 
 void sn_row_errors(const sn_model *model, const sn_state *state, sn_index muscle, sn_row_kind kind, double *errors) {

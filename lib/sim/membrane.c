@@ -165,3 +165,30 @@ static double strain(const sn_model_muscle *m, const sn_muscle_state *s, sn_inde
 void sn_membrane_errors(const sn_model_muscle *m, const sn_muscle_state *s, sn_index begin, sn_index end, double *errors) {
     for (sn_index r = begin; r < end; r++) *errors++ = strain(m, s, r);
 }
+
+/* Ratio of one edge (now, and in the goal shape) that lies between two points. */
+static void compare_edge(const sn_model_muscle *m, sn_vec3 now, double x, double y, sn_index a, sn_index b, sn_longest_edge *longest) {
+    double ratio = sn_norm(now) / fmax(sqrt(x * x + y * y), SN_LEAST_GOAL * m->mean_edge);
+    if (ratio > longest->ratio) *longest = (sn_longest_edge){ratio, {a, b}};
+}
+
+/* The edges of the goal shape are the columns of the inverse of D, and their difference. */
+static void compare_edges(const sn_model_muscle *m, const sn_muscle_state *s, sn_index row, sn_longest_edge *longest) {
+    const sn_index *v = m->membrane_points[row].point;
+    const double *goal = s->membrane_goals + row;
+    size_t n = (size_t)m->membrane_count;
+    double scale = 1.0 / (goal[0] * goal[3 * n] - goal[n] * goal[2 * n]);
+    double x1 = scale * goal[3 * n], y1 = -scale * goal[2 * n], x2 = -scale * goal[n], y2 = scale * goal[0];
+    sn_vec3 origin = sn_point_position(&s->points[v[0]]);
+    sn_vec3 d1 = sn_sub(sn_point_position(&s->points[v[1]]), origin), d2 = sn_sub(sn_point_position(&s->points[v[2]]), origin);
+    compare_edge(m, d1, x1, y1, v[0], v[1], longest);
+    compare_edge(m, d2, x2, y2, v[0], v[2], longest);
+    compare_edge(m, sn_sub(d2, d1), x2 - x1, y2 - y1, v[1], v[2], longest);
+}
+
+/* No direction is stretched by more than the root of 1 + 2 |E|, E Green's strain: most triangles need no closer look. */
+void sn_membrane_longest(const sn_model_muscle *m, const sn_muscle_state *s, sn_index begin, sn_index end, const double *errors,
+                         sn_longest_edge *longest) {
+    for (sn_index r = begin; r < end; r++)
+        if (longest->ratio * longest->ratio < (1.0 + 1e-12) * (1.0 + 2.0 * errors[r - begin])) compare_edges(m, s, r, longest);
+}

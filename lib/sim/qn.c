@@ -20,7 +20,7 @@ static const double STEP_NOISE = 1e-14;
 static const double STEP_CAP = 0.1;
 /* An edge as far as the first from its goal, in mean edges (or such a strain), all of them as far as the second in the mean, or a bone that
  * has jumped: the matrix of the rest shape says little then, and each iteration that the scene allows stands for several. */
-static const double FAR_STRETCHED = 3.0, FAR_IN_THE_MEAN = 0.5;
+static const double FAR_STRETCHED = SN_FAR_STRETCHED, FAR_IN_THE_MEAN = SN_FAR_IN_THE_MEAN;
 enum { TORN_EFFORT = 10 };
 /* Bones that move a point farther than so many mean edges in a substep, or did in the last, tear the rings next to them: there a smaller
  * stretch counts. */
@@ -325,7 +325,7 @@ typedef struct condition {
 } condition;
 
 static condition condition_of(const sn_model_muscle *m, const sn_muscle_state *s) {
-    condition now = {.stretch = sn_rows_residual(m, s, m->membrane_count > 0 ? SN_ROWS_MEMBRANE : SN_ROWS_MESH)};
+    condition now = {.stretch = sn_rows_residual(m, s, sn_stretch_kind(m), NULL)};
     for (sn_index r = 0; r < m->area_count; r++)
         now.collapsed += !(double_area(s->points, m->areas[r].point) * m->area_scales[r] >= UNGUARDED);
     return now;
@@ -552,6 +552,7 @@ static sn_verdict qn_substep(const sn_model_muscle *m, sn_muscle_state *s, const
         go_back(m, s);
         return SN_STEP_GIVEN_UP;
     }
+    s->statistics.torn_substeps += s->torn;
     finish(m, s, substep);
     return SN_STEP_HOLDS;
 }

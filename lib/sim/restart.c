@@ -73,6 +73,7 @@ static bool is_motion(const sn_bone_motion *b) {
     X(statistics.refactorisations, is_count(s->statistics.refactorisations))                                                               \
     X(statistics.steps, is_count(s->statistics.steps))                                                                                     \
     X(statistics.halvings, is_count(s->statistics.halvings))                                                                               \
+    X(statistics.torn_substeps, is_count(s->statistics.torn_substeps))                                                                     \
     X(statistics.restarts, is_count(s->statistics.restarts))                                                                               \
     X(volume_lambda, isfinite(s->volume_lambda))                                                                                           \
     X(activation, s->activation >= -ROUNDING && s->activation <= 1.0 + ROUNDING)                                                           \

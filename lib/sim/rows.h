@@ -149,6 +149,15 @@ double sn_distance_energy(const sn_model_muscle *m, const sn_muscle_state *s, sn
 /* |C| of rows begin to end - 1, among those of all distance kinds, over the mean edge. */
 void sn_distance_errors(const sn_model_muscle *m, const sn_muscle_state *s, sn_index begin, sn_index end, double *errors);
 
+/* The longest edge so far, over its goal. */
+typedef struct sn_longest_edge {
+    double ratio; /* 0 = none yet */
+    sn_index point[2];
+} sn_longest_edge;
+/* Go on with rows begin to end - 1, whose errors are at hand: they tell which of them need a closer look. */
+void sn_distance_longest(const sn_model_muscle *m, const sn_muscle_state *s, sn_index begin, sn_index end, const double *errors,
+                         sn_longest_edge *longest);
+
 /* ---- dihedral.c ---- */
 SN_MUST_CHECK sn_status sn_hinge_build(const sn_build *build, sn_error *error);
 void sn_hinge_sweep(const sn_model_muscle *m, sn_muscle_state *s, const sn_sweep *sweep);
@@ -170,6 +179,10 @@ double sn_membrane_energy(const sn_model_muscle *m, const sn_muscle_state *s, do
 /* |1/2 (FT F - I)|, Green's strain, of rows begin to end - 1. */
 void sn_membrane_errors(const sn_model_muscle *m, const sn_muscle_state *s, sn_index begin, sn_index end, double *errors);
 
+/* As sn_distance_longest, of the edges of triangles. */
+void sn_membrane_longest(const sn_model_muscle *m, const sn_muscle_state *s, sn_index begin, sn_index end, const double *errors,
+                         sn_longest_edge *longest);
+
 /* ---- volume.c ---- */
 void sn_volume_build(const sn_build *build);
 double sn_volume_ratio(const sn_model_muscle *m, const sn_muscle_state *s); /* V / V0 */
@@ -190,8 +203,12 @@ void sn_inputs_update(const sn_model_muscle *m, sn_muscle_state *s, double time)
 double sn_row_stiffness(const sn_model_muscle *m, const sn_muscle_state *s, sn_row_kind kind);
 
 /* ---- errors.c ---- */
-/* Of the errors of all rows of a kind but the volume. */
-sn_residual sn_rows_residual(const sn_model_muscle *m, const sn_muscle_state *s, sn_row_kind kind);
+/* Of the errors of all rows of a kind but the volume; longest: nullable, and for SN_ROWS_MESH and SN_ROWS_MEMBRANE only. */
+sn_residual sn_rows_residual(const sn_model_muscle *m, const sn_muscle_state *s, sn_row_kind kind, sn_longest_edge *longest);
+/* What the surface is stretched by: SN_ROWS_MEMBRANE where it runs, else SN_ROWS_MESH. */
+sn_row_kind sn_stretch_kind(const sn_model_muscle *m);
+/* Where neither of them has a row: the edge longest over its length at rest. */
+void sn_rest_longest(const sn_model_muscle *m, const sn_muscle_state *s, sn_longest_edge *longest);
 /* Greatest |l / l0 - 1| of any edge of the surface against its length at rest. */
 double sn_largest_strain(const sn_model_muscle *m, const sn_muscle_state *s);
 

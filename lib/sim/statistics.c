@@ -54,6 +54,27 @@ double sn_residual_measure(const sn_model_muscle *m, sn_muscle_state *s, sn_vec3
     return s->stiffness > 0.0 ? sqrt(sum) / (s->stiffness * m->diagonal) : NAN;
 }
 
+/* The errors of all rows but the volume's, and what the surface's say: its longest edge, and whether it is torn. */
+static void measure_rows(const sn_model_muscle *m, const sn_muscle_state *s, sn_statistics *out) {
+    sn_longest_edge longest = {0.0, {SN_NONE, SN_NONE}};
+    int stretch = sn_stretch_kind(m);
+    for (int kind = 0; kind < SN_ROWS_VOLUME; kind++)
+        out->residuals[kind] = sn_rows_residual(m, s, (sn_row_kind)kind, kind == stretch ? &longest : NULL);
+    const sn_residual *off = &out->residuals[stretch];
+    if (off->worst == SN_NONE) sn_rest_longest(m, s, &longest);
+    out->largest_edge[0] = longest.point[0], out->largest_edge[1] = longest.point[1];
+    out->largest_edge_ratio = longest.point[0] != SN_NONE ? longest.ratio : NAN;
+    out->torn = out->torn_substeps > 0 || off->max > SN_FAR_STRETCHED || off->rms > SN_FAR_IN_THE_MEAN;
+}
+
+unsigned sn_explosions(const sn_statistics *s) {
+    unsigned signs = 0;
+    if (s->nan_points > 0) signs |= SN_EXPLODED_POINTS;
+    if (fabs(s->volume_error) > SN_EXPLODED_VOLUME_ERROR) signs |= SN_EXPLODED_VOLUME; /* NaN: no volume */
+    if (s->largest_edge_ratio > SN_EXPLODED_EDGE_RATIO) signs |= SN_EXPLODED_EDGE;
+    return signs;
+}
+
 void sn_statistics_measure(const sn_model_muscle *m, sn_muscle_state *s) {
     sn_statistics *out = &s->statistics;
     out->activation = s->activation;
@@ -62,6 +83,6 @@ void sn_statistics_measure(const sn_model_muscle *m, sn_muscle_state *s) {
     measure_points(m, s, out);
     measure_triangles(m, s, out);
     measure_volume(m, s, out);
-    for (int kind = 0; kind < SN_ROWS_VOLUME; kind++) out->residuals[kind] = sn_rows_residual(m, s, (sn_row_kind)kind);
+    measure_rows(m, s, out);
     out->elastic_energy = elastic_energy(m, s, (sn_forces){NULL, 3});
 }

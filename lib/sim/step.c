@@ -176,7 +176,7 @@ static void clear_counters(sn_state *state, sn_index muscle_count) {
     for (sn_index i = 0; i < muscle_count; i++) {
         sn_statistics *statistics = &state->muscles[i].statistics;
         statistics->skipped_edges = statistics->skipped_hinges = statistics->clamped_hinges = 0;
-        statistics->held_triangles = statistics->skipped_triangles = 0;
+        statistics->held_triangles = statistics->skipped_triangles = statistics->torn_substeps = 0;
         statistics->iterations = statistics->rejected_steps = statistics->refactorisations = statistics->restarts = 0;
         statistics->steps = statistics->halvings = 0;
     }

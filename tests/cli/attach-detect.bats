@@ -337,3 +337,30 @@ ring() { # BONE AREA X0 X1 Y0 Y1 [ORDER]
     box -1 1.5 | awk 'NR == 2 { print 8, 10, 0; next } NF == 4 && ++t > 2 || NF < 4 { print }' > open.off # without its bottom
     [ "$(attach -q --method contact --bone open.off strip.off | vertices open)" = "[0,1,2,3]" ]
 }
+
+@test "one bone alone, a slight grip and speckles are warned of; the document and the status stay" {
+    # a tube of 60 rings of 24 vertices, 1 apart: vertex 24 r + k
+    awk 'BEGIN {
+        print "OFF\n1440 2832 0"
+        for (r = 0; r < 60; r++) for (k = 0; k < 24; k++) print 4 * cos(k * 0.2617993877991494), 4 * sin(k * 0.2617993877991494), r
+        for (r = 0; r < 59; r++) for (k = 0; k < 24; k++) {
+            a = 24 * r + k; b = 24 * r + (k + 1) % 24
+            print 3, a, b, a + 24; print 3, b, b + 24, a + 24
+        }
+    }' > tube.off
+    lower="--pin lower=half:0,0,2.5,0,0,-1" upper="--pin upper=half:0,0,56.5,0,0,1"
+    warnings() { attach --units mm --method none "$@" tube.off -o out.json 2>&1 > /dev/null | grep warning || true; }
+    [ -z "$(warnings $lower $upper)" ]
+    [[ "$(warnings $lower)" == *"is held by one bone only, lower, "*"--bone"* ]]
+    [ "$(warnings $lower $upper --pin dot=indices:700 | wc -l)" -eq 1 ]
+    [[ "$(warnings $lower $upper --pin dot=indices:700)" == *": dot holds less than 1 % of the end"*"--distance"* ]]
+    speckles=$(seq 600 2 622 | tr '\n' ','; seq 672 2 694 | paste -sd,)
+    [[ "$(warnings $lower $upper --pin dots=indices:$speckles)" == *": dots holds scattered vertices, not an area; "*"--landmarks"* ]]
+    # four fingers are no speckles: rows of eight
+    fingers=$(for k in 0 6 12 18; do for r in 20 21 22 23 24 25 26 27; do echo $((24 * r + k)); done; done | sort -n | paste -sd,)
+    [ -z "$(warnings $lower $upper --pin hand=indices:$fingers)" ]
+    run -0 --separate-stderr attach -q --units mm --method none $lower --pin dots=indices:$speckles tube.off -o quiet.json
+    [ -z "$stderr" ]
+    attach --units mm --method none $lower --pin dots=indices:$speckles tube.off -o said.json
+    cmp quiet.json said.json
+}

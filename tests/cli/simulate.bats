@@ -374,14 +374,14 @@ json.dump(scene, open("again.scene.json", "w"))'
 
 @test "--fail-on names the first frame that breaks a limit: status 3, and everything is written" {
     one_muscle
-    run -3 simulate one.scene.json --frames 0:4 -o out.pc2 --log log.jsonl --fail-on 'volume>0.01,mesh>1e-6,nan>0'
+    run -3 simulate -q one.scene.json --frames 0:4 -o out.pc2 --log log.jsonl --fail-on 'volume>0.01,mesh>1e-6,nan>0'
     [ "$(echo "$output" | wc -l)" -eq 1 ]
     [[ "$output" == *'frame 1, muscle "biceps": mesh is '* ]]
     [ -s out.pc2 ]
     [ "$(wc -l < log.jsonl)" -eq 5 ]
     run -0 simulate one.scene.json --frames 0:1 --log log.jsonl --fail-on 'volume>0.01,triangle<0.01'
     run -0 simulate one.scene.json --frames 0:1 --log log.jsonl --fail-on 'internal>9,radial>9,area>0.4,energy>9,elastic>1e9,skipped>0,clamped>1e9'
-    run -3 simulate one.scene.json --frames 0:1 --log log.jsonl --fail-on 'elastic>0,residual>0,energy>0'
+    run -3 simulate -q one.scene.json --frames 0:1 --log log.jsonl --fail-on 'elastic>0,residual>0,energy>0'
     [ "$(echo "$output" | wc -l)" -eq 3 ]
     for bad in 'volume' 'volume>' 'size>1' 'volume>x' 'volume>0.1,,nan>0'; do
         run -2 simulate one.scene.json --frames 0:1 --fail-on "$bad"
@@ -393,12 +393,13 @@ json.dump(scene, open("again.scene.json", "w"))'
     printf '{"format":"sinew-scene","version":1,"muscles":[{"rig":"loose.muscle.json"}]}' > loose.scene.json
     simulate loose.scene.json --frames 0:3 -o loose.pc2 > log.jsonl 2> err
     grep -q 'attached to no bone' err
-    [ "$(wc -l < err)" -eq 1 ]
+    [ "$(grep -c warning err)" -eq 1 ]
     python3 -c 'import json
 for line in open("log.jsonl"): assert abs(json.loads(line)["kinetic_energy"]) < 1e-12'
     printf '{"format":"sinew-scene","version":1}' > none.scene.json
-    simulate -q none.scene.json > log.jsonl
+    simulate none.scene.json > log.jsonl 2> err
     [ ! -s log.jsonl ]
+    [ "$(wc -l < err)" -eq 1 ] # a warning, and no summary of nothing
 }
 
 @test "outputs that make no sense are wrong usage" {
@@ -422,6 +423,128 @@ for line in open("log.jsonl"): assert abs(json.loads(line)["kinetic_energy"]) < 
     [ "$(cat out.pc2)" = old ]
     run -1 simulate one.scene.json --frames 0:1 -o missing/folder/out.pc2 --log log.jsonl
     run -1 sh -c "simulate one.scene.json --frames 0:1 > /dev/full"
+}
+
+# The sample arm's biceps, its forearm moved by a pose joint: keys "TIME WAY", WAY along -z in metres.
+moved() { python3 -c 'import json, sys
+s = json.load(open("arm.scene.json")); s["muscles"] = s["muscles"][:1]
+keys = [dict(time=float(k.split()[0]), translation=[0, 0, -float(k.split()[1])]) for k in sys.argv[2:]]
+s["motion"]["joints"] = [dict(name="elbow", type="pose", keys=keys)]
+json.dump(s, open(sys.argv[1], "w"))' "$@"; }
+samples() { python3 -c 'import struct, sys; print(struct.unpack("<i", open(sys.argv[1], "rb").read()[28:32])[0])' "$1"; }
+
+@test "a run that exploded ends with status 3 and says who, when and what may help; all of its frames are written" {
+    moved jump.scene.json "0.2 0" "0.21 0.3" # a length of the muscle in a hundredth of a second
+    for options in "--solver xpbd" "--scheme romeo --substeps 1 --iterations 1" "--scheme kohout --substeps 1 --iterations 1"; do
+        run -3 --separate-stderr simulate jump.scene.json --frames 0:12 $options -o out.pc2 --log log.jsonl
+        [[ "$stderr" == *'frame 5: muscle "biceps" has exploded, its edge between vertices '*' times its goal length; '*" may help"* ]]
+        [ "$(grep -c 'has exploded, its edge' <<< "$stderr")" -eq 1 ] # not in frame 6 again
+        [ "$(samples out.pc2)" -eq 13 ]
+        [ "$(wc -l < log.jsonl)" -eq 13 ]
+    done
+    [[ "$stderr" == *'has exploded, its volume is '*" times its goal; --scheme guarded"* ]] # kohout's
+    simulate jump.scene.json --frames 0:12 > qn.jsonl # the default survives it
+    moved far.scene.json "0.2 0" "0.21 20"
+    run -3 --separate-stderr simulate -q far.scene.json --frames 0:6
+    [[ "$stderr" == *"its bones have gone far apart"* ]]
+    simulate far.scene.json --frames 0:4 > log.jsonl # before it
+}
+
+@test "points that are not finite end the run, and what was done is kept; where nothing was, status 1" {
+    moved nan.scene.json "0 0" "0.2 0" "0.21 -1.7e308" "0.5 1.7e308" # between the last two no number is finite
+    for options in "--solver qn" "--solver xpbd" "--scheme romeo"; do
+        rm -f out.pc2 end.state
+        run -3 --separate-stderr simulate nan.scene.json --frames 0:12 $options -o out.pc2 --log log.jsonl --state end.state --report report.json
+        [[ "$stderr" == *'frame 6: muscle "biceps" has exploded, '*"not finite"*"the run ends with frame 5, and writes no state; "* ]]
+        [ "$(samples out.pc2)" -eq 6 ]
+        [ "$(values log.jsonl frame | tr '\n' ' ')" = "0 1 2 3 4 5 6 " ]
+        refute [ -e end.state ]
+        python3 -c 'import json
+r = json.load(open("report.json")); assert r["frames"] == 5 and "points" in r["outcome"]["exploded"][0]["signs"], r["outcome"]'
+        simulate nan.scene.json --frames 0:4 $options -o whole.pc2 --log log.jsonl
+        head -c $((32 + 5 * 12 * 521)) out.pc2 | tail -c +33 > a
+        tail -c +33 whole.pc2 | cmp - a
+    done
+    run -3 simulate nan.scene.json --frames 0:12 --save-every 2 --state end.state --log log.jsonl
+    [ -e end.state ] # of frame 4
+    simulate nan.scene.json --frames 0:5 --from end.state -o rest.pc2 --log log.jsonl || [ $? -eq 3 ]
+    [ "$(samples rest.pc2)" -eq 1 ]
+    run -1 --separate-stderr simulate nan.scene.json --frames 6:8 -o none.pc2 --log log.jsonl
+    [[ "$stderr" == *'frame 6: muscle "biceps" has '*" points that are not finite"* ]]
+    refute [ -e none.pc2 ]
+}
+
+@test "the summary names the worst, the report holds it, the log says what is torn, and -q none of it" {
+    run -0 --separate-stderr simulate arm.scene.json --frames 0:12 --log log.jsonl --report report.json
+    [[ "$stderr" == *"13 frames, "*" ms each (median)"*"volume farthest"*"longest edge"*"smallest triangle"*"most iterations"* ]]
+    refute grep -q -e warning -e torn <<< "$stderr"
+    python3 - <<'END'
+import json
+lines = [json.loads(line) for line in open("log.jsonl")]
+outcome = json.load(open("report.json"))["outcome"]
+def worst(name, key):
+    w = max(lines, key=key); w = (w["muscle"], w["frame"])
+    assert (outcome[name]["muscle"], outcome[name]["frame"]) == w, (name, outcome[name], w)
+worst("volumeError", lambda l: abs(l["volume_error"]))
+worst("largestEdgeRatio", lambda l: l["largest_edge_ratio"])
+worst("smallestTriangle", lambda l: -l["smallest_triangle"])
+worst("mostIterations", lambda l: l["iterations"])
+assert outcome["torn"] == [] and outcome["exploded"] == [] and not any(l["torn"] for l in lines)
+END
+    run -0 --separate-stderr simulate -q arm.scene.json --frames 0:12 --log log.jsonl
+    [ -z "$stderr" ]
+    moved jump.scene.json "0.2 0" "0.21 0.3" "0.29 0.3" "0.3 0"
+    run -0 --separate-stderr simulate jump.scene.json --frames 0:12 --log log.jsonl --report report.json
+    python3 - "$stderr" <<'END'
+import json, sys
+torn = [l["frame"] for l in map(json.loads, open("log.jsonl")) if l["torn"]]
+assert 5 in torn and 4 not in torn, torn
+told = json.load(open("report.json"))["outcome"]["torn"]
+assert [f for a, b in told[0]["frames"] for f in range(a, b + 1)] == torn, (told, torn)
+text = ", ".join("%d" % a if a == b else "%d-%d" % (a, b) for a, b in told[0]["frames"])
+assert 'muscle "biceps" was torn in frame%s %s' % ("s" if len(torn) > 1 else "", text) in sys.argv[1], sys.argv[1]
+END
+    run -3 simulate arm.scene.json --frames 0:12 --log log.jsonl --fail-on 'edge>1.001,torn>0'
+    [[ "$output" == *"edge is 1."*", above the limit of 1.001"* ]]
+}
+
+@test "a muscle on one bone and a grip of speckles are warned of, and nothing else is" {
+    python3 - <<'END'
+import json
+s = json.load(open("arm.scene.json")); s["muscles"] = s["muscles"][:1]
+rig = json.load(open("biceps.muscle.json"))
+parts = rig["attachments"]
+for a in parts: [a.pop(k, None) for k in ("distances", "reasons", "confidence")]
+def save(name, attachments):
+    rig["attachments"] = attachments
+    json.dump(rig, open(name + ".muscle.json", "w"))
+    s["muscles"][0]["rig"] = name + ".muscle.json"
+    json.dump(s, open(name + ".scene.json", "w"))
+held = {v for a in parts for v in a["vertices"]}
+t = rig["mesh"]["triangles"]
+near = {}
+for i in range(0, len(t), 3):
+    for v in t[i:i + 3]: near.setdefault(v, set()).update(t[i:i + 3])
+lone, used = [], set(held)
+for v in sorted(near): # none beside another
+    if v not in used and len(lone) < 30:
+        lone.append(v); used |= near[v]
+save("one", parts[:1])
+save("speckled", parts + [dict(bone="humerus", method="pin", vertices=lone)])
+save("good", parts)
+END
+    for kind in one speckled good; do
+        run -0 --separate-stderr simulate $kind.scene.json --frames 0:1 --log log.jsonl
+        warnings=$(grep warning <<< "$stderr" || true)
+        echo "$kind: $warnings"
+        [ "$(grep -c . <<< "$warnings")" -eq "$([ $kind = good ] && echo 0 || echo 1)" ]
+        case $kind in
+        one) [[ "$warnings" == *'muscle "biceps" is held by one bone only, '*"--bone"* ]] ;;
+        speckled) [[ "$warnings" == *'muscle "biceps": humerus holds scattered vertices'*"--landmarks"* ]] ;;
+        esac
+        run -0 --separate-stderr simulate -q $kind.scene.json --frames 0:1 --log log.jsonl
+        [ -z "$stderr" ]
+    done
 }
 
 @test "--report holds timings and --plan measured costs; the log none" {

@@ -293,6 +293,42 @@ static void bad_input_is_refused(void **state) {
     assert_null(f->attachments);
 }
 
+/* ---- how bones hold ----------------------------------------------------------------------------------------------------------- */
+
+static sn_attachment hold(char *bone, sn_index count, sn_index *vertices) {
+    return (sn_attachment){.bone = bone, .count = count, .vertices = vertices};
+}
+
+/* A vertex inside the strip stands for half a square; those within a tenth of the length are 21 on its side and 19 on the other. */
+static void grips_are_measured(void **state) {
+    (void)state;
+    sn_index one[] = {100}, some[] = {100, 101, 110, 120, 140}, tip[] = {0, 1, 2, 3};
+    sn_attachment held[] = {hold("a", 1, one), hold("b", 5, some), hold("c", 4, tip), hold("d", 0, NULL)};
+    sn_muscle muscle = strip(100);
+    sn_grip grips[4];
+    muscle.attachments = held;
+    muscle.attachment_count = 4;
+    assert_int_equal(sn_muscle_grips(&muscle, grips, NULL), SN_OK);
+    assert_true(fabs(grips[0].share - 1.0 / 40.0) < 1e-12 && grips[0].patches == 1 && grips[0].largest == 1);
+    assert_true(grips[1].patches == 4 && grips[1].largest == 2 && grips[1].share > 0.01 && grips[1].share <= 1.0);
+    assert_true(grips[2].patches == 1 && grips[2].largest == 4 && grips[3].patches == 0 && isnan(grips[3].share));
+    const sn_grip_quality expected[] = {SN_GRIP_GOOD, SN_GRIP_SPECKLED, SN_GRIP_GOOD, SN_GRIP_GOOD};
+    for (int i = 0; i < 4; i++) assert_int_equal(sn_grip_judge(&held[i], &grips[i]), expected[i]);
+    assert_null(sn_muscle_only_bone(&muscle));
+    muscle.attachments = held + 2; /* the other one holds nothing */
+    muscle.attachment_count = 2;
+    assert_string_equal(sn_muscle_only_bone(&muscle), "c");
+    sn_mesh_free(&muscle.mesh);
+    muscle = strip(1000); /* one vertex of 201 + 199 */
+    muscle.attachments = held;
+    muscle.attachment_count = 1;
+    one[0] = 1000;
+    assert_int_equal(sn_muscle_grips(&muscle, grips, NULL), SN_OK);
+    assert_true(fabs(grips[0].share - 1.0 / 400.0) < 1e-12);
+    assert_int_equal(sn_grip_judge(&held[0], &grips[0]), SN_GRIP_SLIGHT);
+    sn_mesh_free(&muscle.mesh);
+}
+
 #define TEST(function) cmocka_unit_test_setup_teardown(function, set_up, tear_down)
 
 int main(void) {
@@ -310,6 +346,7 @@ int main(void) {
         TEST(it_stops_after_n_bones),
         TEST(threads_agree),
         TEST(bad_input_is_refused),
+        cmocka_unit_test(grips_are_measured),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

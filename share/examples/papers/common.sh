@@ -34,6 +34,9 @@ mkdir -p "$out"
 
 say() { echo "$recipe: $*"; }
 
+# run_on SCENE OPTION...: simulate, and go on where a muscle has exploded (status 3): its figures are what the recipe is about
+run_on() { simulate "$@" || [ $? -eq 3 ]; }
+
 # program NAME FOLDER: a built example, or an installed one
 program() {
     if [ -n "${EXAMPLES:-}" ] && [ -x "$EXAMPLES/$2/$1" ]; then echo "$EXAMPLES/$2/$1"; else echo "$here/../../../../libexec/sinew/$1"; fi

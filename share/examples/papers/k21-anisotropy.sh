@@ -14,7 +14,7 @@ scene muscle "$frames" '' "$@"
 # run SCHEME FORM ITERATIONS: false where it blew up
 run() {
     run=$out/$1-$2-$3
-    simulate "$out/muscle.scene.json" --solver xpbd --scheme "$1" --anisotropy "$2" --substeps 1 --iterations "$3" --state "$run.state" -o "$run.pc2" \
+    run_on "$out/muscle.scene.json" --solver xpbd --scheme "$1" --anisotropy "$2" --substeps 1 --iterations "$3" --state "$run.state" -o "$run.pc2" \
         --log "$out/log.jsonl" -q || return 1
     ! wild "$out/log.jsonl" && return 0
     return 1

@@ -11,7 +11,7 @@ scene muscle "$frames" '' "$@"
 
 # mean over all frames of what each iteration moves, in mean edges: "ITERATION MOVE"
 moves() {
-    simulate "$out/muscle.scene.json" --solver xpbd --scheme "$1" --substeps 1 --iterations "$iterations" --trace "$out/$1.trace" --log "$out/$1.jsonl" -q
+    run_on "$out/muscle.scene.json" --solver xpbd --scheme "$1" --substeps 1 --iterations "$iterations" --trace "$out/$1.trace" --log "$out/$1.jsonl" -q
     awk '{ i = $0; sub(/.*"iteration":/, "", i); m = $0; sub(/.*"mean_move":/, "", m); sum[i + 0] += m + 0; n[i + 0]++ }
         END { for (i = 1; i in n; i++) print i "\t" sum[i] / n[i] }' "$out/$1.trace" > "$out/$1.moves"
     rm "$out/$1.trace"

@@ -13,7 +13,7 @@ mkdir -p "$out/kohout" "$out/guarded"
 run() {
     kind=$1 name=$2
     shift 2
-    if simulate "$out/$name.scene.json" "$@" --threads 1 --log "$out/log.jsonl" --report "$out/time.json" -o "$out/$kind/$name.pc2" -q &&
+    if run_on "$out/$name.scene.json" "$@" --threads 1 --log "$out/log.jsonl" --report "$out/time.json" -o "$out/$kind/$name.pc2" -q &&
         ! wild "$out/log.jsonl"; then
         awk -F '[:,]' '/"medianFrameSeconds"/ { printf "%.3f\t", 1000 * $2 }' "$out/time.json"
         tail -n 1 "$out/log.jsonl" | sed 's/.*"volume_error":\([^,]*\).*"mesh":{"rms":\([^,}]*\).*/\1\t\2/'

@@ -10,7 +10,7 @@ most=${triangles%% *}
 
 # median over the frames, ms a substep
 step() {
-    simulate "$out/$1.scene.json" --solver xpbd --scheme "$2" --substeps 8 --iterations "$3" --threads 1 --log /dev/null --report "$out/time.json" -q
+    run_on "$out/$1.scene.json" --solver xpbd --scheme "$2" --substeps 8 --iterations "$3" --threads 1 --log /dev/null --report "$out/time.json" -q
     awk -F '[:,]' '/"medianFrameSeconds"/ { printf "%.3f", 125 * $2 }' "$out/time.json"
 }
 printf 'triangles\titerations\tkohout_ms\tguarded_ms\n' > "$out/$recipe.tsv"

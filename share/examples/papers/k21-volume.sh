@@ -11,7 +11,7 @@ scene muscle "$frames" '' "$@"
 run() { # NAME OPTION...
     name=$1
     shift
-    simulate "$out/muscle.scene.json" "$@" --log "$out/$name.jsonl" -q
+    run_on "$out/muscle.scene.json" "$@" --log "$out/$name.jsonl" -q
     member volume_ratio < "$out/$name.jsonl" > "$out/$name.ratios"
 }
 run kohout --scheme kohout --substeps 1 --iterations "$iterations"

@@ -28,7 +28,7 @@ for name in $scenes; do
     figures=''
     for scheme in romeo guarded; do
         mkdir -p "$out/$scheme"
-        simulate "$out/$name.scene.json" --solver xpbd --scheme "$scheme" -o "$out/$scheme/$name.pc2" --log "$out/log.jsonl" -q
+        run_on "$out/$name.scene.json" --solver xpbd --scheme "$scheme" -o "$out/$scheme/$name.pc2" --log "$out/log.jsonl" -q
         figures="$figures	$(tail -n 1 "$out/log.jsonl" | member volume_ratio)	$(tail -n 1 "$out/log.jsonl" | member volume_error)"
     done
     printf '%s%s\n' "${name#gain-}" "$figures" >> "$out/$recipe.tsv"
