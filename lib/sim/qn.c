@@ -478,7 +478,8 @@ static void take_matrix(const sn_model_muscle *m, sn_muscle_state *s, double h) 
 static bool tears(const sn_model_muscle *m, const sn_muscle_state *s) {
     condition now = condition_of(m, s);
     if (s->stretch_before == INFINITY) return false;
-    return now.collapsed > 0 || now.stretch.max > s->stretch_before + FAST_STRETCHED || now.stretch.rms > FAR_IN_THE_MEAN;
+    bool stretches = now.stretch.max > FAST_STRETCHED && now.stretch.max > 2.0 * s->stretch_before;
+    return now.collapsed > 0 || stretches || now.stretch.rms > FAR_IN_THE_MEAN;
 }
 
 /* false: the step is too long. */
@@ -497,7 +498,8 @@ static bool begin(const sn_model_muscle *m, sn_muscle_state *s, const sn_substep
     choose_start(m, s, h, predicted);
     s->abrupt = change > ABRUPT_EDGES * m->mean_edge;
     s->torn = mend_start(m, s, h, jump, fast);
-    if (s->torn && substep->may_halve && jump <= m->diagonal && tears(m, s)) return false;
+    bool far = jump > FAR * m->diagonal && s->stretch_before < INFINITY;
+    if (s->torn && substep->may_halve && jump <= m->diagonal && (far || tears(m, s))) return false;
     s->turned = s->turned && !s->torn;
     sn_preconditioner_turn(s->qn->preconditioner, s->points);
     place_sections(m, s, h);
