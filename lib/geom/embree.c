@@ -418,7 +418,7 @@ static double corner_angle(const sn_mesh *mesh, sn_index t, sn_index v) {
     int k = corner[0] == v ? 0 : corner[1] == v ? 1 : 2;
     sn_vec3 a = sn_sub(mesh->positions[corner[(k + 1) % 3]], mesh->positions[v]);
     sn_vec3 b = sn_sub(mesh->positions[corner[(k + 2) % 3]], mesh->positions[v]);
-    return atan2(sn_norm(sn_cross(a, b)), sn_dot(a, b));
+    return sn_quick_atan2(sn_norm(sn_cross(a, b)), sn_dot(a, b));
 }
 
 static sn_vec3 vertex_pseudonormal(const sn_surface *s, sn_index v, sn_index piece) {

@@ -244,7 +244,7 @@ static void iterate(const sn_model_muscle *m, sn_muscle_state *s, double h, sn_i
 
 /* y = x + h (v + h g) e^(-c h) for the free points; previous = x. */
 static void aim(const sn_model_muscle *m, sn_muscle_state *s, sn_vec3 gravity, double h) {
-    double keep = exp(-m->source->damping * h);
+    double keep = sn_exp(-m->source->damping * h);
     for (sn_index i = 0; i < m->point_count; i++) {
         s->target[i] = s->previous[i] = sn_point_position(&s->points[i]);
         if (s->points[i].w == 0.0) continue;
@@ -443,7 +443,7 @@ static void begin(const sn_model_muscle *m, sn_muscle_state *s, const sn_substep
     if (changed || (s->turned && m->corotated)) forget_pairs(s); /* pairs from other frames mislead the corotated matrix */
     s->statistics.refactorisations += changed;
     /* how far the weight alone moves a free point: h^2 g e^(-c h) */
-    sn_vec3 weight = sn_scale(substep->gravity, substep->h * substep->h * exp(-m->source->damping * substep->h));
+    sn_vec3 weight = sn_scale(substep->gravity, substep->h * substep->h * sn_exp(-m->source->damping * substep->h));
     bool pushed = jump > 0.0 || (m->kinematic_count > 0 && sn_norm2(weight) > 0.0);
     bool predicted = pushed && s->stopped != SN_STOP_FAILED && predict(m, s, substep->h, weight);
     if (jump == 0.0) memset(s->last_jump, 0, (size_t)m->point_count * sizeof *s->last_jump);

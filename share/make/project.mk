@@ -120,7 +120,7 @@ Description: Muscle rigs from surface meshes, and their simulation
 Version: $(VERSION)
 Cflags: -I$${includedir}
 Libs: -L$${libdir} -lsinew
-Libs.private: $(sort $(foreach l,cgal embree sparse gsl mesh json png,$(LINK_$l))) -lm -pthread
+Libs.private: $(sort $(foreach l,cgal embree sparse gsl mesh json png exact,$(LINK_$l))) -lm -pthread
 endef
 export PKG_CONFIG
 
