@@ -38,6 +38,7 @@ $(STAMPS)/layering: tests/layering $(wildcard include/sinew/*.h lib/*/*.[ch] lib
 	@tests/suite $@ layering tests/layering
 $(UNIT_STAMPS): $(STAMPS)/unit-%: $(B)/tests/unit/%
 	@DATA=$(DATA) tests/suite $@ unit/$* $<
+$(STAMPS)/program-numerics/sim_golden: tests/data/golden.txt
 $(PROGRAM_STAMPS): $(STAMPS)/program-%: $(B)/tests/%
 	@DATA=$(DATA) tests/suite $@ $* $<
 $(CLI_STAMPS): $(STAMPS)/cli-%: tests/cli/%.bats $(EVERYTHING)
@@ -57,7 +58,7 @@ repair-table: $(BUILT_TOOLS)
 clean-growth: $(BUILT_TOOLS) $(B)/examples/arm/arm
 	@BIN=$(B)/bin EXAMPLES=$(B)/examples tests/bench/clean-growth.sh
 
-.PHONY: bench bench-body golden stability off-equals-absent
+.PHONY: bench bench-body golden golden-accept stability off-equals-absent
 bench: $(B)/tests/bench/sim_rows $(B)/tests/bench/embedding
 	$<
 	$(B)/tests/bench/embedding
@@ -65,6 +66,11 @@ bench-body: $(B)/tests/bench/sim_body
 	$<
 golden:
 	tests/golden
+# a change that is meant to change bits says so by committing these
+golden-accept: $(B)/tests/numerics/sim_golden
+	$< --hashes > $(B)/golden.log
+	sed -n 's/^hash //p' $(B)/golden.log > tests/data/golden.txt
+	-git --no-pager diff --stat -- tests/data/golden.txt
 stability: programs $(B)/tests/numerics/sim_extremes
 	tests/stability $(B)/bin $(B)/tests/numerics/sim_extremes $(DATA) $(B)/stability
 # error against run time: the charts of share/doc, and what they are made of
