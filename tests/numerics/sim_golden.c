@@ -3,12 +3,13 @@
  * that stops anywhere, in the middle of a substep too, and goes on from bytes; and the same as in tests/data/golden.txt, whatever the
  * machine and the build. Prints "hash SOLVER HASH" for each, then "N passed, N failed".
  *
- *   sim_golden [FILE]    compare with FILE instead
- *   sim_golden --hashes  print the hashes of one thread only, for `make golden-accept`
+ *   sim_golden [FILE]              compare with FILE instead
+ *   sim_golden --hashes THREADS    print the hashes of that many threads and do nothing else: tests/golden, `make golden-accept`
  */
 #include "../unit/sim_scene.h"
 
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 static int passed, failed;
@@ -123,11 +124,14 @@ static void compare_with_file(const char *file, const char *hash) {
     count(file, strcmp(verdict, "the same") == 0, verdict);
 }
 
+static void print_hash(int threads, char hash[SN_HASH_LENGTH]) {
+    run(threads, false, false, hash);
+    printf("hash %s %s\n", SOLVERS[solver].name, hash);
+}
+
 static void all_runs(const char *file) {
     char hash[SN_HASH_LENGTH], other[SN_HASH_LENGTH];
-    run(1, false, false, hash);
-    printf("hash %s %s\n", SOLVERS[solver].name, hash);
-    if (file == NULL) return;
+    print_hash(1, hash);
     compare_with_file(file, hash);
     for (int threads = 2; threads <= 4; threads += 2) {
         run(threads, false, false, other);
@@ -140,8 +144,15 @@ static void all_runs(const char *file) {
 }
 
 int main(int argc, char **argv) {
-    const char *file = argc < 2 ? "tests/data/golden.txt" : strcmp(argv[1], "--hashes") == 0 ? NULL : argv[1];
-    for (solver = 0; solver < (int)(sizeof SOLVERS / sizeof *SOLVERS); solver++) all_runs(file);
-    if (file != NULL) printf("%d passed, %d failed\n", passed, failed);
+    int threads = argc == 3 && strcmp(argv[1], "--hashes") == 0 ? atoi(argv[2]) : 0;
+    const char *file = argc > 1 ? argv[1] : "tests/data/golden.txt";
+    char hash[SN_HASH_LENGTH];
+    for (solver = 0; solver < (int)(sizeof SOLVERS / sizeof *SOLVERS); solver++) {
+        if (threads > 0)
+            print_hash(threads, hash);
+        else
+            all_runs(file);
+    }
+    if (threads <= 0) printf("%d passed, %d failed\n", passed, failed);
     return failed > 0;
 }
