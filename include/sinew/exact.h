@@ -14,7 +14,7 @@
 
 /*
  * The double nearest to the true value, over the whole range, subnormal results too; NaN, infinities, zeros and their signs as C17 Annex F
- * has them. errno and the floating-point flags are left alone. By MPFR (Fousse et al. 2007), some microseconds a call: for what is
+ * has them; errno is left alone. By MPFR (Fousse et al. 2007), some microseconds a call: for what is
  * evaluated once a frame, a bone or a fibre. Any thread may call them.
  */
 double sn_exp(double x);
