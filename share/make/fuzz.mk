@@ -29,6 +29,6 @@ $(F)/libsinew.a: $(FUZZ_OBJECTS)
 	ar rcs $@ $^
 $(F)/fuzz-%: tests/fuzz/targets/reader.c $(F)/libsinew.a
 	$(FUZZ_CC) $(CPPFLAGS_ALL) $(FUZZ_FLAGS) -fsanitize=fuzzer -DTARGET_$* -o $@ $< $(F)/libsinew.a \
-	    -Wl,--as-needed $(LINK_mesh) $(LINK_json) $(LINK_gsl) -lm
+	    -Wl,--as-needed $(LINK_mesh) $(LINK_json) $(LINK_gsl) $(LINK_exact) -lm
 
 -include $(FUZZ_OBJECTS:.o=.d)
