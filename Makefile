@@ -33,6 +33,7 @@ BRIDGE_FLAGS := -std=c++17 -O2 -DNDEBUG -ffp-contract=off -frounding-math -Iincl
 
 # ---- libraries, each named once; a tool links only what it lists ------------------------------------------------------------
 LINK_gsl     := -lgsl -lgslcblas
+LINK_exact   := -lmpfr -lgmp
 LINK_json    := -ljansson -lmd
 LINK_mesh    := -lexpat -lz
 LINK_sparse  := -lcholmod -lamd -lcolamd -lsuitesparseconfig
@@ -42,15 +43,15 @@ LINK_png     := -lpng -lz
 LINK_assimp  := -lassimp
 
 TOOLS := mesh-clean root-select build-structure fiber-flow fiber-fill attach-detect simulate error-time rig-view
-LIBS_mesh-clean      := cgal embree mesh json
+LIBS_mesh-clean      := cgal embree mesh json exact
 LIBS_root-select     := sparse mesh json
 LIBS_build-structure := embree mesh json
 LIBS_fiber-flow      := sparse mesh json
-LIBS_fiber-fill      := gsl sparse embree mesh json
+LIBS_fiber-fill      := gsl sparse embree mesh json exact
 LIBS_attach-detect   := embree mesh json
-LIBS_simulate        := gsl sparse embree mesh json
-LIBS_rig-view        := embree gsl sparse mesh json png
-LIBS_error-time      := gsl sparse mesh json
+LIBS_simulate        := gsl sparse embree mesh json exact
+LIBS_rig-view        := embree gsl sparse mesh json png exact
+LIBS_error-time      := gsl sparse mesh json exact
 
 # run by the tools, not by hand: installed in libexec/sinew
 LIBEXEC_TOOLS := mesh-import
@@ -81,10 +82,11 @@ $(B)/%.o: %.c
 # where a program outside of the installation finds what is in libexec
 $(B)/lib/io/import.o: CPPFLAGS_ALL += -DSN_PREFIX='"$(PREFIX)"'
 
-# CGAL needs 1-2 GB and up to half a minute a file
-$(BRIDGE)/%.o: lib/geom/%.cpp
+# CGAL needs 1-2 GB and up to half a minute a file; its angles decide which triangles are made, so they are ours (sinew/exact.h)
+$(BRIDGE)/%.o: lib/geom/%.cpp lib/geom/cgal_symbols
 	@mkdir -p $(@D)
 	$(CXX) $(BRIDGE_FLAGS) -MMD -MP -c -o $@ $<
+	objcopy --redefine-syms=lib/geom/cgal_symbols $@
 
 $(B)/libsinew.a: $(LIB_OBJECTS) $(BRIDGE_OBJECTS)
 	@rm -f $@
@@ -105,11 +107,11 @@ $(B)/libexec/sinew/%: $(B)/tools/%.o $(TOOL_SHARED) $(B)/libsinew.a
 
 $(B)/examples/%: $(B)/share/examples/%.o $(B)/libsinew.a
 	@mkdir -p $(@D)
-	$(call link,embree mesh json gsl)
+	$(call link,embree mesh json gsl exact)
 
 $(B)/tests/%: $(B)/tests/%.o $(B)/libsinew.a
 	@mkdir -p $(@D)
-	$(call link,cgal embree sparse gsl mesh json png) -lcmocka
+	$(call link,cgal embree sparse gsl mesh json png exact) -lcmocka
 
 tests: $(UNIT_TESTS) $(EXTRA_TESTS)
 

@@ -182,6 +182,6 @@ const sn_error_point *sn_error_time_cheapest(const sn_error_time *report, double
 void sn_error_time_words(const sn_error_time *report, const sn_error_point *point, size_t size, char *out);
 /* Errors that reports name the cheapest settings for: 0.1, 0.03, 0.01, ..., 1e-5. */
 #define SN_ERROR_TARGETS 9
-#define SN_ERROR_TARGET(i) ((i) % 2 == 0 ? pow(10.0, -1 - (i) / 2) : 3.0 * pow(10.0, -2 - (i) / 2))
+#define SN_ERROR_TARGET(i) ((i) % 2 == 0 ? sn_pow(10.0, -1 - (i) / 2) : 3.0 * sn_pow(10.0, -2 - (i) / 2))
 
 #endif

@@ -106,7 +106,8 @@ sn_closest sn_surface_closest(const sn_surface *surface, sn_vec3 point, double m
  * and on those that cross themselves. Overlapping pieces are one body; inside out counts as right side out. Thread safe. */
 double sn_surface_signed_distance(const sn_surface *surface, sn_vec3 point, sn_closest *closest /* nullable */);
 bool sn_surface_closed(const sn_surface *surface); /* no edge is a border, non-manifold or badly wound */
-/* First hit with near < t < far. Single precision inside: for pictures and rough tests. Thread safe. */
+/* First hit with near < t < far, in double; ties go to the lowest triangle, and no ray slips through between two that share an edge. Thread
+ * safe. */
 sn_ray_hit sn_surface_ray(const sn_surface *surface, sn_vec3 origin, sn_vec3 direction, double near, double far);
 
 /* ---- inside/outside without a search structure (lib/geom/winding.c) ------------------------------------------------- */

@@ -6,7 +6,7 @@
 
 #include <math.h>
 
-#include "sinew/base.h"
+#include "sinew/exact.h"
 
 typedef struct sn_vec3 { double x, y, z; } sn_vec3;
 typedef struct sn_mat3 { double m[3][3]; } sn_mat3;        /* row-major: m[row][column] */
@@ -28,6 +28,8 @@ static inline sn_vec3 sn_cross(sn_vec3 a, sn_vec3 b) {
 static inline double sn_norm2(sn_vec3 a) { return sn_dot(a, a); }
 static inline double sn_norm(sn_vec3 a) { return sqrt(sn_dot(a, a)); }
 static inline double sn_distance(sn_vec3 a, sn_vec3 b) { return sn_norm(sn_sub(a, b)); }
+/* Length of (x, y), for sizes whose squares are normal numbers. */
+static inline double sn_length2(double x, double y) { return sqrt(x * x + y * y); }
 static inline sn_vec3 sn_lerp(sn_vec3 a, sn_vec3 b, double t) { return sn_add_scaled(a, sn_sub(b, a), t); }
 static inline sn_vec3 sn_min3(sn_vec3 a, sn_vec3 b) { return sn_v3(fmin(a.x, b.x), fmin(a.y, b.y), fmin(a.z, b.z)); }
 static inline sn_vec3 sn_max3(sn_vec3 a, sn_vec3 b) { return sn_v3(fmax(a.x, b.x), fmax(a.y, b.y), fmax(a.z, b.z)); }
@@ -63,8 +65,8 @@ static inline sn_quat sn_quat_normalize(sn_quat q) {
 }
 /* Rotation by angle (rad) about a unit axis. */
 static inline sn_quat sn_quat_axis_angle(sn_vec3 axis, double angle) {
-    double s = sin(0.5 * angle);
-    return (sn_quat){cos(0.5 * angle), s * axis.x, s * axis.y, s * axis.z};
+    double s = sn_sin(0.5 * angle);
+    return (sn_quat){sn_cos(0.5 * angle), s * axis.x, s * axis.y, s * axis.z};
 }
 /* R(q) v for a unit quaternion. */
 static inline sn_vec3 sn_quat_rotate(sn_quat q, sn_vec3 v) {
@@ -78,9 +80,9 @@ static inline sn_quat sn_quat_slerp(sn_quat a, sn_quat b, double t) {
     if (d < 0.0) { b = (sn_quat){-b.w, -b.x, -b.y, -b.z}; d = -d; }
     double wa = 1.0 - t, wb = t;
     if (d < 0.9995) {
-        double angle = acos(d), s = sin(angle);
-        wa = sin((1.0 - t) * angle) / s;
-        wb = sin(t * angle) / s;
+        double angle = sn_acos(d), s = sn_sin(angle);
+        wa = sn_sin((1.0 - t) * angle) / s;
+        wb = sn_sin(t * angle) / s;
     }
     return sn_quat_normalize((sn_quat){wa * a.w + wb * b.w, wa * a.x + wb * b.x, wa * a.y + wb * b.y, wa * a.z + wb * b.z});
 }

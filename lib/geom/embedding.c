@@ -100,7 +100,7 @@ static inline double angle_over_sine(double s2, double c) {
                s2 * (1.0 / 6.0 +
                      s2 * (3.0 / 40.0 + s2 * (15.0 / 336.0 + s2 * (105.0 / 3456.0 + s2 * (945.0 / 42240.0 + s2 * (10395.0 / 599040.0))))));
     double s = sqrt(s2);
-    return s > 0.0 ? atan2(s, c) / s : 1.0;
+    return s > 0.0 ? sn_quick_atan2(s, c) / s : 1.0;
 }
 
 /* 2 m of the triangle's edge from a to b. */

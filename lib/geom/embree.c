@@ -1,9 +1,10 @@
 /*
  * embree.c -- closest points, signed distances and rays on a surface; the only user of Embree.
  *
- * Embree works in single precision. It sees the mesh centred and scaled to about the unit box, so that a mesh a kilometre from the
- * origin works as well as one at it, and serves to find candidate triangles only: the distance to each is computed here in double,
- * on the mesh's own coordinates, and the radius that it prunes with is enlarged by what rounding may have moved.
+ * Embree works in single precision, with instructions that differ between processors. It sees the mesh centred and scaled to about the
+ * unit box, so that a mesh a kilometre from the origin works as well as one at it, and knows of every triangle only its box: it serves to
+ * find candidates. The distance to each is computed here in double, on the mesh's own coordinates, and all that it prunes with is enlarged
+ * by what rounding may have moved. So results do not depend on what Embree rounds how.
  */
 #include "sinew/geom.h"
 
@@ -89,33 +90,42 @@ static void store_scaled(const sn_surface *s, sn_vec3 p, float out[3]) {
     out[2] = (float)q.z;
 }
 
-static bool fill_buffers(const sn_surface *s, RTCGeometry geometry) {
-    const sn_mesh *mesh = s->mesh;
-    float *points =
-        rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 3 * sizeof(float), (size_t)mesh->vertex_count);
-    uint32_t *corners =
-        rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 3 * sizeof(uint32_t), (size_t)mesh->triangle_count);
-    if (points == NULL || corners == NULL) return false;
-    for (sn_index v = 0; v < mesh->vertex_count; v++) store_scaled(s, mesh->positions[v], points + 3 * (size_t)v);
-    for (sn_index t = 0; t < mesh->triangle_count; t++) {
-        for (int k = 0; k < 3; k++) corners[3 * (size_t)t + (size_t)k] = (uint32_t)mesh->triangles[t].v[k];
+/* Boxes are wider than their triangles by this, in Embree's scale: some 30 units in the last place of the largest coordinate. */
+static const float box_margin = 4e-6f;
+
+static void bound_triangle(const struct RTCBoundsFunctionArguments *arguments) {
+    const sn_surface *s = arguments->geometryUserPtr;
+    float low[3] = {INFINITY, INFINITY, INFINITY}, high[3] = {-INFINITY, -INFINITY, -INFINITY}, p[3];
+    for (int k = 0; k < 3; k++) {
+        store_scaled(s, s->mesh->positions[s->mesh->triangles[arguments->primID].v[k]], p);
+        for (int i = 0; i < 3; i++) {
+            low[i] = fminf(low[i], p[i]);
+            high[i] = fmaxf(high[i], p[i]);
+        }
     }
-    return true;
+    struct RTCBounds *box = arguments->bounds_o;
+    box->lower_x = low[0] - box_margin, box->lower_y = low[1] - box_margin, box->lower_z = low[2] - box_margin;
+    box->upper_x = high[0] + box_margin, box->upper_y = high[1] + box_margin, box->upper_z = high[2] + box_margin;
 }
+
+static void meet_triangle(const struct RTCIntersectFunctionNArguments *arguments);
+static void meet_edge(const struct RTCOccludedFunctionNArguments *arguments);
 
 static void fill_scene(sn_surface *s) {
     s->scene = rtcNewScene(s->device);
     if (s->scene == NULL) return;
-    /* robust: no ray slips through between two triangles; the filter is for crosses_itself */
-    rtcSetSceneFlags(s->scene, RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION);
+    rtcSetSceneFlags(s->scene, RTC_SCENE_FLAG_ROBUST); /* no ray slips by a box that it meets */
     rtcSetSceneBuildQuality(s->scene, RTC_BUILD_QUALITY_MEDIUM);
-    RTCGeometry geometry = rtcNewGeometry(s->device, RTC_GEOMETRY_TYPE_TRIANGLE);
+    RTCGeometry geometry = rtcNewGeometry(s->device, RTC_GEOMETRY_TYPE_USER);
     if (geometry == NULL) return;
-    if (fill_buffers(s, geometry)) {
-        rtcCommitGeometry(geometry);
-        rtcAttachGeometry(s->scene, geometry);
-        rtcCommitScene(s->scene);
-    }
+    rtcSetGeometryUserPrimitiveCount(geometry, (unsigned)s->mesh->triangle_count);
+    rtcSetGeometryUserData(geometry, s);
+    rtcSetGeometryBoundsFunction(geometry, bound_triangle, NULL);
+    rtcSetGeometryIntersectFunction(geometry, meet_triangle);
+    rtcSetGeometryOccludedFunction(geometry, meet_edge);
+    rtcCommitGeometry(geometry);
+    rtcAttachGeometry(s->scene, geometry);
+    rtcCommitScene(s->scene);
     rtcReleaseGeometry(geometry);
 }
 
@@ -125,6 +135,48 @@ static sn_status build_scene(sn_surface *s, sn_error *error) {
     if (s->device != NULL) fill_scene(s);
     restore_mode(mode);
     return embree_status(s->device, error); /* NULL asks for the error of rtcNewDevice */
+}
+
+/* ---- a line and a triangle --------------------------------------------------------------------------------------------------------- */
+
+/* p(t) = origin + t direction, seen along itself: x and y are what is left of a point when the line is sheared onto the axis that it
+ * follows most. */
+typedef struct sight {
+    sn_vec3 origin;
+    int axis[3]; /* x, y, z of the line's frame */
+    double shear[3];
+} sight;
+
+static double component(sn_vec3 a, int axis) { return axis == 0 ? a.x : axis == 1 ? a.y : a.z; }
+
+static sight sight_along(sn_vec3 origin, sn_vec3 direction) {
+    double x = fabs(direction.x), y = fabs(direction.y), z = fabs(direction.z);
+    int most = x >= y && x >= z ? 0 : y >= z ? 1 : 2;
+    sight line = {.origin = origin, .axis = {(most + 1) % 3, (most + 2) % 3, most}};
+    double along = component(direction, most);
+    for (int k = 0; k < 2; k++) line.shear[k] = component(direction, line.axis[k]) / along;
+    line.shear[2] = 1.0 / along;
+    return line;
+}
+
+/* Where the line meets triangle t of the mesh, as t and the weights of the corners 1 and 2; false where it does not, or lies in its plane.
+ * Watertight: the two triangles of an edge see the same sign (Woop, Benthin, Wald 2013). */
+static bool meets(const sight *line, const sn_mesh *mesh, sn_index triangle, double *t, double weight[2]) {
+    const sn_index *v = mesh->triangles[triangle].v;
+    double x[3], y[3], z[3];
+    for (int k = 0; k < 3; k++) {
+        sn_vec3 d = sn_sub(mesh->positions[v[k]], line->origin);
+        const double p[3] = {d.x, d.y, d.z};
+        z[k] = p[line->axis[2]];
+        x[k] = p[line->axis[0]] - line->shear[0] * z[k];
+        y[k] = p[line->axis[1]] - line->shear[1] * z[k];
+    }
+    double a = x[2] * y[1] - y[2] * x[1], b = x[0] * y[2] - y[0] * x[2], c = x[1] * y[0] - y[1] * x[0], sum = a + b + c;
+    if (((a < 0.0) | (b < 0.0) | (c < 0.0)) == ((a > 0.0) | (b > 0.0) | (c > 0.0)) || sum == 0.0) return false; /* beside it, or edge-on */
+    *t = line->shear[2] * (a * z[0] + b * z[1] + c * z[2]) / sum;
+    weight[0] = b / sum;
+    weight[1] = c / sum;
+    return true;
 }
 
 /* ---- the closed pieces of the surface ---------------------------------------------------------------------------------------- */
@@ -168,27 +220,31 @@ static bool flood(const sn_surface *s, sn_index seed, sn_index *label, sn_index 
 /* An edge sent as a ray through the piece that is labelled like it. */
 typedef struct edge_ray {
     struct RTCIntersectContext context; /* first: Embree hands out its address */
-    const sn_surface *surface;
     const sn_edge *edge;
     const sn_index *label;
+    sight line;
 } edge_ray;
 
-/* Turn down hits on other pieces and on triangles that the edge ends in. */
-static void keep_crossings(const struct RTCFilterFunctionNArguments *arguments) {
+/* Does it go through a triangle of its piece that it does not end in? Embree sends one ray at a time. */
+static void meet_edge(const struct RTCOccludedFunctionNArguments *arguments) {
     const edge_ray *ray = (const edge_ray *)arguments->context;
-    sn_index t = (sn_index)((const struct RTCHit *)arguments->hit)->primID; /* one ray at a time: N is 1 */
-    const sn_index *v = ray->surface->mesh->triangles[t].v, *end = ray->edge->v;
+    const sn_surface *s = arguments->geometryUserPtr;
+    sn_index t = (sn_index)arguments->primID;
+    const sn_index *v = s->mesh->triangles[t].v, *end = ray->edge->v;
     bool touches = v[0] == end[0] || v[1] == end[0] || v[2] == end[0] || v[0] == end[1] || v[1] == end[1] || v[2] == end[1];
-    if (touches || ray->label[t] != ray->label[ray->edge->triangle[0]]) arguments->valid[0] = 0;
+    if (touches || ray->label[t] != ray->label[ray->edge->triangle[0]]) return;
+    double at, weight[2];
+    if (meets(&ray->line, s->mesh, t, &at, weight) && at >= 0.0 && at <= 1.0) ((struct RTCRay *)arguments->ray)->tfar = -INFINITY;
 }
 
 static bool edge_crosses(const sn_surface *s, const sn_edge *edge, const sn_index *label) {
-    edge_ray ray = {.surface = s, .edge = edge, .label = label};
+    edge_ray ray = {.edge = edge, .label = label};
     rtcInitIntersectContext(&ray.context);
-    ray.context.filter = keep_crossings;
+    sn_vec3 from = s->mesh->positions[edge->v[0]], to = s->mesh->positions[edge->v[1]];
+    ray.line = sight_along(from, sn_sub(to, from));
     float a[3], b[3];
-    store_scaled(s, s->mesh->positions[edge->v[0]], a);
-    store_scaled(s, s->mesh->positions[edge->v[1]], b);
+    store_scaled(s, from, a);
+    store_scaled(s, to, b);
     struct RTCRay segment = {.org_x = a[0], .org_y = a[1], .org_z = a[2], .tfar = 1.0f, .mask = UINT32_MAX};
     segment.dir_x = b[0] - a[0];
     segment.dir_y = b[1] - a[1];
@@ -197,8 +253,8 @@ static bool edge_crosses(const sn_surface *s, const sn_edge *edge, const sn_inde
     return segment.tfar < 0.0f;
 }
 
-/* Two triangles that cross have an edge of one going through the other. Single precision may see a touch as a crossing, which costs
- * time only: the winding number then tells inside from outside. */
+/* Two triangles that cross have an edge of one going through the other. A touch counts as a crossing, which costs time only: the winding
+ * number then tells inside from outside. */
 static bool crosses_itself(const sn_surface *s, const sn_index *label, const sn_index *piece, sn_index size) {
     bool crosses = false;
     unsigned mode = flush_denormals();
@@ -418,7 +474,7 @@ static double corner_angle(const sn_mesh *mesh, sn_index t, sn_index v) {
     int k = corner[0] == v ? 0 : corner[1] == v ? 1 : 2;
     sn_vec3 a = sn_sub(mesh->positions[corner[(k + 1) % 3]], mesh->positions[v]);
     sn_vec3 b = sn_sub(mesh->positions[corner[(k + 2) % 3]], mesh->positions[v]);
-    return atan2(sn_norm(sn_cross(a, b)), sn_dot(a, b));
+    return sn_quick_atan2(sn_norm(sn_cross(a, b)), sn_dot(a, b));
 }
 
 static sn_vec3 vertex_pseudonormal(const sn_surface *s, sn_index v, sn_index piece) {
@@ -477,29 +533,52 @@ double sn_surface_signed_distance(const sn_surface *surface, sn_vec3 point, sn_c
 /* ---- rays
  * -------------------------------------------------------------------------------------------------------------------------------- */
 
+typedef struct ray_search {
+    struct RTCIntersectContext context; /* first: Embree hands out its address */
+    sight line;
+    double start, near, far; /* the line begins at `start` along the ray; a hit is in (near, far) */
+    sn_ray_hit best;
+    float slack;
+} ray_search;
+
+static float ray_end(const sn_surface *s, const ray_search *q, double distance) {
+    return (float)((distance - q->start) * s->scale * (1.0 + 1e-6)) + q->slack;
+}
+
+/* Ties go to the lowest triangle. */
+static void meet_triangle(const struct RTCIntersectFunctionNArguments *arguments) {
+    ray_search *q = (ray_search *)arguments->context;
+    const sn_surface *s = arguments->geometryUserPtr;
+    sn_index t = (sn_index)arguments->primID;
+    double at, weight[2];
+    if (!meets(&q->line, s->mesh, t, &at, weight)) return;
+    double distance = q->start + at;
+    if (!(distance > q->near && distance < q->far)) return;
+    if (distance > q->best.distance || (distance == q->best.distance && t > q->best.triangle)) return;
+    q->best = (sn_ray_hit){t, weight[0], weight[1], distance};
+    ((struct RTCRayHit *)arguments->rayhit)->ray.tfar = ray_end(s, q, distance);
+}
+
 sn_ray_hit sn_surface_ray(const sn_surface *surface, sn_vec3 origin, sn_vec3 direction, double near, double far) {
-    sn_ray_hit miss = {.triangle = SN_NONE, .distance = INFINITY};
+    ray_search q = {.near = near, .far = far, .best = {.triangle = SN_NONE, .distance = INFINITY}, .slack = 4e-6f};
     sn_vec3 d = sn_normalize(direction);
-    if (!(sn_norm2(d) > 0.0) || !sn_finite3(origin) || !(near < far)) return miss;
+    if (!(sn_norm2(d) > 0.0) || !sn_finite3(origin) || !(near < far)) return q.best;
     /* start just before the mesh: an origin far away would cost the digits that tell its triangles apart */
     double before = sn_dot(sn_sub(surface->centre, origin), d) - 4.0 / surface->scale;
-    double start = fmax(near, before);
+    q.start = fmax(near, before);
+    q.line = sight_along(sn_add_scaled(origin, d, q.start), d);
     float at[3];
-    store_scaled(surface, sn_add_scaled(origin, d, start), at);
-    if (!isfinite(at[0]) || !isfinite(at[1]) || !isfinite(at[2])) return miss;
+    store_scaled(surface, q.line.origin, at);
+    if (!isfinite(at[0]) || !isfinite(at[1]) || !isfinite(at[2])) return q.best;
     struct RTCRayHit ray = {
         .ray = {.org_x = at[0], .org_y = at[1], .org_z = at[2], .dir_x = (float)d.x, .dir_y = (float)d.y, .dir_z = (float)d.z},
         .hit = {.geomID = RTC_INVALID_GEOMETRY_ID},
     };
-    ray.ray.tfar = (float)((far - start) * surface->scale);
+    ray.ray.tfar = ray_end(surface, &q, far);
     ray.ray.mask = UINT32_MAX;
-    struct RTCIntersectContext context;
     unsigned mode = flush_denormals();
-    rtcInitIntersectContext(&context);
-    rtcIntersect1(surface->scene, &context, &ray);
+    rtcInitIntersectContext(&q.context);
+    rtcIntersect1(surface->scene, &q.context, &ray);
     restore_mode(mode);
-    if (ray.hit.geomID == RTC_INVALID_GEOMETRY_ID) return miss;
-    double distance = start + (double)ray.ray.tfar / surface->scale;
-    if (!(distance > near && distance < far)) return miss;
-    return (sn_ray_hit){(sn_index)ray.hit.primID, (double)ray.hit.u, (double)ray.hit.v, distance};
+    return q.best;
 }

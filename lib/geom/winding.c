@@ -12,7 +12,7 @@ double sn_solid_angle(sn_vec3 a, sn_vec3 b, sn_vec3 c) {
     double determinant = sn_dot(a, sn_cross(b, c));
     if (determinant == 0.0) return 0.0;
     double la = sn_norm(a), lb = sn_norm(b), lc = sn_norm(c);
-    return 2.0 * atan2(determinant, la * lb * lc + sn_dot(a, b) * lc + sn_dot(b, c) * la + sn_dot(c, a) * lb);
+    return 2.0 * sn_quick_atan2(determinant, la * lb * lc + sn_dot(a, b) * lc + sn_dot(b, c) * la + sn_dot(c, a) * lb);
 }
 
 double sn_winding_number(const sn_mesh *mesh, sn_vec3 point) {

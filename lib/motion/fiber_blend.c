@@ -45,7 +45,7 @@ static void find_weights(const sn_fiber_bundle *bundle, double exponent, double 
         double before = 0.0;
         for (sn_index k = bundle->start[i]; k < bundle->start[i + 1]; k++) {
             if (k > bundle->start[i]) before += sn_distance(bundle->points[k - 1], bundle->points[k]);
-            weights[k] = pow(before / bundle->rest_length[i], exponent);
+            weights[k] = sn_quick_pow(before / bundle->rest_length[i], exponent);
         }
     }
 }

@@ -67,7 +67,7 @@ static void choose_size(sn_voxels *v, sn_index cells) {
     int axes = 0;
     for (int k = 0; k < 3; k++)
         if (side[k] > 0.0) content *= side[k], axes++;
-    double cube = axes > 0 ? pow(content / left, 1.0 / axes) : 1.0;
+    double cube = axes > 0 ? sn_quick_pow(content / left, 1.0 / axes) : 1.0;
     for (int k = 0; k < 3; k++) v->size[k] = (sn_index)fmin(fmax(round(side[k] / cube), 1.0), 4096.0);
 }
 

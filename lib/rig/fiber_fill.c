@@ -278,7 +278,7 @@ static void measure_fiber(const filling *f, sn_index fiber) {
         sn_vec3 d = sn_sub(line->points[k], line->points[k - 1]), action = action_at(&f->levels, 0.5 * (z[k - 1] + z[k]));
         double step = sn_norm(d);
         length += step;
-        turned += step * atan2(sn_norm(sn_cross(d, action)), fabs(sn_dot(d, action)));
+        turned += step * sn_quick_atan2(sn_norm(sn_cross(d, action)), fabs(sn_dot(d, action)));
     }
     line->length = length;
     line->pennation = length > 0.0 ? turned / length : 0.0;

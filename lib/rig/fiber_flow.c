@@ -325,7 +325,7 @@ static int compare_numbers(const void *left, const void *right) {
     return (a > b) - (a < b);
 }
 
-static double axis_angle(sn_vec3 a, sn_vec3 b) { return atan2(sn_norm(sn_cross(a, b)), fabs(sn_dot(a, b))); }
+static double axis_angle(sn_vec3 a, sn_vec3 b) { return sn_quick_atan2(sn_norm(sn_cross(a, b)), fabs(sn_dot(a, b))); }
 
 /* Angles between the axes at the two ends of each edge. */
 static sn_status measure_angles(const flow *f, sn_flow_report *r, sn_error *error) {

@@ -129,11 +129,11 @@ sn_vec3 rim_widest(const cutting *c, sn_index number, double turn) {
         ef += weight * a * b;
         ff += weight * b * b;
     }
-    double angle = 0.5 * atan2(2.0 * ef, ee - ff);
-    sn_vec3 x = sn_add(sn_scale(e, cos(angle)), sn_scale(f, sin(angle)));
+    double angle = 0.5 * sn_atan2(2.0 * ef, ee - ff);
+    sn_vec3 x = sn_add(sn_scale(e, sn_cos(angle)), sn_scale(f, sn_sin(angle)));
     double largest = fabs(x.x) >= fabs(x.y) && fabs(x.x) >= fabs(x.z) ? x.x : fabs(x.y) >= fabs(x.z) ? x.y : x.z;
     if (largest < 0.0) x = sn_neg(x); /* of the two ways the one that does not depend on where the loop begins */
-    return sn_add(sn_scale(x, cos(turn)), sn_scale(sn_cross(loop->normal, x), sin(turn)));
+    return sn_add(sn_scale(x, sn_cos(turn)), sn_scale(sn_cross(loop->normal, x), sn_sin(turn)));
 }
 
 sn_vec3 rim_axis(const fill_loop *loop, int axis) {

@@ -49,7 +49,7 @@ static double polygon_area(const polygon_point points[RIM]) {
 /* Distance of inner points: three across the thickness, but no finer than the rim asks for and no more than there is room for. */
 static double inner_spacing(const polygon_point points[RIM]) {
     double perimeter = 0.0, area = fmax(polygon_area(points), 0.0);
-    for (int k = 0; k < RIM; k++) perimeter += hypot(points[(k + 1) % RIM].x - points[k].x, points[(k + 1) % RIM].y - points[k].y);
+    for (int k = 0; k < RIM; k++) perimeter += sn_length2(points[(k + 1) % RIM].x - points[k].x, points[(k + 1) % RIM].y - points[k].y);
     if (!(perimeter > 0.0)) return 0.0;
     double thickness = 2.0 * area / perimeter;
     return fmax(fmin(1.6 * perimeter / RIM, 0.6 * thickness), sqrt(area / (0.8 * MOST_INNER)));
@@ -252,11 +252,11 @@ sn_vec3 fill_mean_value_at(const sn_vec3 rim[RIM], int wide, fill_uv at) {
     for (int k = 0; k < RIM; k++) {
         fill_uv a = square[k], b = square[(k + 1) % RIM];
         double ax = a.x - p.x, ay = a.y - p.y, bx = b.x - p.x, by = b.y - p.y;
-        half_tangent[k] = (hypot(ax, ay) * hypot(bx, by) - (ax * bx + ay * by)) / (ax * by - ay * bx);
+        half_tangent[k] = (sn_length2(ax, ay) * sn_length2(bx, by) - (ax * bx + ay * by)) / (ax * by - ay * bx);
     }
     sn_vec3 out = {0, 0, 0};
     for (int k = 0; k < RIM; k++) {
-        double w = (half_tangent[(k + RIM - 1) % RIM] + half_tangent[k]) / hypot(square[k].x - p.x, square[k].y - p.y);
+        double w = (half_tangent[(k + RIM - 1) % RIM] + half_tangent[k]) / sn_length2(square[k].x - p.x, square[k].y - p.y);
         out = sn_add_scaled(out, rim[k], w);
         sum += w;
     }

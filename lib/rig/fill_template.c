@@ -45,7 +45,7 @@ static sn_index from_end_to_end(const sn_fill_params *params, const fill_levels 
 /* A fibre from x = from to x = to rises by |to - from| width / tan(angle) along the line of action. */
 static sn_index oblique(const sn_fill_params *params, const fill_levels *l, double from, double to, fill_uv seed,
                         fill_node nodes[TEMPLATE_NODES]) {
-    double rise = fabs(to - from) * l->width / (tan(params->angle) * l->length);
+    double rise = fabs(to - from) * l->width / (sn_tan(params->angle) * l->length);
     double low = -(1.0 - LEAST_SHARE) * rise, high = 1.0 - LEAST_SHARE * rise;
     if (high < low) { /* longer than the muscle: any fibre crosses the middle */
         low = fmin(0.0, 0.5 - rise);

@@ -205,7 +205,7 @@ static void insert(polygon_mesh *m, polygon_point at, sn_index t, sn_index *stac
 
 static bool near_corner(const polygon_mesh *m, polygon_point at, double distance) {
     for (sn_index i = 0; i < m->corners; i++)
-        if (hypot(m->points[i].x - at.x, m->points[i].y - at.y) < distance) return true;
+        if (sn_length2(m->points[i].x - at.x, m->points[i].y - at.y) < distance) return true;
     return false;
 }
 

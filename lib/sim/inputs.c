@@ -6,12 +6,12 @@
 /* Between relaxed and active in log scale ([R18] 3.3); a stiffness of 0 at one end is 0 at every activation but the other end's. */
 static double stiffness_at(const sn_model_muscle *m, double activation) {
     const sn_scene_muscle *source = m->source;
-    if (m->stiffness_curve != NULL) return exp(sn_curve_at(m->stiffness_curve, activation));
+    if (m->stiffness_curve != NULL) return sn_exp(sn_curve_at(m->stiffness_curve, activation));
     double relaxed = source->stiffness_relaxed, active = source->stiffness_active;
     if (relaxed == active || activation <= 0.0) return relaxed;
     if (activation >= 1.0) return active;
     if (relaxed <= 0.0 || active <= 0.0) return 0.0;
-    return exp((1.0 - activation) * log(relaxed) + activation * log(active));
+    return sn_exp((1.0 - activation) * sn_ln(relaxed) + activation * sn_ln(active));
 }
 
 void sn_inputs_update(const sn_model_muscle *m, sn_muscle_state *s, double time) {

@@ -104,7 +104,7 @@ static sn_status make_stiffness_curve(const sn_build *build, sn_error *error) {
     if (knots->count == 0) return SN_OK;
     double *logarithms = SN_NEW(double, knots->count);
     if (logarithms == NULL) return sn_fail_memory(error, "the stiffness curve");
-    for (sn_index i = 0; i < knots->count; i++) logarithms[i] = log(knots->y[i]);
+    for (sn_index i = 0; i < knots->count; i++) logarithms[i] = sn_ln(knots->y[i]);
     sn_status status = sn_curve_create(knots->count, knots->x, logarithms, &build->model->stiffness_curve, error);
     free(logarithms);
     return status;

@@ -248,7 +248,7 @@ static void iterate(const sn_model_muscle *m, sn_muscle_state *s, double h, sn_i
 
 /* y = x + h (u + (v - u) e^(-c h)) + h^2 g for the free points, u the velocity of the bones there; previous = x. */
 static void aim(const sn_model_muscle *m, sn_muscle_state *s, sn_vec3 gravity, double h) {
-    double keep = exp(-m->source->damping * h);
+    double keep = sn_exp(-m->source->damping * h);
     for (sn_index i = 0; i < m->point_count; i++) {
         s->target[i] = s->previous[i] = sn_point_position(&s->points[i]);
         if (s->points[i].w == 0.0) continue;

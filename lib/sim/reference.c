@@ -93,8 +93,8 @@ static void fit_order(sn_reference *reference, sn_index rung_count) {
     for (sn_index i = 0; i + 2 < rung_count && n < 32; i++) {
         const sn_rung *rung = &reference->rungs[i];
         if (rung->unconverged > 0 || !(rung->error >= SN_CLAIM_FLOORS * reference->floor)) continue;
-        x[n] = -log2((double)rung->substeps);
-        y[n++] = log2(rung->error);
+        x[n] = -sn_log2((double)rung->substeps);
+        y[n++] = sn_log2(rung->error);
     }
     reference->fitted_rungs = n;
     reference->fitted = NAN;
@@ -128,7 +128,7 @@ sn_status sn_reference_extrapolate(const sn_yardstick *yardstick, sn_reference *
     for (sn_index i = 1; i < n; i++) r[i].step = distance(yardstick, &r[i].track, &r[i - 1].track);
     reference->extrapolated = false;
     reference->floor = n > 1 ? r[n - 1].step : INFINITY;
-    reference->order = n > 2 ? log2(r[n - 2].step / r[n - 1].step) : NAN;
+    reference->order = n > 2 ? sn_log2(r[n - 2].step / r[n - 1].step) : NAN;
     sn_status status = n > 0 ? copy_track(&r[n - 1].track, &reference->track, error) : SN_OK;
     bool first_order = reference->order >= SN_ORDER_LOW && reference->order <= SN_ORDER_HIGH;
     if (status == SN_OK && first_order) status = use_richardson(yardstick, reference, n, error);

@@ -11,7 +11,7 @@
 
 /* Where each point would be without constraints. Damping is a rate: exact for any h. */
 static void predict(const sn_model_muscle *m, sn_muscle_state *s, const sn_substep *substep) {
-    double h = substep->h, keep = substep->rules->keep > 0.0 ? substep->rules->keep : exp(-m->source->damping * h);
+    double h = substep->h, keep = substep->rules->keep > 0.0 ? substep->rules->keep : sn_exp(-m->source->damping * h);
     for (sn_index i = 0; i < m->point_count; i++) {
         sn_point *p = &s->points[i];
         s->previous[i] = sn_point_position(p);

@@ -9,8 +9,8 @@ static double radians(double degrees) { return degrees * SN_PI / 180.0; }
 
 sn_camera sn_camera_from(double azimuth, double elevation) {
     double a = radians(azimuth), e = radians(elevation);
-    sn_vec3 back = sn_v3(sin(a) * cos(e), -cos(a) * cos(e), sin(e));
-    sn_vec3 right = sn_v3(cos(a), sin(a), 0.0);
+    sn_vec3 back = sn_v3(sn_sin(a) * sn_cos(e), -sn_cos(a) * sn_cos(e), sn_sin(e));
+    sn_vec3 right = sn_v3(sn_cos(a), sn_sin(a), 0.0);
     return (sn_camera){.right = right, .up = sn_cross(back, right), .back = back, .extent = EMPTY, .zoom = 1.0};
 }
 

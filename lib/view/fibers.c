@@ -56,8 +56,8 @@ static sn_status show_directions(sn_view *view, const sn_muscle *muscle, sn_erro
 /* Fibre i's colour: neighbours in a bundle come from anywhere in the list, so that hues a golden angle apart tell them from each other. */
 static sn_color fiber_color(sn_index i) {
     double hue = fmod(0.08 + 0.61803398875 * i, 1.0);
-    double r = 0.5 + 0.5 * cos(2.0 * SN_PI * hue), g = 0.5 + 0.5 * cos(2.0 * SN_PI * (hue - 1.0 / 3.0)),
-           b = 0.5 + 0.5 * cos(2.0 * SN_PI * (hue - 2.0 / 3.0));
+    double r = 0.5 + 0.5 * sn_cos(2.0 * SN_PI * hue), g = 0.5 + 0.5 * sn_cos(2.0 * SN_PI * (hue - 1.0 / 3.0)),
+           b = 0.5 + 0.5 * sn_cos(2.0 * SN_PI * (hue - 2.0 / 3.0));
     return (sn_color){0.15 + 0.85 * r, 0.15 + 0.75 * g, 0.15 + 0.85 * b};
 }
 

@@ -36,7 +36,7 @@ void image_blend(sn_image *image, sn_index x, sn_index y, sn_color color, double
 static double segment_distance(double px, double py, double ax, double ay, double bx, double by) {
     double dx = bx - ax, dy = by - ay, length2 = dx * dx + dy * dy;
     double t = length2 > 0.0 ? fmin(fmax(((px - ax) * dx + (py - ay) * dy) / length2, 0.0), 1.0) : 0.0;
-    return hypot(px - ax - t * dx, py - ay - t * dy);
+    return sn_length2(px - ax - t * dx, py - ay - t * dy);
 }
 
 void image_lines(sn_image *image, size_t count, const image_line *lines, double radius, sn_color color) {

@@ -99,7 +99,7 @@ static void spread_directions(occlusion *o) {
     const double golden = SN_PI * (3.0 - sqrt(5.0));
     for (int i = 0; i < o->count; i++) {
         double z = 1.0 - (2.0 * i + 1.0) / o->count, r = sqrt(1.0 - z * z);
-        o->directions[i] = sn_v3(r * cos(golden * i), r * sin(golden * i), z);
+        o->directions[i] = sn_v3(r * sn_cos(golden * i), r * sn_sin(golden * i), z);
     }
 }
 
@@ -142,8 +142,8 @@ sn_status layer_occlude(layer *l, const layer *other, sn_pool *pool, sn_error *e
 /* ---- rays ------------------------------------------------------------------------------------------------------------------- */
 
 static double line_distance(double x, double y, sn_vec3 a, sn_vec3 b) {
-    double dx = b.x - a.x, dy = b.y - a.y, length = hypot(dx, dy);
-    return length > 0.0 ? fabs((x - a.x) * dy - (y - a.y) * dx) / length : hypot(x - a.x, y - a.y);
+    double dx = b.x - a.x, dy = b.y - a.y, length = sn_length2(dx, dy);
+    return length > 0.0 ? fabs((x - a.x) * dy - (y - a.y) * dx) / length : sn_length2(x - a.x, y - a.y);
 }
 
 static bool on_wire(const layer *l, const sn_index *v, double x, double y) {

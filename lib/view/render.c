@@ -49,7 +49,7 @@ static void cast_solid(const picture *p, band *b) {
 static float shell_opacity(const layer_hit *hit) {
     double opacity = hit->painted ? 0.5 + 0.5 * hit->opacity : hit->opacity;
     double slant = fmax(hit->normal.z, 0.1);
-    return (float)((hit->behind ? 0.7 : 1.0) * (1.0 - pow(1.0 - opacity, 1.0 / slant)));
+    return (float)((hit->behind ? 0.7 : 1.0) * (1.0 - sn_quick_pow(1.0 - opacity, 1.0 / slant)));
 }
 
 /* Front to back through the translucent layers down to what is solid. */

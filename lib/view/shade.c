@@ -3,14 +3,14 @@
 
 static float to_linear(double srgb) {
     double c = fmin(fmax(srgb, 0.0), 1.0);
-    return (float)(c <= 0.04045 ? c / 12.92 : pow((c + 0.055) / 1.055, 2.4));
+    return (float)(c <= 0.04045 ? c / 12.92 : sn_quick_pow((c + 0.055) / 1.055, 2.4));
 }
 
 tint tint_from(sn_color color) { return (tint){to_linear(color.r), to_linear(color.g), to_linear(color.b)}; }
 
 double channel_to_srgb(double linear) {
     double c = fmin(fmax(linear, 0.0), 1.0);
-    return c <= 0.0031308 ? 12.92 * c : 1.055 * pow(c, 1.0 / 2.4) - 0.055;
+    return c <= 0.0031308 ? 12.92 * c : 1.055 * sn_quick_pow(c, 1.0 / 2.4) - 0.055;
 }
 
 sn_status frame_set(frame *f, const sn_camera *camera, double width, double height, inset clear, sn_error *error) {

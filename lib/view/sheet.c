@@ -74,7 +74,7 @@ static void draw_ring(sn_image *image, double x, double y, double radius, double
     image_line lines[SIDES];
     for (int i = 0; i < SIDES; i++) {
         double a = 2.0 * SN_PI * i / SIDES, b = 2.0 * SN_PI * (i + 1) / SIDES;
-        lines[i] = (image_line){x + radius * cos(a), y + radius * sin(a), x + radius * cos(b), y + radius * sin(b)};
+        lines[i] = (image_line){x + radius * sn_cos(a), y + radius * sn_sin(a), x + radius * sn_cos(b), y + radius * sn_sin(b)};
     }
     image_lines(image, SIDES, lines, width, color);
 }
@@ -184,7 +184,7 @@ static size_t keep_common_entries(sn_index tile_count, const sn_tile *tiles, siz
 
 /* The longest of 1, 2, 5 x 10^k metres that takes at most a fifth of the width, lower right. */
 static void draw_scale_bar(sn_image *image, typography t, const frame *f, double right, double y) {
-    double most = 0.2 * f->width / f->pixels_per_meter, power = pow(10.0, floor(log10(most)));
+    double most = 0.2 * f->width / f->pixels_per_meter, power = sn_pow(10.0, floor(sn_log10(most)));
     if (!(most > 1e-9) || !(most < 1e6)) return;
     double length = power * (most >= 5.0 * power ? 5.0 : most >= 2.0 * power ? 2.0 : 1.0), pixels = length * f->pixels_per_meter;
     char text[48];
@@ -319,7 +319,7 @@ static sn_index automatic_columns(sn_index count, const sn_view_options *options
     double least = INFINITY;
     for (sn_index columns = 1; columns <= count; columns++) {
         sn_index rows = (count - 1) / columns + 1;
-        double shape = fabs(log((double)columns * options->width / (1.7 * rows * options->height)));
+        double shape = fabs(sn_ln((double)columns * options->width / (1.7 * rows * options->height)));
         shape += 0.15 * (rows * columns - count);
         if (shape < least) {
             least = shape;

@@ -81,7 +81,7 @@ static int compare_numbers(const void *a, const void *b) {
 
 /* The least of 1, 2, 5 x 10^k that is not below a number. */
 static double round_up(double x) {
-    double power = pow(10.0, floor(log10(x)));
+    double power = sn_pow(10.0, floor(sn_log10(x)));
     for (int i = 0; i < 4; i++) {
         static const double steps[4] = {1.0, 2.0, 5.0, 10.0};
         if (steps[i] * power >= x * (1.0 - 1e-9)) return steps[i] * power;

@@ -118,12 +118,21 @@ setup() {
     for tool in mesh-clean root-select build-structure fiber-flow attach-detect simulate; do
         refute links $tool libpng assimp
     done
-    for tool in root-select build-structure fiber-flow simulate; do
+    for tool in root-select build-structure fiber-flow; do
         refute links $tool gmp mpfr 'stdc++'
     done
+    links simulate mpfr # poses and stiffnesses, rounded correctly
+    refute links simulate 'stdc++'
     for tool in root-select fiber-flow; do # build-structure asks what lies inside, simulate which fibre vertices lie on the surface or in bones
         refute links $tool embree
     done
     refute links build-structure gmp mpfr gsl cholmod
     refute links attach-detect gmp mpfr gsl cholmod
+}
+
+@test "nothing calls the functions of the C library whose bits depend on the processor" { # CGAL's calls are renamed: lib/geom/cgal_symbols
+    calls() { nm -u "$@" 2> /dev/null | grep -x -E ' *U (a?(sin|cos|tan)h?|atan2|sincos|exp|exp2|expm1|log|log2|log10|log1p|pow|cbrt|hypot)[fl]?(@.*)?'; }
+    build=$(dirname "$BIN")
+    [ "$(nm -u "$build/libsinew.a" | grep -c -E ' U (sn_exp|mpfr_exp|sn_quick_atan2)$')" -ge 5 ]
+    refute calls "$build/libsinew.a" "$build"/tools/*.o "$build"/share/examples/*/*.o
 }

@@ -179,10 +179,10 @@ static void stiffness_and_step(void) {
             scene.muscles[0].stiffness_relaxed = scene.muscles[0].stiffness_active = stiffness[i];
             scene.muscles[0].activation.constant = 0.5;
             set_keys(&scene.motion.joints[0].angle, 0.0, 0.0, 20.0 * steps[j], -0.5);
-            scene.rate = 1.0 / (steps[j] * scene.solver.substeps);
+            scene.rate = 1.0 / (steps[j] * sn_solver_substeps(&scene.solver));
             if (stiffness[i] == 0.0) scene.gravity = sn_v3(0.1, -0.2, 0.3), scene.muscles[0].damping = 0.0; /* its bones move */
             simulation s = start(&scene);
-            double far = run(&s, 20), flight = stiffness[i] == 0.0 ? flight_error(&s, scene.gravity, 20 * scene.solver.substeps) : 0.0;
+            double far = run(&s, 20), flight = stiffness[i] == 0.0 ? flight_error(&s, scene.gravity, 20 * sn_solver_substeps(&scene.solver)) : 0.0;
             snprintf(name, sizeof name, "stiffness %g N/m, step %.3g s", stiffness[i], steps[j]);
             verdict(name, flight < 1e-9 && far < (stiffness[i] == 0.0 ? INFINITY : 2.0), far, flight,
                     stiffness[i] == 0.0 ? "error: against free flight" : "");

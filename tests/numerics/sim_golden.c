@@ -1,11 +1,16 @@
 /*
  * sim_golden.c -- one hash of a run's end under each back end, the same from 1, 2 and 4 threads, from a run that is watched and from one
- * that stops anywhere, in the middle of a substep too, and goes on from bytes. Prints "hash SOLVER HASH"; tests/golden compares the hashes
- * between builds. Then "N passed, N failed".
+ * that stops anywhere, in the middle of a substep too, and goes on from bytes; and the same as in tests/data/golden.txt, whatever the
+ * machine and the build. Prints "hash SOLVER HASH" for each, then "N passed, N failed".
+ *
+ *   sim_golden [FILE]              compare with FILE instead
+ *   sim_golden --hashes THREADS    print the hashes of that many threads and do nothing else: tests/golden, `make golden-accept`
  */
 #include "../unit/sim_scene.h"
 
 #include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
 
 static int passed, failed;
 
@@ -101,19 +106,40 @@ static void run(int threads, bool watched, bool stops, char hash[SN_HASH_LENGTH]
     finish(&s);
 }
 
-static void compare(const char *name, const char *one, const char *other) {
-    bool same = memcmp(one, other, SN_HASH_LENGTH) == 0;
-    printf("%-19s %-40s %s\n", SOLVERS[solver].name, name, same ? "the same" : "FAILED: not the same");
-    if (same)
+static void count(const char *name, bool good, const char *verdict) {
+    printf("%-19s %-40s %s\n", SOLVERS[solver].name, name, verdict);
+    if (good)
         passed++;
     else
         failed++;
 }
 
-static void all_runs(void) {
-    char hash[SN_HASH_LENGTH], other[SN_HASH_LENGTH];
-    run(1, false, false, hash);
+static void compare(const char *name, const char *one, const char *other) {
+    bool same = memcmp(one, other, SN_HASH_LENGTH) == 0;
+    count(name, same, same ? "the same" : "FAILED: not the same");
+}
+
+/* With the line "SOLVER HASH" of the file. */
+static void compare_with_file(const char *file, const char *hash) {
+    char name[64], accepted[SN_HASH_LENGTH + 1];
+    const char *verdict = "FAILED: no accepted hash";
+    FILE *in = fopen(file, "r");
+    while (in != NULL && fscanf(in, "%63s %72s", name, accepted) == 2)
+        if (strcmp(name, SOLVERS[solver].name) == 0)
+            verdict = strcmp(accepted, hash) == 0 ? "the same" : "FAILED: other bits than accepted (if they should be: make golden-accept)";
+    if (in != NULL) fclose(in);
+    count(file, strcmp(verdict, "the same") == 0, verdict);
+}
+
+static void print_hash(int threads, char hash[SN_HASH_LENGTH]) {
+    run(threads, false, false, hash);
     printf("hash %s %s\n", SOLVERS[solver].name, hash);
+}
+
+static void all_runs(const char *file) {
+    char hash[SN_HASH_LENGTH], other[SN_HASH_LENGTH];
+    print_hash(1, hash);
+    compare_with_file(file, hash);
     for (int threads = 2; threads <= 4; threads += 2) {
         run(threads, false, false, other);
         compare(threads == 2 ? "2 threads" : "4 threads", hash, other);
@@ -124,8 +150,16 @@ static void all_runs(void) {
     compare("stopped, packed and continued", hash, other);
 }
 
-int main(void) {
-    for (solver = 0; solver < (int)(sizeof SOLVERS / sizeof *SOLVERS); solver++) all_runs();
-    printf("%d passed, %d failed\n", passed, failed);
+int main(int argc, char **argv) {
+    int threads = argc == 3 && strcmp(argv[1], "--hashes") == 0 ? atoi(argv[2]) : 0;
+    const char *file = argc > 1 ? argv[1] : "tests/data/golden.txt";
+    char hash[SN_HASH_LENGTH];
+    for (solver = 0; solver < (int)(sizeof SOLVERS / sizeof *SOLVERS); solver++) {
+        if (threads > 0)
+            print_hash(threads, hash);
+        else
+            all_runs(file);
+    }
+    if (threads <= 0) printf("%d passed, %d failed\n", passed, failed);
     return failed > 0;
 }

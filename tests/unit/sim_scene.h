@@ -32,10 +32,10 @@ static void make_surface(const fusiform *f, sn_mesh *mesh) {
     sn_index n = f->rings * f->sectors + 2, bottom = n - 2, top = n - 1;
     assert_int_equal(sn_mesh_alloc(mesh, n, 2 * f->rings * f->sectors, NULL), SN_OK);
     for (sn_index r = 0; r < f->rings; r++) {
-        double s = (r + 1.0) / (f->rings + 1.0), radius = f->radius * pow(sin(SN_PI * s), 0.8);
+        double s = (r + 1.0) / (f->rings + 1.0), radius = f->radius * sn_pow(sn_sin(SN_PI * s), 0.8);
         for (sn_index k = 0; k < f->sectors; k++) {
             double angle = 2.0 * SN_PI * (k + 0.5 * (r % 2)) / f->sectors;
-            mesh->positions[r * f->sectors + k] = sn_v3(radius * cos(angle), radius * sin(angle), s * f->length);
+            mesh->positions[r * f->sectors + k] = sn_v3(radius * sn_cos(angle), radius * sn_sin(angle), s * f->length);
         }
     }
     mesh->positions[bottom] = sn_v3(0, 0, 0);
@@ -91,8 +91,8 @@ static void make_fibers(const fusiform *f, sn_muscle *muscle) {
     muscle->fibers.directions = SN_NEW(sn_vec3, mesh->vertex_count);
     for (sn_index v = 0; v < mesh->vertex_count; v++) {
         sn_vec3 p = sn_sub(sn_scale(mesh->positions[v], f->meters_per_unit), f->offset);
-        double s = p.z / f->length, radius = hypot(p.x, p.y);
-        double slope = radius > 0.0 ? 0.8 * f->radius * pow(sin(SN_PI * s), -0.2) * cos(SN_PI * s) * SN_PI / f->length : 0.0;
+        double s = p.z / f->length, radius = sn_length2(p.x, p.y);
+        double slope = radius > 0.0 ? 0.8 * f->radius * sn_pow(sn_sin(SN_PI * s), -0.2) * sn_cos(SN_PI * s) * SN_PI / f->length : 0.0;
         sn_vec3 along = radius > 0.0 ? sn_v3(slope * p.x / radius, slope * p.y / radius, 1.0) : sn_v3(1, 0, 0);
         muscle->fibers.directions[v] = sn_normalize(along);
     }

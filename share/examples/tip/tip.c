@@ -59,14 +59,14 @@ static shell shell_for(int64_t triangles) {
     return s;
 }
 
-static double ring_radius(double s) { return radius * pow(sin(SN_PI * s), 0.8); }
+static double ring_radius(double s) { return radius * sn_pow(sn_sin(SN_PI * s), 0.8); }
 
 static void place_vertices(shell f, sn_vec3 *positions) {
     for (sn_index r = 0; r < f.rings; r++) {
         double s = (r + 1.0) / (f.rings + 1.0), around = ring_radius(s);
         for (sn_index k = 0; k < f.sectors; k++) {
             double angle = 2.0 * SN_PI * (k + 0.5 * (r % 2)) / f.sectors;
-            positions[r * f.sectors + k] = sn_v3(around * cos(angle), around * sin(angle), s * length);
+            positions[r * f.sectors + k] = sn_v3(around * sn_cos(angle), around * sn_sin(angle), s * length);
         }
     }
     positions[f.rings * f.sectors] = sn_v3(0, 0, 0);
@@ -95,9 +95,9 @@ static void place_triangles(shell f, sn_triangle *t) {
 
 /* The meridian's direction; at the tips, where it has none, x. */
 static sn_vec3 fiber_at(sn_vec3 p) {
-    double s = p.z / length, out = hypot(p.x, p.y);
+    double s = p.z / length, out = sn_length2(p.x, p.y);
     if (!(out > 0.0)) return sn_v3(1, 0, 0);
-    double slope = 0.8 * radius * pow(sin(SN_PI * s), -0.2) * cos(SN_PI * s) * SN_PI / length;
+    double slope = 0.8 * radius * sn_pow(sn_sin(SN_PI * s), -0.2) * sn_cos(SN_PI * s) * SN_PI / length;
     return sn_normalize(sn_v3(slope * p.x / out, slope * p.y / out, 1.0));
 }
 
@@ -142,12 +142,12 @@ static double bend_at(motion m, double time) {
 /* The upper end of an arc of length L that leaves the origin along z and bends towards y by `bend`: (0, L (1 - cos b) / b, L sin b / b).
  * The bone turns by -b about x, which takes z to the arc's tangent, and its point (0, 0, L) to the arc's end. */
 static void write_key(sn_json *json, double time, double bend) {
-    double chord = bend > 0.0 ? sin(0.5 * bend) / (0.5 * bend) : 1.0; /* over L; it stands at half the angle */
-    sn_vec3 end = sn_v3(0, length * chord * sin(0.5 * bend), length * chord * cos(0.5 * bend));
+    double chord = bend > 0.0 ? sn_sin(0.5 * bend) / (0.5 * bend) : 1.0; /* over L; it stands at half the angle */
+    sn_vec3 end = sn_v3(0, length * chord * sn_sin(0.5 * bend), length * chord * sn_cos(0.5 * bend));
     sn_json_object(json, NULL);
     sn_json_number(json, "time", time);
-    sn_json_numbers(json, "rotation", (const double[]){cos(0.5 * bend), -sin(0.5 * bend), 0.0, 0.0}, 4);
-    sn_json_vec3(json, "translation", sn_sub(end, sn_v3(0, length * sin(bend), length * cos(bend))));
+    sn_json_numbers(json, "rotation", (const double[]){sn_cos(0.5 * bend), -sn_sin(0.5 * bend), 0.0, 0.0}, 4);
+    sn_json_vec3(json, "translation", sn_sub(end, sn_v3(0, length * sn_sin(bend), length * sn_cos(bend))));
     sn_json_close(json);
 }
 
