@@ -22,12 +22,6 @@ static double read_volume(const sn_statistics *s) { return fabs(s->volume_error)
 static double read_nan(const sn_statistics *s) { return s->nan_points; }
 static double read_triangle(const sn_statistics *s) { return s->smallest_triangle; }
 static double read_edge(const sn_statistics *s) { return s->largest_edge_ratio; }
-static double read_internal(const sn_statistics *s) { return s->residuals[SN_ROWS_INTERNAL].max; }
-static double read_radial(const sn_statistics *s) { return s->residuals[SN_ROWS_RADIAL].max; }
-static double read_mesh(const sn_statistics *s) { return s->residuals[SN_ROWS_MESH].max; }
-static double read_dihedral(const sn_statistics *s) { return s->residuals[SN_ROWS_DIHEDRAL].max; }
-static double read_area(const sn_statistics *s) { return s->residuals[SN_ROWS_AREA].max; }
-static double read_membrane(const sn_statistics *s) { return s->residuals[SN_ROWS_MEMBRANE].max; }
 static double read_energy(const sn_statistics *s) { return s->kinetic_energy; }
 static double read_elastic(const sn_statistics *s) { return s->elastic_energy; }
 static double read_residual(const sn_statistics *s) { return s->residual; }
@@ -35,23 +29,28 @@ static double read_skipped(const sn_statistics *s) { return (double)(s->skipped_
 static double read_clamped(const sn_statistics *s) { return (double)s->clamped_hinges; }
 static double read_torn(const sn_statistics *s) { return s->torn; }
 
+/* Beside these the greatest error of every kind of rows, by its name. */
 static const outcome_measure MEASURES[] = {
-    {"volume", read_volume},     {"nan", read_nan},         {"triangle", read_triangle}, {"edge", read_edge},
-    {"internal", read_internal}, {"radial", read_radial},   {"mesh", read_mesh},         {"dihedral", read_dihedral},
-    {"area", read_area},         {"energy", read_energy},   {"elastic", read_elastic},   {"residual", read_residual},
-    {"skipped", read_skipped},   {"clamped", read_clamped}, {"membrane", read_membrane}, {"torn", read_torn},
+    {"volume", read_volume},   {"nan", read_nan},           {"triangle", read_triangle}, {"edge", read_edge},       {"energy", read_energy},
+    {"elastic", read_elastic}, {"residual", read_residual}, {"skipped", read_skipped},   {"clamped", read_clamped}, {"torn", read_torn},
 };
 enum { MEASURE_COUNT = sizeof MEASURES / sizeof *MEASURES };
+
+static bool equals(const char *name, const char *text, size_t length) { return strlen(name) == length && strncmp(name, text, length) == 0; }
 
 static bool parse_limit(const char *text, const char *end, outcome_limit *out) {
     size_t name = strcspn(text, "<>,");
     const char *next;
     if (text[name] != '<' && text[name] != '>') return false;
     out->above = text[name] == '>';
+    out->name = NULL;
+    for (int kind = 0; kind < SN_ROW_KINDS; kind++)
+        if (equals(sn_row_kind_name((sn_row_kind)kind), text, name))
+            out->name = sn_row_kind_name((sn_row_kind)kind), out->kind = (sn_row_kind)kind;
     out->measure = NULL;
     for (int i = 0; i < MEASURE_COUNT; i++)
-        if (strlen(MEASURES[i].name) == name && strncmp(MEASURES[i].name, text, name) == 0) out->measure = &MEASURES[i];
-    return out->measure != NULL && sn_scan_number(text + name + 1, end, &next, &out->value) && next == end && isfinite(out->value);
+        if (equals(MEASURES[i].name, text, name)) out->name = MEASURES[i].name, out->measure = &MEASURES[i];
+    return out->name != NULL && sn_scan_number(text + name + 1, end, &next, &out->value) && next == end && isfinite(out->value);
 }
 
 void outcome_parse_limits(outcome *o, cli *c, const char *text) {
@@ -70,12 +69,13 @@ void outcome_parse_limits(outcome *o, cli *c, const char *text) {
 static void check_limits(outcome *o, const sn_state *state) {
     for (int k = 0; k < o->limit_count; k++) {
         outcome_limit *l = &o->limits[k];
-        for (sn_index i = 0; l->measure != NULL && i < o->model->muscle_count; i++) {
-            double value = l->measure->read(&state->muscles[i].statistics);
+        for (sn_index i = 0; l->name != NULL && i < o->model->muscle_count; i++) {
+            const sn_statistics *s = &state->muscles[i].statistics;
+            double value = l->measure != NULL ? l->measure->read(s) : s->residuals[l->kind].max;
             if (l->above ? !(value > l->value) : !(value < l->value)) continue;
-            cli_shortfall(o->c, "frame %d, muscle \"%s\": %s is %g, %s the limit of %g", (int)state->frame, name_of(o, i), l->measure->name,
-                          value, l->above ? "above" : "below", l->value);
-            l->measure = NULL;
+            cli_shortfall(o->c, "frame %d, muscle \"%s\": %s is %g, %s the limit of %g", (int)state->frame, name_of(o, i), l->name, value,
+                          l->above ? "above" : "below", l->value);
+            l->name = NULL;
         }
     }
 }

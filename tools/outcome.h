@@ -12,7 +12,9 @@
 enum { OUTCOME_MOST_LIMITS = 32 };
 struct outcome_measure;
 typedef struct outcome_limit {
-    const struct outcome_measure *measure; /* NULL = it has been broken, and was told */
+    const char *name;                      /* NULL = it has been broken, and was told */
+    const struct outcome_measure *measure; /* NULL = the greatest error of: */
+    sn_row_kind kind;
     bool above;
     double value;
 } outcome_limit;

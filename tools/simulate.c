@@ -429,8 +429,8 @@ static void free_targets(job *j) {
 
 static void write_errors(sn_json *json, const sn_statistics *s, const sn_plan_muscle *plan) {
     sn_json_object(json, "errors");
-    for (int kind = 0; kind < SN_ROWS_VOLUME; kind++) {
-        if (plan->groups[kind].rows == 0) continue;
+    for (int kind = 0; kind < SN_ROW_KINDS; kind++) {
+        if (plan->groups[kind].rows == 0 || sn_row_info_of((sn_row_kind)kind)->points == 0) continue;
         sn_json_object(json, sn_row_kind_name((sn_row_kind)kind));
         sn_json_number(json, "rms", s->residuals[kind].rms);
         sn_json_number(json, "max", s->residuals[kind].max);
@@ -596,7 +596,7 @@ static void write_group(sn_json *json, sn_row_kind kind, const sn_plan_group *gr
     sn_json_integer(json, "rows", group->rows);
     sn_json_integer(json, "bytes", (int64_t)group->bytes);
     if (milliseconds > 0.0) sn_json_number(json, "millisecondsPerFrame", milliseconds);
-    if (kind < SN_DISTANCE_KINDS && group->rows > 0) sn_json_numbers(json, "rigidity", group->rigidity, 2);
+    if (sn_row_info_of(kind)->spring && group->rows > 0) sn_json_numbers(json, "rigidity", group->rigidity, 2);
     if (group->reason != SN_RUNS) sn_json_text(json, "leftOut", sn_left_out_text(group->reason));
     if (group->kinematic > 0) sn_json_integer(json, "carriedByBones", group->kinematic);
     if (group->degenerate > 0) sn_json_integer(json, "degenerate", group->degenerate);

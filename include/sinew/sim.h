@@ -25,16 +25,23 @@
 
 /* ---- the plan: what runs, what was left out, and why ------------------------------------------------------------------ */
 
-/* The groups of rows, in the order in which the guarded scheme projects them. */
+/* The kinds of rows, in the order in which the guarded scheme projects them, and everybody tells of them: SN_ROWS_ID, and the name. A new
+ * kind is one line here, and one source with its sn_row_ops (lib/sim/rows.h). The membrane, of `qn` only, runs in place of the mesh's rows.
+ */
+#define SN_ROW_LIST(X)                                                                                                                     \
+    X(INTERNAL, internal)                                                                                                                  \
+    X(RADIAL, radial)                                                                                                                      \
+    X(MESH, mesh)                                                                                                                          \
+    X(DIHEDRAL, dihedral)                                                                                                                  \
+    X(AREA, area)                                                                                                                          \
+    X(MEMBRANE, membrane)                                                                                                                  \
+    X(VOLUME, volume)
+
 typedef enum sn_row_kind {
-    SN_ROWS_INTERNAL,
-    SN_ROWS_RADIAL,
-    SN_ROWS_MESH,
-    SN_ROWS_DIHEDRAL,
-    SN_ROWS_AREA,
-    SN_ROWS_MEMBRANE, /* back end `qn` only, in place of SN_ROWS_MESH */
-    SN_ROWS_VOLUME,
-    SN_ROW_KINDS
+#define SN_ROW_KIND(id, name) SN_ROWS_##id,
+    SN_ROW_LIST(SN_ROW_KIND)
+#undef SN_ROW_KIND
+        SN_ROW_KINDS
 } sn_row_kind;
 #define SN_DISTANCE_KINDS 3 /* the first three are distances */
 
@@ -77,7 +84,17 @@ typedef struct sn_plan {
     sn_plan_muscle *muscles; /* (muscle_count) one per muscle of the scene, disabled ones too */
 } sn_plan;
 
-const char *sn_row_kind_name(sn_row_kind kind);   /* "internal", "radial", "mesh", "dihedral", "area", "membrane", "volume" */
+/* What a picture or a table needs to know of a kind. */
+typedef struct sn_row_info {
+    const char *name;   /* "internal", "radial", "mesh", "dihedral", "area", "membrane", "volume" */
+    const char *errors; /* what its errors are, and their unit: "error of surface edges, mean edges" */
+    const char *lacks;  /* what a row whose error is not a number lacks: "no angle" */
+    int points;         /* of a row; 0 = all vertices, in one row */
+    bool inside;        /* rows of the internal structure: lines inside of the surface */
+    bool spring;        /* distances: their rigidity is told (sn_plan_group) */
+} sn_row_info;
+const sn_row_info *sn_row_info_of(sn_row_kind kind);
+const char *sn_row_kind_name(sn_row_kind kind);
 const char *sn_left_out_text(sn_left_out reason); /* half a sentence; "" for SN_RUNS */
 const char *sn_scheme_name(sn_scheme scheme);     /* "guarded", "romeo", "kohout" */
 const char *sn_fiber_law_name(sn_fiber_law law);  /* "projected", "paper", "isochoric" */
@@ -98,14 +115,6 @@ typedef struct sn_hinge_row {
 typedef struct sn_area_row {
     sn_index point[3];
 } sn_area_row;
-
-/* A triangle as a membrane: its rest edges in the plane, and what activation and maps do to it. The points are apart. */
-typedef struct sn_membrane_row {
-    double edge[2][2]; /* m; [0] along the fibre, [1] across it; columns are x1 - x0 and x2 - x0 */
-    double share;      /* of the contraction */
-    double softness;   /* 1 / factor on the stiffness */
-} sn_membrane_row;
-#define SN_MEMBRANE_GOALS 6 /* per row: D00, D01, D10, D11 of the goal shape (1/m), its area A (m^2), A mu / k */
 
 /* The square of a goal length is a sum of terms (of the row) times factors (of the activation); see distance.c. */
 #define SN_LAW_TERMS 3
@@ -142,11 +151,9 @@ typedef struct sn_model_muscle {
     double *hinge_angles;   /* (hinge_count) theta0, rad */
     double *hinge_softness; /* (hinge_count) 1 / factor on the stiffness; NULL = 1 for all */
     sn_index area_count, area_batched;
-    sn_area_row *areas;  /* (area_count) */
-    double *area_scales; /* (area_count) 1 / (2 A0), 1/m^2 */
-    sn_index membrane_count;
-    sn_area_row *membrane_points;                                       /* (membrane_count) */
-    sn_membrane_row *membranes;                                         /* (membrane_count) */
+    sn_area_row *areas;                                                 /* (area_count) */
+    double *area_scales;                                                /* (area_count) 1 / (2 A0), 1/m^2 */
+    void *own[SN_ROW_KINDS];                                            /* rows that only their own kind reads */
     bool keeps_volume;                                                  /* the volume row runs */
     double rest_volume;                                                 /* V0, m^3; NaN for an open or flat surface */
     sn_curve *stiffness_curve;                                          /* ln k over activation; NULL = straight from relaxed to active */
@@ -273,7 +280,6 @@ enum {
     X(sn_vec3, velocities, m->point_count, SN_KEPT)                                                                                        \
     X(sn_vec3, previous, m->point_count, SN_KEPT)                                                                                          \
     X(double, goals, m->distance_start[SN_DISTANCE_KINDS], SN_LEFT)                                                                        \
-    X(double, membrane_goals, SN_MEMBRANE_GOALS *(size_t)m->membrane_count, SN_LEFT)                                                       \
     X(double, distance_lambda, m->distance_start[SN_DISTANCE_KINDS], SN_KEPT)                                                              \
     X(double, hinge_lambda, m->hinge_count, SN_KEPT)                                                                                       \
     X(sn_vec3, volume_gradient, m->keeps_volume ? m->vertex_count : 0, SN_LEFT)                                                            \
@@ -321,7 +327,8 @@ typedef struct sn_muscle_state {
 #define SN_STATE_MEMBER(type, name, count, kept) type *name;
     SN_STATE_ARRAYS(SN_STATE_MEMBER)
 #undef SN_STATE_MEMBER
-    sn_progress progress; /* in the substep at hand, or through with the last one */
+    double *own[SN_ROW_KINDS]; /* numbers that only their own kind reads, made anew from the inputs */
+    sn_progress progress;      /* in the substep at hand, or through with the last one */
     double volume_lambda;
     sn_bone_motion bones;           /* over the last step */
     sn_index pair_count, pair_next; /* qn: pairs at hand, and the slot of the next */
@@ -390,7 +397,7 @@ void sn_project(const sn_model *model, sn_state *state, sn_index muscle, sn_row_
 
 /* Rows of a kind that run; of the volume 1 or 0. */
 sn_index sn_row_count(const sn_model *model, sn_index muscle, sn_row_kind kind);
-/* The points of a row. Returns how many: 2 of a distance, 4 of a hinge, 3 of an area; 0 for the volume, which has all vertices. */
+/* The points of a row. Returns how many (sn_row_info); 0 for the volume, which has all vertices. */
 int sn_row_points(const sn_model *model, sn_index muscle, sn_row_kind kind, sn_index row, sn_index points[4]);
 /* |C| of every row of a kind now: errors (sn_row_count), in the units of sn_statistics; NaN: a hinge that has no angle (its guard). */
 void sn_row_errors(const sn_model *model, const sn_state *state, sn_index muscle, sn_row_kind kind, double *errors);

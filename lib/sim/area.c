@@ -4,8 +4,12 @@
  * J = |n| / (2 A0) with n = d1 x d2, d1 = x1 - x0, d2 = x2 - x0. C = J - least, projected only where C < 0, and then rigidly:
  * springs do not resist the loss of area, and below a triangle's collapse nothing has a direction any more.
  *   g1 = d2 x u / (2 A0),  g2 = u x d1 / (2 A0),  g0 = -g1 - g2,  u = n / |n|
+ *
+ * Under `qn` the rows are a barrier, B(J) = -k A0 (J - 1)^2 ln J for J < 1. Triangles that the step found collapsed have none: it would
+ * hold them on the wrong side of a fold.
  */
 #include "rows.h"
+#include "wide_log.h"
 
 #include <float.h>
 #include <stdlib.h>
@@ -39,9 +43,9 @@ static sn_status batch_areas(sn_model_muscle *m, sn_error *error) {
     return status == SN_OK ? sn_batch_pair(m->area_batched, 3, m->areas->point, &m->area_pairs, error) : status;
 }
 
-sn_status sn_area_build(const sn_build *build, sn_error *error) {
+static sn_status build_areas(const sn_build *build, sn_row_kind kind, sn_error *error) {
     sn_model_muscle *m = build->model;
-    sn_plan_group *group = &build->plan->groups[SN_ROWS_AREA];
+    sn_plan_group *group = &build->plan->groups[kind];
     if (group->reason != SN_RUNS) return SN_OK;
     m->areas = SN_NEW(sn_area_row, m->triangle_count);
     m->area_scales = SN_NEW(double, m->triangle_count);
@@ -66,7 +70,8 @@ static inline void move(sn_point *point, sn_vec3 gradient, double change) {
     point->x += scale * gradient.x, point->y += scale * gradient.y, point->z += scale * gradient.z;
 }
 
-void sn_area_sweep(const sn_model_muscle *m, sn_muscle_state *s) {
+static void sweep_kind(const sn_model_muscle *m, sn_muscle_state *s, sn_row_kind kind, const sn_sweep *sweep) {
+    (void)kind, (void)sweep;
     double least = m->source->least_area, square = least * least;
     for (sn_index r = 0; r < m->area_count; r++) {
         sn_point *p[3];
@@ -86,7 +91,9 @@ void sn_area_sweep(const sn_model_muscle *m, sn_muscle_state *s) {
     }
 }
 
-void sn_area_errors(const sn_model_muscle *m, const sn_muscle_state *s, sn_index begin, sn_index end, double *errors) {
+static void errors_of_kind(const sn_model_muscle *m, const sn_muscle_state *s, sn_row_kind kind, sn_index begin, sn_index end,
+                           double *errors) {
+    (void)kind;
     for (sn_index r = begin; r < end; r++) {
         sn_vec3 x[3];
         for (int i = 0; i < 3; i++) x[i] = sn_point_position(&s->points[m->areas[r].point[i]]);
@@ -94,3 +101,101 @@ void sn_area_errors(const sn_model_muscle *m, const sn_muscle_state *s, sn_index
         *errors++ = fmax(m->source->least_area - ratio, 0.0);
     }
 }
+
+/* ---- the energy of back end `qn` --------------------------------------------------------------------------------------------- */
+
+/* Below this share of its rest area a triangle's barrier goes on as a straight line: finite, and continuous with its slope. */
+static const double BARRIER_LINEAR = 1e-3;
+
+/* B(J) and dB/dJ over k A0, for J < 1. */
+SN_INLINE wide barrier(wide j, wide *slope) {
+    wide least = wide_splat(BARRIER_LINEAR), at = wide_select(wide_less(least, j), j, least);
+    wide gap = at - wide_splat(1.0), ln = wide_log(at);
+    *slope = -(wide_splat(2.0) * gap * ln + gap * gap / at);
+    return *slope * (j - at) - gap * gap * ln;
+}
+
+typedef struct barriers {
+    const sn_point *points;
+    const sn_index *index; /* (3 x rows) */
+    const double *scales;  /* (rows) */
+    const bool *guarded;   /* (rows) */
+    double k;
+    sn_forces gradient;
+} barriers;
+
+/* Rows r .. r + lanes - 1, which may share points. */
+SN_INLINE void area_batch(const barriers *in, sn_index r, int lanes, wide_total *energy) {
+    const sn_index *index = in->index + 3 * (size_t)r;
+    wide_point p[3];
+    SN_UNROLL
+    for (int i = 0; i < 3; i++) p[i] = wide_gather(in->points, index + i, 3, lanes);
+    wide_vec3 d1 = wide_between(p[1], p[0]), d2 = wide_between(p[2], p[0]), n = wide_cross(d1, d2);
+    wide scale = wide_load(in->scales + r, lanes), size = wide_sqrt(wide_dot(n, n)), j = size * scale, slope;
+    wide_mask small = ~wide_less(wide_splat(1.0), j); /* or not a number */
+    if (!wide_any(small)) return;
+    small &= wide_flags(in->guarded + r, lanes);
+    wide half = wide_splat(0.5 * in->k), height = barrier(j, &slope);
+    wide_count_in(energy, r, wide_or_nothing(small, half / scale * height), lanes);
+    small &= wide_less(wide_splat(SN_AREA_GUARD), j * j);
+    wide push = half * slope / size; /* k A0 dB/dJ dJ/d|n| / |n| */
+    wide_vec3 g1 = wide_scale(wide_cross(d2, n), push), g2 = wide_scale(wide_cross(n, d1), push);
+    const wide_records forces[3] = {
+        wide_records_of(wide_or_nothing(small, -(g1.x + g2.x)), wide_or_nothing(small, -(g1.y + g2.y)),
+                        wide_or_nothing(small, -(g1.z + g2.z))),
+        wide_records_of(wide_or_nothing(small, g1.x), wide_or_nothing(small, g1.y), wide_or_nothing(small, g1.z)),
+        wide_records_of(wide_or_nothing(small, g2.x), wide_or_nothing(small, g2.y), wide_or_nothing(small, g2.z)),
+    };
+    wide_add_forces(in->gradient, index, 3, forces, lanes);
+}
+
+SN_WIDE_KERNEL static double energy_of_areas(const barriers *in, sn_index end) {
+    wide_total energy = {{0}};
+    sn_index r = 0;
+    for (; r + WIDE_LANES <= end; r += WIDE_LANES) area_batch(in, r, WIDE_LANES, &energy);
+    for (; r < end; r++) area_batch(in, r, 1, &energy);
+    return wide_sum(&energy);
+}
+
+static double energy_of_kind(const sn_model_muscle *m, const sn_muscle_state *s, sn_row_kind kind, const sn_point *points, double k,
+                             sn_forces gradient) {
+    (void)kind;
+    bool membrane = sn_row_ops_of(SN_ROWS_MEMBRANE)->count(m, SN_ROWS_MEMBRANE) > 0; /* it has a barrier of its own */
+    if (!(k > 0.0) || membrane) return 0.0;
+    const barriers in = {points, m->areas->point, m->area_scales, s->guarded, k, gradient};
+    return energy_of_areas(&in, m->area_count);
+}
+
+/* ---- the table ----------------------------------------------------------------------------------------------------------------- */
+
+static sn_left_out reason_of(const sn_build *build) {
+    if (!(build->source->least_area > 0.0)) return SN_OUT_SETTING;
+    return sn_has_stiffness(build->source, 1.0) ? SN_RUNS : SN_OUT_NO_STIFFNESS;
+}
+
+static sn_index count_rows(const sn_model_muscle *m, sn_row_kind kind) {
+    (void)kind;
+    return m->area_count;
+}
+
+static const sn_index *points_of(const sn_model_muscle *m, sn_row_kind kind, sn_index row) {
+    (void)kind;
+    return m->areas[row].point;
+}
+
+static size_t bytes_of_row(const sn_model_muscle *m) {
+    (void)m;
+    return sizeof(sn_area_row) + sizeof(double);
+}
+
+const sn_row_ops sn_rows_area = {.info = {"area", "area below the least, of the rest area", "no area", 3, .inside = false},
+                                 .rigid = true,
+                                 .reason = reason_of,
+                                 .build = build_areas,
+                                 .count = count_rows,
+                                 .points = points_of,
+                                 .bytes = bytes_of_row,
+                                 .sweep = sweep_kind,
+                                 .sweep_single = sn_single_area_sweep,
+                                 .energy = energy_of_kind,
+                                 .errors = errors_of_kind};

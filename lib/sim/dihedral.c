@@ -127,9 +127,9 @@ static sn_status batch_hinges(sn_model_muscle *m, sn_error *error) {
     return status;
 }
 
-sn_status sn_hinge_build(const sn_build *build, sn_error *error) {
+static sn_status build_hinges(const sn_build *build, sn_row_kind kind, sn_error *error) {
     sn_model_muscle *m = build->model;
-    sn_plan_group *group = &build->plan->groups[SN_ROWS_DIHEDRAL];
+    sn_plan_group *group = &build->plan->groups[kind];
     if (group->reason != SN_RUNS) return SN_OK;
     size_t most = (size_t)build->topology->edge_count;
     m->hinges = SN_NEW(sn_hinge_row, most);
@@ -145,8 +145,8 @@ sn_status sn_hinge_build(const sn_build *build, sn_error *error) {
 
 /* ---- projecting ----------------------------------------------------------------------------------------------------------- */
 
-void sn_hinge_sweep(const sn_model_muscle *m, sn_muscle_state *s, const sn_sweep *sweep) {
-    if (m->hinge_count == 0) return;
+static void sweep_kind(const sn_model_muscle *m, sn_muscle_state *s, sn_row_kind kind, const sn_sweep *sweep) {
+    (void)kind;
     const hinge_rows in = {s->points, m->hinges->point, m->hinge_angles, m->hinge_softness, s->hinge_lambda, NULL};
     hinge_tally done = sweep_hinges(&in, m->hinge_batched, m->hinge_count, sweep);
     s->statistics.skipped_hinges += done.skipped;
@@ -194,9 +194,10 @@ SN_WIDE_KERNEL static double energy_of_rows(const hinges *in, sn_index end) {
     return wide_sum(&energy);
 }
 
-double sn_hinge_energy(const sn_model_muscle *m, const sn_muscle_state *s, double k, sn_forces gradient) {
-    if (m->hinge_count == 0) return 0.0;
-    const hinges in = {s->points, m->hinges->point, m->hinge_angles, m->hinge_softness, k, gradient};
+static double energy_of_kind(const sn_model_muscle *m, const sn_muscle_state *s, sn_row_kind kind, const sn_point *points, double k,
+                             sn_forces gradient) {
+    (void)s, (void)kind;
+    const hinges in = {points, m->hinges->point, m->hinge_angles, m->hinge_softness, k, gradient};
     return energy_of_rows(&in, m->hinge_count);
 }
 
@@ -219,7 +220,87 @@ SN_WIDE_KERNEL static void errors_of_rows(const hinges *in, sn_index begin, sn_i
     for (; r < end; r++) error_batch(in, r, 1, errors + (r - begin));
 }
 
-void sn_hinge_errors(const sn_model_muscle *m, const sn_muscle_state *s, sn_index begin, sn_index end, double *errors) {
+static void errors_of_kind(const sn_model_muscle *m, const sn_muscle_state *s, sn_row_kind kind, sn_index begin, sn_index end,
+                           double *errors) {
+    (void)kind;
     const hinges in = {.points = s->points, .index = m->hinges->point, .angles = m->hinge_angles};
     errors_of_rows(&in, begin, end, errors);
 }
+
+/* ---- at another shape -------------------------------------------------------------------------------------------------------- */
+
+/* The gradients of sn_hinge_constraint, bit for bit, without its angle: the matrices need none. */
+static bool hinge_gradients(const sn_vec3 p[4], sn_vec3 gradient[4]) {
+    sn_vec3 e = sn_sub(p[1], p[0]), ac = sn_sub(p[0], p[2]), bc = sn_sub(p[1], p[2]), ad = sn_sub(p[0], p[3]), bd = sn_sub(p[1], p[3]);
+    sn_vec3 n1 = sn_cross(ac, bc), n2 = sn_cross(bd, ad);
+    double e2 = sn_norm2(e), q1 = sn_norm2(n1), q2 = sn_norm2(n2), least = SN_HINGE_GUARD * e2 * e2, length = sqrt(e2);
+    if (e2 < SN_EDGE_GUARD || !(q1 > least && q2 > least) || !isfinite(q1) || !isfinite(q2)) return false;
+    sn_vec3 unit = sn_scale(e, 1.0 / length), m1 = sn_scale(n1, 1.0 / q1), m2 = sn_scale(n2, 1.0 / q2);
+    gradient[0] = sn_add(sn_scale(m1, sn_dot(bc, unit)), sn_scale(m2, sn_dot(bd, unit)));
+    gradient[1] = sn_add(sn_scale(m1, -sn_dot(ac, unit)), sn_scale(m2, -sn_dot(ad, unit)));
+    gradient[2] = sn_scale(m1, -length);
+    gradient[3] = sn_scale(m2, -length);
+    return true;
+}
+
+/* K of a hinge, by which k_b K KT bounds its Hessian on each axis (numerics.md 2): the rows were built from hinges that have them.
+ *   K_c = |e|/|n1|, K_d = |e|/|n2|, K_a = -(b-c).e/|n1| - (b-d).e/|n2|, K_b = (a-c).e/|n1| + (a-d).e/|n2|   (e a unit vector here) */
+static void hinge_weights(const sn_vec3 p[4], double weight[4]) {
+    sn_vec3 e = sn_sub(p[1], p[0]), ac = sn_sub(p[0], p[2]), bc = sn_sub(p[1], p[2]), ad = sn_sub(p[0], p[3]), bd = sn_sub(p[1], p[3]);
+    double length = sn_norm(e), n1 = sn_norm(sn_cross(ac, bc)), n2 = sn_norm(sn_cross(bd, ad));
+    sn_vec3 unit = sn_scale(e, 1.0 / length);
+    weight[0] = -sn_dot(bc, unit) / n1 - sn_dot(bd, unit) / n2;
+    weight[1] = sn_dot(ac, unit) / n1 + sn_dot(ad, unit) / n2;
+    weight[2] = length / n1;
+    weight[3] = length / n2;
+}
+
+static bool linearise(const sn_model_muscle *m, sn_row_kind kind, const sn_vec3 *at, sn_rest_visit visit, void *user) {
+    (void)kind;
+    for (sn_index r = 0; r < m->hinge_count; r++) {
+        sn_rest_row row = {.count = 4, .point = m->hinges[r].point, .scale = m->source->stiffness_dihedral};
+        sn_vec3 p[4];
+        for (int i = 0; i < 4; i++) p[i] = at[row.point[i]];
+        if (!hinge_gradients(p, row.gradient)) continue;
+        hinge_weights(p, row.weight);
+        if (m->hinge_softness != NULL) row.scale /= m->hinge_softness[r];
+        if (!visit(user, &row)) return false;
+    }
+    return true;
+}
+
+/* ---- the table ----------------------------------------------------------------------------------------------------------------- */
+
+static double factor_of(const sn_scene_muscle *source) { return source->stiffness_dihedral; }
+
+static sn_left_out reason_of(const sn_build *build) {
+    return sn_has_stiffness(build->source, build->source->stiffness_dihedral) ? SN_RUNS : SN_OUT_NO_STIFFNESS;
+}
+
+static sn_index count_rows(const sn_model_muscle *m, sn_row_kind kind) {
+    (void)kind;
+    return m->hinge_count;
+}
+
+static const sn_index *points_of(const sn_model_muscle *m, sn_row_kind kind, sn_index row) {
+    (void)kind;
+    return m->hinges[row].point;
+}
+
+/* With its lambda. */
+static size_t bytes_of_row(const sn_model_muscle *m) { return sizeof(sn_hinge_row) + (m->hinge_softness != NULL ? 3 : 2) * sizeof(double); }
+
+const sn_row_ops sn_rows_dihedral = {.info = {"dihedral", "error of dihedral angles, rad", "no angle", 4, .inside = false},
+                                     .guarded = true,
+                                     .crushes = true,
+                                     .reason = reason_of,
+                                     .factor = factor_of,
+                                     .build = build_hinges,
+                                     .count = count_rows,
+                                     .points = points_of,
+                                     .bytes = bytes_of_row,
+                                     .sweep = sweep_kind,
+                                     .sweep_single = sn_single_hinge_sweep,
+                                     .energy = energy_of_kind,
+                                     .linearise = linearise,
+                                     .errors = errors_of_kind};

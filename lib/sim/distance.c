@@ -64,21 +64,29 @@ double sn_goal_length(sn_fiber_law law, const double terms[SN_LAW_TERMS], double
     return goal_length(terms, factors);
 }
 
-void sn_distance_goals(const sn_model_muscle *m, sn_muscle_state *s) {
-    if (s->goal_contraction == s->contraction && s->goal_ratio == s->volume_goal) return;
+static void set_goals(const sn_model_muscle *m, sn_muscle_state *s, sn_row_kind kind) {
     double factors[SN_LAW_TERMS], a0 = m->contracts ? m->source->contraction * m->source->rest_activation : 0.0;
     law_factors(m->source->law, s->contraction, a0, s->volume_goal, factors);
-    for (sn_index r = 0; r < m->distance_start[SN_DISTANCE_KINDS]; r++) {
+    for (sn_index r = m->distance_start[kind]; r < m->distance_start[kind + 1]; r++) {
         const double *share = m->distance_share;
         if (share != NULL) law_factors(m->source->law, share[r] * s->contraction, share[r] * a0, s->volume_goal, factors);
         s->goals[r] = goal_length(m->distance_terms[r], factors);
     }
-    sn_membrane_goals(m, s);
-    s->goal_contraction = s->contraction;
-    s->goal_ratio = s->volume_goal;
 }
 
-/* ---- building the rows ---------------------------------------------------------------------------------------------------- */
+/* ---- what runs, and building the rows ------------------------------------------------------------------------------------- */
+
+static sn_left_out reason_inside(const sn_build *build) {
+    if (build->source->rig.structure.sample_count == 0) return SN_OUT_NO_STRUCTURE;
+    return sn_has_stiffness(build->source, build->source->stiffness_internal) ? SN_RUNS : SN_OUT_NO_STIFFNESS;
+}
+
+static sn_left_out reason_mesh(const sn_build *build) {
+    if (!sn_has_stiffness(build->source, 1.0)) return SN_OUT_NO_STIFFNESS;
+    return build->source->stretch == SN_STRETCH_MEMBRANE ? SN_OUT_MEMBRANE : SN_RUNS;
+}
+
+static double factor_inside(const sn_scene_muscle *source) { return source->stiffness_internal; }
 
 static sn_vec3 vertex_axis(const sn_build *build, sn_index vertex) {
     const sn_vec3 *directions = build->source->rig.fibers.directions;
@@ -198,7 +206,9 @@ static sn_status alloc_rows(const sn_build *build, size_t most, sn_error *error)
     return made ? SN_OK : sn_fail_memory(error, "distance rows");
 }
 
-sn_status sn_distance_build(const sn_build *build, sn_error *error) {
+/* All of them: they are in one array, one kind after the other. */
+static sn_status build_distances(const sn_build *build, sn_row_kind first, sn_error *error) {
+    (void)first;
     static void (*const ADD[SN_DISTANCE_KINDS])(const sn_build *) = {add_internal, add_radial, add_mesh};
     sn_model_muscle *m = build->model;
     size_t most = (size_t)build->topology->edge_count + (size_t)build->plan->samples + (size_t)build->plan->vertices;
@@ -220,7 +230,7 @@ sn_status sn_distance_build(const sn_build *build, sn_error *error) {
 /* A length that can be projected: long enough to have a direction, and neither NaN nor infinite. */
 static inline bool has_direction(double square) { return square >= SN_EDGE_GUARD && square <= DBL_MAX; }
 
-void sn_distance_sweep(const sn_model_muscle *m, sn_muscle_state *s, sn_row_kind kind, const sn_sweep *sweep) {
+static void sweep_kind(const sn_model_muscle *m, sn_muscle_state *s, sn_row_kind kind, const sn_sweep *sweep) {
     const distance_rows in = {s->points, m->distances->point, s->goals, m->distance_softness, m->distance_gain, s->distance_lambda, NULL};
     sn_index begin = m->distance_start[kind], end = m->distance_start[kind + 1];
     s->statistics.skipped_edges += sweep_distances(&in, begin, begin + m->distance_batched[kind], end, sweep);
@@ -261,8 +271,9 @@ SN_WIDE_KERNEL static double energy_of_rows(const springs *in, sn_index begin, s
     return wide_sum(&energy);
 }
 
-double sn_distance_energy(const sn_model_muscle *m, const sn_muscle_state *s, sn_row_kind kind, double k, sn_forces gradient) {
-    const springs in = {s->points, m->distances->point, s->goals, m->distance_softness, k, gradient};
+static double energy_of_kind(const sn_model_muscle *m, const sn_muscle_state *s, sn_row_kind kind, const sn_point *points, double k,
+                             sn_forces gradient) {
+    const springs in = {points, m->distances->point, s->goals, m->distance_softness, k, gradient};
     return energy_of_rows(&in, m->distance_start[kind], m->distance_start[kind + 1]);
 }
 
@@ -293,9 +304,10 @@ SN_WIDE_KERNEL static void errors_of_rows(const springs *in, sn_index begin, sn_
     for (; r < end; r++) error_batch(in, r, unit, 1, errors + (r - begin));
 }
 
-void sn_distance_errors(const sn_model_muscle *m, const sn_muscle_state *s, sn_index begin, sn_index end, double *errors) {
+static void errors_of_kind(const sn_model_muscle *m, const sn_muscle_state *s, sn_row_kind kind, sn_index begin, sn_index end,
+                           double *errors) {
     const springs in = {.points = s->points, .index = m->distances->point, .goals = s->goals};
-    errors_of_rows(&in, begin, end, m->mean_edge, errors);
+    errors_of_rows(&in, m->distance_start[kind] + begin, m->distance_start[kind] + end, m->mean_edge, errors);
 }
 
 /* ---- the longest edge ------------------------------------------------------------------------------------------------------ */
@@ -327,13 +339,66 @@ static void compare_edge(const sn_model_muscle *m, const sn_muscle_state *s, sn_
     if (ratio > longest->ratio) *longest = (sn_longest_edge){ratio, {p[0], p[1]}};
 }
 
-void sn_distance_longest(const sn_model_muscle *m, const sn_muscle_state *s, sn_index begin, sn_index end, const double *errors,
-                         sn_longest_edge *longest) {
-    const double *goals = s->goals + begin;
+static void longest_of_kind(const sn_model_muscle *m, const sn_muscle_state *s, sn_row_kind kind, sn_index begin, sn_index end,
+                            const double *errors, sn_longest_edge *longest) {
+    sn_index first = m->distance_start[kind] + begin, count = end - begin;
+    const double *goals = s->goals + first;
     double unit = m->mean_edge, least = least_goal(m);
-    sn_index count = end - begin;
     for (sn_index r = 0; r < count; r += SN_BATCH) {
         r = next_longer(goals, errors, unit, least, longest->ratio, r, count);
-        for (sn_index i = r; i < count && i < r + SN_BATCH; i++) compare_edge(m, s, begin + i, longest);
+        for (sn_index i = r; i < count && i < r + SN_BATCH; i++) compare_edge(m, s, first + i, longest);
     }
 }
+
+/* ---- at another shape -------------------------------------------------------------------------------------------------------- */
+
+/* A spring between two points bounds its Hessian by k (e_i - e_j)(e_i - e_j)T on each axis (numerics.md 2). */
+static bool linearise(const sn_model_muscle *m, sn_row_kind kind, const sn_vec3 *at, sn_rest_visit visit, void *user) {
+    double factor = kind == SN_ROWS_MESH ? 1.0 : m->source->stiffness_internal;
+    for (sn_index r = m->distance_start[kind]; r < m->distance_start[kind + 1]; r++) {
+        const sn_index *point = m->distances[r].point;
+        sn_vec3 along = sn_normalize(sn_sub(at[point[0]], at[point[1]]));
+        sn_rest_row row = {.count = 2, .point = point, .weight = {1.0, -1.0}, .gradient = {along, sn_neg(along)}};
+        row.scale = m->distance_softness != NULL ? factor / m->distance_softness[r] : factor;
+        if (!visit(user, &row)) return false;
+    }
+    return true;
+}
+
+/* ---- the table ----------------------------------------------------------------------------------------------------------------- */
+
+static sn_index count_rows(const sn_model_muscle *m, sn_row_kind kind) { return m->distance_start[kind + 1] - m->distance_start[kind]; }
+
+static const sn_index *points_of(const sn_model_muscle *m, sn_row_kind kind, sn_index row) {
+    return m->distances[m->distance_start[kind] + row].point;
+}
+
+/* With goal and lambda; of an array that is NULL there are none. */
+static size_t bytes_of_row(const sn_model_muscle *m) {
+    const void *extra[] = {m->distance_softness, m->distance_gain, m->distance_share};
+    size_t bytes = sizeof(sn_distance_row) + sizeof(*m->distance_terms) + 2 * sizeof(double);
+    for (int i = 0; i < 3; i++) bytes += extra[i] != NULL ? sizeof(double) : 0;
+    return bytes;
+}
+
+#define DISTANCE_OPS                                                                                                                       \
+    .count = count_rows, .points = points_of, .bytes = bytes_of_row, .goals = set_goals, .sweep = sweep_kind,                              \
+    .sweep_single = sn_single_distance_sweep, .energy = energy_of_kind, .linearise = linearise, .errors = errors_of_kind
+
+const sn_row_ops sn_rows_internal = {
+    .info = {"internal", "error of internal edges, mean edges", "no length", 2, .inside = true, .spring = true},
+    .reason = reason_inside,
+    .factor = factor_inside,
+    .build = build_distances,
+    DISTANCE_OPS};
+
+const sn_row_ops sn_rows_radial = {.info = {"radial", "error of connections, mean edges", "no length", 2, .inside = true, .spring = true},
+                                   .reason = reason_inside,
+                                   .factor = factor_inside,
+                                   DISTANCE_OPS};
+
+const sn_row_ops sn_rows_mesh = {.info = {"mesh", "error of surface edges, mean edges", "no length", 2, .spring = true},
+                                 .crushes = true,
+                                 .reason = reason_mesh,
+                                 .longest = longest_of_kind,
+                                 DISTANCE_OPS};

@@ -22,20 +22,5 @@ void sn_inputs_update(const sn_model_muscle *m, sn_muscle_state *s, double time)
         s->volume_goal = m->volume_ratio != NULL && m->contracts ? sn_curve_at(m->volume_ratio, activation) / m->rest_ratio : 1.0;
         s->activation = activation;
     }
-    sn_distance_goals(m, s);
-}
-
-double sn_row_stiffness(const sn_model_muscle *m, const sn_muscle_state *s, sn_row_kind kind) {
-    const sn_scene_muscle *source = m->source;
-    switch (kind) {
-    case SN_ROWS_INTERNAL:
-    case SN_ROWS_RADIAL:
-        return s->stiffness * source->stiffness_internal;
-    case SN_ROWS_DIHEDRAL:
-        return s->stiffness * source->stiffness_dihedral;
-    case SN_ROWS_VOLUME:
-        return s->stiffness * source->stiffness_volume / fabs(m->rest_volume);
-    default:
-        return s->stiffness;
-    }
+    sn_rows_goals(m, s);
 }

@@ -16,7 +16,29 @@
 /* Below this J its logarithm goes on as a straight line: finite, and continuous with its slope. */
 static const double LOG_LINEAR = 1e-3;
 
-/* ---- building the rows ------------------------------------------------------------------------------------------------------ */
+/* ---- the rows ----------------------------------------------------------------------------------------------------------------- */
+
+/* A triangle as a membrane: its rest edges in the plane, and what activation and maps do to it. */
+typedef struct membrane_row {
+    sn_index point[3];
+    double edge[2][2]; /* m; [0] along the fibre, [1] across it; columns are x1 - x0 and x2 - x0 */
+    double share;      /* of the contraction */
+    double softness;   /* 1 / factor on the stiffness */
+} membrane_row;
+
+/* What the model keeps: m->own. */
+typedef struct membrane_rows {
+    sn_index count;
+    membrane_row *rows; /* (count) */
+    sn_index *index;    /* (3 x count) their points once more, side by side for the kernels */
+} membrane_rows;
+
+/* Of a row, in s->own: D00, D01, D10, D11 of the goal shape (1/m), its area A (m^2), A mu / k; each one after the other for all rows. */
+enum { GOALS = 6 };
+
+static const membrane_rows *rows_of(const sn_model_muscle *m) { return m->own[SN_ROWS_MEMBRANE]; }
+
+static double *goals_of(const sn_muscle_state *s) { return s->own[SN_ROWS_MEMBRANE]; }
 
 /* The fibre axis of a triangle in its plane (unit), or any axis in it where there is none; false: none. */
 static bool triangle_axis(const sn_build *build, const sn_index *v, sn_vec3 edge, sn_vec3 normal, sn_vec3 *axis) {
@@ -38,27 +60,39 @@ static double map_mean(const sn_build *build, const char *attribute, const sn_in
     return (values[v[0]] + values[v[1]] + values[v[2]]) / 3.0;
 }
 
-static void add_triangle(const sn_build *build, const sn_index *v) {
-    sn_model_muscle *m = build->model;
-    sn_index row = m->membrane_count++;
-    sn_membrane_row *to = &m->membranes[row];
+static void add_triangle(const sn_build *build, membrane_rows *all, const sn_index *v) {
+    const sn_model_muscle *m = build->model;
+    sn_index row = all->count++;
     sn_vec3 e1 = sn_sub(m->rest[v[1]], m->rest[v[0]]), e2 = sn_sub(m->rest[v[2]], m->rest[v[0]]), axis;
     sn_vec3 normal = sn_normalize(sn_cross(e1, e2));
     bool along_fiber = triangle_axis(build, v, e1, normal, &axis);
     sn_vec3 across = sn_cross(normal, axis);
-    m->membrane_points[row] = (sn_area_row){{v[0], v[1], v[2]}};
-    *to = (sn_membrane_row){.edge = {{sn_dot(e1, axis), sn_dot(e2, axis)}, {sn_dot(e1, across), sn_dot(e2, across)}}, .share = along_fiber};
+    membrane_row *to = &all->rows[row];
+    *to = (membrane_row){.point = {v[0], v[1], v[2]},
+                         .edge = {{sn_dot(e1, axis), sn_dot(e2, axis)}, {sn_dot(e1, across), sn_dot(e2, across)}},
+                         .share = along_fiber};
     if (build->source->activation_map != NULL) to->share *= map_mean(build, build->source->activation_map, v);
     to->softness = build->source->stiffness_map != NULL ? 1.0 / map_mean(build, build->source->stiffness_map, v) : 1.0;
+    for (int i = 0; i < 3; i++) all->index[3 * (size_t)row + (size_t)i] = v[i];
 }
 
-sn_status sn_membrane_build(const sn_build *build, sn_error *error) {
+static void destroy_membranes(sn_model_muscle *m, sn_row_kind kind) {
+    membrane_rows *all = m->own[kind];
+    if (all == NULL) return;
+    free(all->rows);
+    free(all->index);
+    free(all);
+    m->own[kind] = NULL;
+}
+
+static sn_status build_membranes(const sn_build *build, sn_row_kind kind, sn_error *error) {
     sn_model_muscle *m = build->model;
-    sn_plan_group *group = &build->plan->groups[SN_ROWS_MEMBRANE];
+    sn_plan_group *group = &build->plan->groups[kind];
     if (group->reason != SN_RUNS) return SN_OK;
-    m->membrane_points = SN_NEW(sn_area_row, m->triangle_count);
-    m->membranes = SN_NEW(sn_membrane_row, m->triangle_count);
-    if (m->membrane_points == NULL || m->membranes == NULL) return sn_fail_memory(error, "membrane rows");
+    membrane_rows *all = m->own[kind] = SN_NEW(membrane_rows, 1);
+    if (all != NULL) all->rows = SN_NEW(membrane_row, m->triangle_count);
+    if (all != NULL) all->index = SN_NEW(sn_index, 3 * (size_t)m->triangle_count);
+    if (all == NULL || all->rows == NULL || all->index == NULL) return sn_fail_memory(error, "membrane rows");
     for (sn_index t = 0; t < m->triangle_count; t++) {
         const sn_index *v = m->triangles[t].v;
         if (!(m->rest_area[t] > 1e-12 * m->mean_edge * m->mean_edge))
@@ -66,19 +100,24 @@ sn_status sn_membrane_build(const sn_build *build, sn_error *error) {
         else if (m->inverse_mass[v[0]] + m->inverse_mass[v[1]] + m->inverse_mass[v[2]] == 0.0)
             group->kinematic++;
         else
-            add_triangle(build, v);
+            add_triangle(build, all, v);
     }
-    group->rows = m->membrane_count;
+    group->rows = all->count;
     return SN_OK;
+}
+
+static sn_index count_rows(const sn_model_muscle *m, sn_row_kind kind) {
+    const membrane_rows *all = m->own[kind];
+    return all != NULL ? all->count : 0;
 }
 
 /* ---- the goal shape ----------------------------------------------------------------------------------------------------------- */
 
-void sn_membrane_goals(const sn_model_muscle *m, sn_muscle_state *s) {
-    size_t n = (size_t)m->membrane_count;
-    double a0 = m->source->contraction * m->source->rest_activation, *goal = s->membrane_goals;
+static void set_goals(const sn_model_muscle *m, sn_muscle_state *s, sn_row_kind kind) {
+    size_t n = (size_t)count_rows(m, kind);
+    double a0 = m->source->contraction * m->source->rest_activation, *goal = goals_of(s);
     for (size_t r = 0; r < n; r++) {
-        const sn_membrane_row *row = &m->membranes[r];
+        const membrane_row *row = &rows_of(m)->rows[r];
         double c = (1.0 - row->share * s->contraction) / (1.0 - row->share * a0);
         double across = m->source->law == SN_LAW_ISOCHORIC ? sqrt(s->volume_goal / c) : 1.0;
         double determinant = row->edge[0][0] * row->edge[1][1] - row->edge[0][1] * row->edge[1][0];
@@ -96,7 +135,7 @@ void sn_membrane_goals(const sn_model_muscle *m, sn_muscle_state *s) {
 typedef struct membranes {
     const sn_point *points;
     const sn_index *index; /* (3 x rows) */
-    const double *goals;   /* (SN_MEMBRANE_GOALS x rows) one after the other */
+    const double *goals;   /* (GOALS x rows) one after the other */
     size_t rows;
     double k;
     sn_forces gradient;
@@ -144,17 +183,18 @@ SN_WIDE_KERNEL static double energy_of_membranes(const membranes *in, sn_index e
     return wide_sum(&energy);
 }
 
-double sn_membrane_energy(const sn_model_muscle *m, const sn_muscle_state *s, double k, sn_forces gradient) {
-    if (m->membrane_count == 0 || !(k > 0.0)) return 0.0;
-    const membranes in = {s->points, m->membrane_points->point, s->membrane_goals, (size_t)m->membrane_count, k, gradient};
-    return energy_of_membranes(&in, m->membrane_count);
+static double energy_of_kind(const sn_model_muscle *m, const sn_muscle_state *s, sn_row_kind kind, const sn_point *points, double k,
+                             sn_forces gradient) {
+    if (!(k > 0.0)) return 0.0;
+    const membranes in = {points, rows_of(m)->index, goals_of(s), (size_t)count_rows(m, kind), k, gradient};
+    return energy_of_membranes(&in, count_rows(m, kind));
 }
 
 /* |1/2 (FT F - I)| of one triangle. */
 static double strain(const sn_model_muscle *m, const sn_muscle_state *s, sn_index row) {
-    const sn_index *v = m->membrane_points[row].point;
-    const double *goal = s->membrane_goals + row;
-    size_t n = (size_t)m->membrane_count;
+    const sn_index *v = rows_of(m)->rows[row].point;
+    const double *goal = goals_of(s) + row;
+    size_t n = (size_t)rows_of(m)->count;
     sn_vec3 origin = sn_point_position(&s->points[v[0]]);
     sn_vec3 d1 = sn_sub(sn_point_position(&s->points[v[1]]), origin), d2 = sn_sub(sn_point_position(&s->points[v[2]]), origin);
     sn_vec3 f1 = sn_add(sn_scale(d1, goal[0]), sn_scale(d2, goal[2 * n])), f2 = sn_add(sn_scale(d1, goal[n]), sn_scale(d2, goal[3 * n]));
@@ -162,7 +202,9 @@ static double strain(const sn_model_muscle *m, const sn_muscle_state *s, sn_inde
     return 0.5 * sqrt(e1 * e1 + e2 * e2 + 2.0 * shear * shear);
 }
 
-void sn_membrane_errors(const sn_model_muscle *m, const sn_muscle_state *s, sn_index begin, sn_index end, double *errors) {
+static void errors_of_kind(const sn_model_muscle *m, const sn_muscle_state *s, sn_row_kind kind, sn_index begin, sn_index end,
+                           double *errors) {
+    (void)kind;
     for (sn_index r = begin; r < end; r++) *errors++ = strain(m, s, r);
 }
 
@@ -174,9 +216,9 @@ static void compare_edge(const sn_model_muscle *m, sn_vec3 now, double x, double
 
 /* The edges of the goal shape are the columns of the inverse of D, and their difference. */
 static void compare_edges(const sn_model_muscle *m, const sn_muscle_state *s, sn_index row, sn_longest_edge *longest) {
-    const sn_index *v = m->membrane_points[row].point;
-    const double *goal = s->membrane_goals + row;
-    size_t n = (size_t)m->membrane_count;
+    const sn_index *v = rows_of(m)->rows[row].point;
+    const double *goal = goals_of(s) + row;
+    size_t n = (size_t)rows_of(m)->count;
     double scale = 1.0 / (goal[0] * goal[3 * n] - goal[n] * goal[2 * n]);
     double x1 = scale * goal[3 * n], y1 = -scale * goal[2 * n], x2 = -scale * goal[n], y2 = scale * goal[0];
     sn_vec3 origin = sn_point_position(&s->points[v[0]]);
@@ -187,8 +229,80 @@ static void compare_edges(const sn_model_muscle *m, const sn_muscle_state *s, sn
 }
 
 /* No direction is stretched by more than the root of 1 + 2 |E|, E Green's strain: most triangles need no closer look. */
-void sn_membrane_longest(const sn_model_muscle *m, const sn_muscle_state *s, sn_index begin, sn_index end, const double *errors,
-                         sn_longest_edge *longest) {
+static void longest_of_kind(const sn_model_muscle *m, const sn_muscle_state *s, sn_row_kind kind, sn_index begin, sn_index end,
+                            const double *errors, sn_longest_edge *longest) {
+    (void)kind;
     for (sn_index r = begin; r < end; r++)
         if (longest->ratio * longest->ratio < (1.0 + 1e-12) * (1.0 + 2.0 * errors[r - begin])) compare_edges(m, s, r, longest);
 }
+
+/* ---- at another shape -------------------------------------------------------------------------------------------------------- */
+
+/* A triangle of the membrane at rest: its strains along and across the fibre, its shear and its dilation for the matrix that knows
+ * directions, 2 mu times the cotangent Laplacian for the scalar one. */
+static bool linearise_row(const membrane_row *membrane, const sn_vec3 *at, sn_rest_visit visit, void *user) {
+    const sn_index *v = membrane->point;
+    sn_vec3 p[3], b[3], normal;
+    for (int i = 0; i < 3; i++) p[i] = at[v[i]];
+    normal = sn_area_vector(p[0], p[1], p[2]);
+    double twice = sn_norm(normal), mu = sqrt(3.0) / (4.0 * membrane->softness), area = 0.5 * twice;
+    for (int i = 0; i < 3; i++) b[i] = sn_scale(sn_cross(normal, sn_sub(p[(i + 2) % 3], p[(i + 1) % 3])), 1.0 / (twice * twice));
+    sn_vec3 t1 = sn_normalize(sn_sub(p[1], p[0])), t2 = sn_cross(sn_normalize(normal), t1);
+    sn_rest_row strain[4];
+    for (int k = 0; k < 4; k++) strain[k] = (sn_rest_row){.count = 3, .point = v, .scale = (k == 3 ? 1.0 : 2.0) * mu * area};
+    for (int i = 0; i < 3; i++) {
+        double b1 = sn_dot(b[i], t1), b2 = sn_dot(b[i], t2);
+        strain[0].gradient[i] = sn_scale(t1, b1);
+        strain[1].gradient[i] = sn_scale(t2, b2);
+        strain[2].gradient[i] = sn_scale(sn_add(sn_scale(t2, b1), sn_scale(t1, b2)), sqrt(0.5));
+        strain[3].gradient[i] = b[i];
+    }
+    bool going = true;
+    for (int k = 0; k < 4 && going; k++) going = visit(user, &strain[k]);
+    for (int i = 0; i < 3 && going; i++) {
+        double cotangent = -sn_dot(sn_sub(p[(i + 1) % 3], p[i]), sn_sub(p[i], p[(i + 2) % 3])) / twice; /* of the corner at p[i] */
+        const sn_index edge[2] = {v[(i + 1) % 3], v[(i + 2) % 3]};
+        const sn_rest_row row = {.count = 2, .point = edge, .weight = {1.0, -1.0}, .scale = mu * cotangent};
+        going = visit(user, &row);
+    }
+    return going;
+}
+
+static bool linearise(const sn_model_muscle *m, sn_row_kind kind, const sn_vec3 *at, sn_rest_visit visit, void *user) {
+    bool going = true;
+    for (sn_index r = 0; r < count_rows(m, kind) && going; r++) going = linearise_row(&rows_of(m)->rows[r], at, visit, user);
+    return going;
+}
+
+/* ---- the table ----------------------------------------------------------------------------------------------------------------- */
+
+static sn_left_out reason_of(const sn_build *build) {
+    if (build->source->stretch != SN_STRETCH_MEMBRANE) return SN_OUT_SETTING;
+    return sn_has_stiffness(build->source, 1.0) ? SN_RUNS : SN_OUT_NO_STIFFNESS;
+}
+
+static const sn_index *points_of(const sn_model_muscle *m, sn_row_kind kind, sn_index row) {
+    (void)kind;
+    return rows_of(m)->rows[row].point;
+}
+
+static size_t bytes_of_row(const sn_model_muscle *m) {
+    (void)m;
+    return sizeof(membrane_row) + 3 * sizeof(sn_index) + GOALS * sizeof(double);
+}
+
+static size_t own_numbers(const sn_model_muscle *m, sn_row_kind kind) { return GOALS * (size_t)count_rows(m, kind); }
+
+const sn_row_ops sn_rows_membrane = {.info = {"membrane", "strain of the membrane", "no strain", 3, .inside = false},
+                                     .reason = reason_of,
+                                     .build = build_membranes,
+                                     .destroy = destroy_membranes,
+                                     .count = count_rows,
+                                     .points = points_of,
+                                     .bytes = bytes_of_row,
+                                     .own = own_numbers,
+                                     .goals = set_goals,
+                                     .energy = energy_of_kind,
+                                     .linearise = linearise,
+                                     .errors = errors_of_kind,
+                                     .longest = longest_of_kind};

@@ -138,11 +138,7 @@ static sn_status build_muscle(sn_build *build, sn_error *error) {
     /* of a free muscle the rest shape's Hessian is singular to rounding: nothing but its mass holds it */
     m->corotated = m->quasi_newton && m->kinematic_count > 0 && build->scene->solver.preconditioner == SN_PRECONDITION_COROTATED;
     m->two_level = m->quasi_newton && m->kinematic_count > 0 && build->scene->solver.preconditioner == SN_PRECONDITION_TWO_LEVEL;
-    if ((status = sn_distance_build(build, error)) != SN_OK) return status;
-    if ((status = sn_hinge_build(build, error)) != SN_OK) return status;
-    if ((status = sn_area_build(build, error)) != SN_OK) return status;
-    if ((status = sn_membrane_build(build, error)) != SN_OK) return status;
-    sn_volume_build(build);
+    if ((status = sn_rows_build(build, error)) != SN_OK) return status;
     sn_plan_count(build);
     return SN_OK;
 }
@@ -224,8 +220,7 @@ static void free_muscle(sn_model_muscle *m) {
     free(m->hinge_softness);
     free(m->areas);
     free(m->area_scales);
-    free(m->membrane_points);
-    free(m->membranes);
+    sn_rows_destroy(m);
     for (int kind = 0; kind < SN_DISTANCE_KINDS; kind++) free(m->distance_pairs[kind]);
     free(m->hinge_pairs);
     free(m->area_pairs);

@@ -5,11 +5,6 @@
  */
 #include "rows.h"
 
-const char *sn_row_kind_name(sn_row_kind kind) {
-    static const char *const NAMES[SN_ROW_KINDS] = {"internal", "radial", "mesh", "dihedral", "area", "membrane", "volume"};
-    return NAMES[kind];
-}
-
 const char *sn_stop_reason_name(sn_stop_reason reason) {
     static const char *const names[] = {"iterations", "tolerance", "stalled", "failed"};
     return names[reason];
@@ -44,42 +39,15 @@ const char *sn_fiber_law_name(sn_fiber_law law) {
     return NAMES[law];
 }
 
-static bool has_stiffness(const sn_scene_muscle *source, double factor) {
-    return factor > 0.0 && (source->stiffness_relaxed > 0.0 || source->stiffness_active > 0.0);
-}
-
-static bool closed(const sn_topology *topology) {
-    for (sn_index i = 0; i < topology->edge_count; i++)
-        if (topology->edges[i].triangle_count != 2) return false;
-    return topology->edge_count > 0;
-}
-
-static sn_left_out volume_reason(const sn_build *build) {
-    double size = build->model->diagonal, volume = build->model->rest_volume;
-    if (!closed(build->topology)) return SN_OUT_OPEN_SURFACE;
-    if (!(fabs(volume) > 1e-12 * size * size * size)) return SN_OUT_FLAT;
-    return has_stiffness(build->source, build->source->stiffness_volume) ? SN_RUNS : SN_OUT_NO_STIFFNESS;
-}
-
 void sn_plan_decide(const sn_build *build) {
     const sn_scene_muscle *source = build->source;
-    sn_plan_group *groups = build->plan->groups;
-    bool projects = build->scene->solver.method == SN_SOLVER_XPBD, membrane = source->stretch == SN_STRETCH_MEMBRANE;
-    sn_left_out inside = source->rig.structure.sample_count == 0              ? SN_OUT_NO_STRUCTURE
-                         : !has_stiffness(source, source->stiffness_internal) ? SN_OUT_NO_STIFFNESS
-                                                                              : SN_RUNS;
-    groups[SN_ROWS_INTERNAL].reason = groups[SN_ROWS_RADIAL].reason = inside;
-    groups[SN_ROWS_MESH].reason = has_stiffness(source, 1.0) ? SN_RUNS : SN_OUT_NO_STIFFNESS;
-    groups[SN_ROWS_DIHEDRAL].reason = has_stiffness(source, source->stiffness_dihedral) ? SN_RUNS : SN_OUT_NO_STIFFNESS;
-    groups[SN_ROWS_AREA].reason = !(source->least_area > 0.0) ? SN_OUT_SETTING : groups[SN_ROWS_MESH].reason;
-    groups[SN_ROWS_MEMBRANE].reason = membrane ? groups[SN_ROWS_MESH].reason : SN_OUT_SETTING;
-    if (membrane && groups[SN_ROWS_MESH].reason == SN_RUNS) groups[SN_ROWS_MESH].reason = SN_OUT_MEMBRANE;
-    groups[SN_ROWS_VOLUME].reason = volume_reason(build);
-    for (int kind = 0; kind < SN_ROW_KINDS; kind++)
-        if ((projects || kind != SN_ROWS_MEMBRANE) && sn_scheme_sweeps(build->scene->solver.scheme, (sn_row_kind)kind) == 0)
-            groups[kind].reason = SN_OUT_SCHEME;
-    inside = groups[SN_ROWS_INTERNAL].reason;
-    build->plan->samples = inside == SN_RUNS ? source->rig.structure.sample_count : 0;
+    bool projects = build->scene->solver.method == SN_SOLVER_XPBD;
+    for (int kind = 0; kind < SN_ROW_KINDS; kind++) {
+        sn_left_out *reason = &build->plan->groups[kind].reason;
+        *reason = sn_row_ops_of((sn_row_kind)kind)->reason(build);
+        if (projects && sn_scheme_sweeps(&build->scene->solver, (sn_row_kind)kind) == 0) *reason = SN_OUT_SCHEME;
+    }
+    build->plan->samples = build->plan->groups[SN_ROWS_INTERNAL].reason == SN_RUNS ? source->rig.structure.sample_count : 0;
     build->plan->fibers = source->rig.fibers.directions != NULL;
 }
 
@@ -92,39 +60,13 @@ static size_t state_bytes(const sn_model_muscle *m) {
     return bytes;
 }
 
-/* Bytes of one row of a kind in the model; of an array that is NULL there are none. */
-static size_t row_bytes(const sn_model_muscle *m, sn_row_kind kind) {
-    const void *extra[] = {m->distance_softness, m->distance_gain, m->distance_share};
-    size_t bytes = 0;
-    switch (kind) {
-    case SN_ROWS_DIHEDRAL:
-        return sizeof(sn_hinge_row) + (m->hinge_softness != NULL ? 2 : 1) * sizeof(double);
-    case SN_ROWS_AREA:
-        return sizeof(sn_area_row) + sizeof(double);
-    case SN_ROWS_MEMBRANE:
-        return sizeof(sn_area_row) + sizeof(sn_membrane_row);
-    case SN_ROWS_VOLUME:
-        return 0;
-    default:
-        for (int i = 0; i < 3; i++) bytes += extra[i] != NULL ? sizeof(double) : 0;
-        return bytes + sizeof(sn_distance_row) + sizeof(*m->distance_terms);
-    }
-}
-
-/* And in the state: goal and lambda; the gradient of the volume. */
-static size_t row_state_bytes(const sn_model_muscle *m, sn_row_kind kind) {
-    if (kind < SN_DISTANCE_KINDS) return 2 * sizeof(double);
-    if (kind == SN_ROWS_DIHEDRAL) return sizeof(double);
-    if (kind == SN_ROWS_MEMBRANE) return SN_MEMBRANE_GOALS * sizeof(double);
-    return kind == SN_ROWS_VOLUME ? (size_t)m->vertex_count * sizeof(sn_vec3) : 0;
-}
-
 static size_t model_bytes(const sn_build *build) {
     const sn_model_muscle *m = build->model;
     size_t points = (size_t)m->point_count * (sizeof(sn_vec3) + sizeof(double));
     size_t triangles = (size_t)m->triangle_count * (sizeof(sn_triangle) + sizeof(double));
     size_t sites = (size_t)m->site_count * sizeof(sn_site) + (size_t)m->kinematic_count * (sizeof(sn_index) + sizeof(double)), rows = 0;
-    for (int kind = 0; kind < SN_ROW_KINDS; kind++) rows += (size_t)build->plan->groups[kind].rows * row_bytes(m, (sn_row_kind)kind);
+    for (int kind = 0; kind < SN_ROW_KINDS; kind++)
+        rows += (size_t)build->plan->groups[kind].rows * sn_row_ops_of((sn_row_kind)kind)->bytes(m);
     if (m->single) rows += (size_t)(m->hinge_batched + m->area_batched) / 4;
     for (int kind = 0; m->single && kind < SN_DISTANCE_KINDS; kind++) rows += (size_t)m->distance_batched[kind] / 4;
     return sizeof(*m) + points + triangles + rows + sites;
@@ -133,21 +75,22 @@ static size_t model_bytes(const sn_build *build) {
 /* XPBD feels a stiffness only where k h^2 w is not far above 1 (numerics.md 1). */
 static void measure_rigidity(const sn_build *build, sn_row_kind kind) {
     const sn_scene_muscle *source = build->source;
+    const sn_row_ops *ops = sn_row_ops_of(kind);
     double h = 1.0 / (build->scene->rate * sn_solver_substeps(&build->scene->solver));
-    double factor = (kind == SN_ROWS_MESH ? 1.0 : source->stiffness_internal) * h * h * build->model->point_count / build->model->mass;
+    double factor = (ops->factor != NULL ? ops->factor(source) : 1.0) * h * h * build->model->point_count / build->model->mass;
     build->plan->groups[kind].rigidity[0] = factor * source->stiffness_relaxed;
     build->plan->groups[kind].rigidity[1] = factor * source->stiffness_active;
 }
 
 void sn_plan_count(const sn_build *build) {
     const sn_model_muscle *m = build->model;
-    sn_plan_group *groups = build->plan->groups;
     for (int kind = 0; kind < SN_ROW_KINDS; kind++) {
-        if (groups[kind].reason == SN_RUNS && groups[kind].rows == 0) groups[kind].reason = SN_OUT_NOTHING;
-        groups[kind].sweeps = sn_scheme_sweeps(build->scene->solver.scheme, (sn_row_kind)kind);
-        size_t row = row_bytes(m, (sn_row_kind)kind) + row_state_bytes(m, (sn_row_kind)kind);
-        groups[kind].bytes = (size_t)groups[kind].rows * row;
-        if (kind < SN_DISTANCE_KINDS && groups[kind].rows > 0) measure_rigidity(build, (sn_row_kind)kind);
+        sn_plan_group *group = &build->plan->groups[kind];
+        const sn_row_ops *ops = sn_row_ops_of((sn_row_kind)kind);
+        if (group->reason == SN_RUNS && group->rows == 0) group->reason = SN_OUT_NOTHING;
+        group->sweeps = sn_scheme_sweeps(&build->scene->solver, (sn_row_kind)kind);
+        group->bytes = (size_t)group->rows * ops->bytes(m);
+        if (ops->info.spring && group->rows > 0) measure_rigidity(build, (sn_row_kind)kind);
     }
     build->plan->model_bytes = model_bytes(build);
     build->plan->state_bytes = state_bytes(m);

@@ -14,7 +14,6 @@
 #include "blocks.h"
 #include "frames.h"
 #include "qn.h"
-#include "rest_rows.h"
 #include "two_level.h"
 
 #include <stdlib.h>

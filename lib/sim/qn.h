@@ -4,7 +4,6 @@
 #ifndef SN_SIM_QN_H
 #define SN_SIM_QN_H
 
-#include "rest_rows.h"
 #include "rows.h"
 #include "sinew/sparse.h"
 
@@ -22,7 +21,7 @@ typedef struct sn_objective {
 } sn_objective;
 
 /* Phi at points (point_count; not changed), J; gradient (point_count), N, is zero at carried points. */
-double sn_objective_evaluate(const sn_objective *objective, sn_point *points, sn_vec3 *gradient);
+double sn_objective_evaluate(const sn_objective *objective, const sn_point *points, sn_vec3 *gradient);
 
 /* ---- precondition.c ---- */
 

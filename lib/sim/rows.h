@@ -23,8 +23,8 @@ typedef struct sn_build {
 
 typedef struct sn_scheme_rules {
     int count;
-    sn_row_kind order[8];      /* (count) as they are projected; a kind may come more than once */
-    double gain[SN_ROW_KINDS]; /* factor on each correction */
+    sn_row_kind order[4];      /* (count) as they are projected; 0 = in the order of the table, with the least areas after what crushes */
+    double gain[SN_ROW_KINDS]; /* factor on each correction; 0 = 1 */
     double hinge_clamp;        /* rad */
     double hinge_step;         /* most move of a point by one hinge, mean edges */
     bool hinges_published;     /* hinges by the rule of [K21]'s program (dihedral.c), which has limits of its own, instead */
@@ -40,7 +40,10 @@ typedef struct sn_scheme_rules {
 } sn_scheme_rules;
 
 const sn_scheme_rules *sn_scheme_rules_of(const sn_solver_settings *solver);
-int sn_scheme_sweeps(sn_scheme scheme, sn_row_kind kind); /* in an iteration; 0 = it has no such rows */
+enum { SN_MOST_SWEEPS = 2 * SN_ROW_KINDS };
+/* The kinds as they are projected in an iteration; one may come more than once. Returns how many. */
+int sn_scheme_order(const sn_scheme_rules *rules, sn_row_kind order[SN_MOST_SWEEPS]);
+int sn_scheme_sweeps(const sn_solver_settings *solver, sn_row_kind kind); /* in an iteration; 0 = it has no such rows */
 
 /* How one group is projected now. */
 typedef struct sn_sweep {
@@ -138,74 +141,103 @@ void sn_kinematics_limit_speed(const sn_model_muscle *m, sn_muscle_state *s, dou
 SN_MUST_CHECK sn_status sn_samples_build(sn_build *build, sn_error *error);
 void sn_samples_release(sn_build *build); /* what only the builders need */
 
-/* ---- distance.c ---- */
-SN_MUST_CHECK sn_status sn_distance_build(const sn_build *build, sn_error *error);
-/* Goal lengths for the contraction and volume goal in the state; nothing is done where those have not changed. */
-void sn_distance_goals(const sn_model_muscle *m, sn_muscle_state *s);
-/* One Gauss-Seidel sweep. */
-void sn_distance_sweep(const sn_model_muscle *m, sn_muscle_state *s, sn_row_kind kind, const sn_sweep *sweep);
-/* Sum of k C^2 / 2, J; its gradient is added to gradient (point_count), N. */
-double sn_distance_energy(const sn_model_muscle *m, const sn_muscle_state *s, sn_row_kind kind, double k, sn_forces gradient);
-/* |C| of rows begin to end - 1, among those of all distance kinds, over the mean edge. */
-void sn_distance_errors(const sn_model_muscle *m, const sn_muscle_state *s, sn_index begin, sn_index end, double *errors);
+/* ---- the table of kinds: one source each ---- */
 
 /* The longest edge so far, over its goal. */
 typedef struct sn_longest_edge {
     double ratio; /* 0 = none yet */
     sn_index point[2];
 } sn_longest_edge;
-/* Go on with rows begin to end - 1, whose errors are at hand: they tell which of them need a closer look. */
-void sn_distance_longest(const sn_model_muscle *m, const sn_muscle_state *s, sn_index begin, sn_index end, const double *errors,
-                         sn_longest_edge *longest);
 
-/* ---- dihedral.c ---- */
-SN_MUST_CHECK sn_status sn_hinge_build(const sn_build *build, sn_error *error);
-void sn_hinge_sweep(const sn_model_muscle *m, sn_muscle_state *s, const sn_sweep *sweep);
-double sn_hinge_energy(const sn_model_muscle *m, const sn_muscle_state *s, double k, sn_forces gradient);
-/* |C| of rows begin to end - 1, rad; NaN: it has no angle. */
-void sn_hinge_errors(const sn_model_muscle *m, const sn_muscle_state *s, sn_index begin, sn_index end, double *errors);
+/* An elastic row at some shape: its energy is about scale k / 2 (sum gradient . u)^2 for small displacements u, and its Hessian on each
+ * axis at most scale k K KT. */
+typedef struct sn_rest_row {
+    int count; /* points, at most 4 */
+    const sn_index *point;
+    double weight[4];    /* K */
+    sn_vec3 gradient[4]; /* of its C */
+    double scale;        /* stiffness over k */
+} sn_rest_row;
+typedef bool (*sn_rest_visit)(void *user, const sn_rest_row *row);
 
-/* ---- area.c ---- */
-SN_MUST_CHECK sn_status sn_area_build(const sn_build *build, sn_error *error);
-void sn_area_sweep(const sn_model_muscle *m, sn_muscle_state *s);
-/* What rows begin to end - 1 lack of their least area, over A0. */
-void sn_area_errors(const sn_model_muscle *m, const sn_muscle_state *s, sn_index begin, sn_index end, double *errors);
+/* All that is known of a kind of rows. Plan, scheme, back ends, statistics, pictures and benches ask this table, and nobody else asks which
+ * kind it is. What is NULL the kind does not have. Several kinds may share functions, and so they are told theirs. Rows that only it reads,
+ * and numbers of a run that are made anew from the inputs, it keeps in m->own[kind] and s->own[kind]. */
+typedef struct sn_row_ops {
+    sn_row_info info;
+    bool rigid;      /* its rows hold no energy that counts as elastic: a limit */
+    bool guarded;    /* a row may have no value at some shapes, and is passed over there */
+    bool crushes;    /* projecting it may flatten triangles: the guarded scheme holds the least areas after it */
+    bool per_volume; /* its stiffness is over the rest volume */
+    /* Before anything is built: SN_RUNS, or why the scene needs no such rows. */
+    sn_left_out (*reason)(const sn_build *build);
+    /* Over the edges' stiffness k; NULL = 1. */
+    double (*factor)(const sn_scene_muscle *source);
+    /* Build the rows of this kind; NULL: the kind before it has built them too. Not called with `reason` other than SN_RUNS where it is
+     * alone. */
+    sn_status (*build)(const sn_build *build, sn_row_kind kind, sn_error *error);
+    void (*destroy)(sn_model_muscle *m, sn_row_kind kind); /* what is in m->own */
+    sn_index (*count)(const sn_model_muscle *m, sn_row_kind kind);
+    const sn_index *(*points)(const sn_model_muscle *m, sn_row_kind kind, sn_index row); /* (info.points) */
+    size_t (*bytes)(const sn_model_muscle *m);                                           /* of one row in model and state */
+    size_t (*own)(const sn_model_muscle *m, sn_row_kind kind);                           /* numbers in s->own */
+    /* Goals for the contraction and the volume goal in the state, where those have changed. */
+    void (*goals)(const sn_model_muscle *m, sn_muscle_state *s, sn_row_kind kind);
+    /* Back end `xpbd`: one Gauss-Seidel sweep, in double and in single precision. */
+    void (*sweep)(const sn_model_muscle *m, sn_muscle_state *s, sn_row_kind kind, const sn_sweep *sweep);
+    void (*sweep_single)(const sn_model_muscle *m, sn_muscle_state *s, sn_row_kind kind, const sn_sweep *sweep);
+    /* Energy at these points (point_count) for stiffness k, J; its gradient is added to `gradient`, N. The state's inputs and goals count,
+     * its points do not. */
+    double (*energy)(const sn_model_muscle *m, const sn_muscle_state *s, sn_row_kind kind, const sn_point *points, double k,
+                     sn_forces gradient);
+    /* Back end `qn`: call visit for each row at `at` (point_count); false: visit returned false. */
+    bool (*linearise)(const sn_model_muscle *m, sn_row_kind kind, const sn_vec3 *at, sn_rest_visit visit, void *user);
+    /* |C| of rows begin to end - 1 at the state's points, in the unit of info.errors; NaN: it has no value now. */
+    void (*errors)(const sn_model_muscle *m, const sn_muscle_state *s, sn_row_kind kind, sn_index begin, sn_index end, double *errors);
+    /* Kinds that the surface is stretched by: go on with rows begin to end - 1, whose errors are at hand and tell which need a closer look.
+     */
+    void (*longest)(const sn_model_muscle *m, const sn_muscle_state *s, sn_row_kind kind, sn_index begin, sn_index end,
+                    const double *errors, sn_longest_edge *longest);
+} sn_row_ops;
 
-/* ---- membrane.c ---- */
-SN_MUST_CHECK sn_status sn_membrane_build(const sn_build *build, sn_error *error);
-/* Goal shapes for the contraction and volume goal in the state. */
-void sn_membrane_goals(const sn_model_muscle *m, sn_muscle_state *s);
-double sn_membrane_energy(const sn_model_muscle *m, const sn_muscle_state *s, double k, sn_forces gradient);
-/* |1/2 (FT F - I)|, Green's strain, of rows begin to end - 1. */
-void sn_membrane_errors(const sn_model_muscle *m, const sn_muscle_state *s, sn_index begin, sn_index end, double *errors);
+#define SN_ROW_OPS(id, name) extern const sn_row_ops sn_rows_##name;
+SN_ROW_LIST(SN_ROW_OPS)
+#undef SN_ROW_OPS
 
-/* As sn_distance_longest, of the edges of triangles. */
-void sn_membrane_longest(const sn_model_muscle *m, const sn_muscle_state *s, sn_index begin, sn_index end, const double *errors,
-                         sn_longest_edge *longest);
+/* ---- row_table.c ---- */
+const sn_row_ops *sn_row_ops_of(sn_row_kind kind);
+/* Does a stiffness of this share of the edges' ever differ from 0? */
+bool sn_has_stiffness(const sn_scene_muscle *source, double factor);
+/* Stiffness of one kind of rows now, before the factors of single rows; 0 = none. */
+double sn_row_stiffness(const sn_model_muscle *m, const sn_muscle_state *s, sn_row_kind kind);
+/* Energy of one kind of rows at these points, J; its gradient is added. */
+double sn_rows_energy(const sn_model_muscle *m, const sn_muscle_state *s, sn_row_kind kind, const sn_point *points, sn_forces gradient);
+/* Goals for the contraction and volume goal in the state; nothing is done where those have not changed. */
+void sn_rows_goals(const sn_model_muscle *m, sn_muscle_state *s);
+/* Calls visit for each elastic row at positions (point_count), in the order of the table; false: visit returned false. */
+bool sn_rows_at(const sn_model_muscle *m, const sn_vec3 *positions, sn_rest_visit visit, void *user);
+SN_MUST_CHECK sn_status sn_rows_build(const sn_build *build, sn_error *error);
+void sn_rows_destroy(sn_model_muscle *m); /* what kinds keep to themselves */
 
 /* ---- volume.c ---- */
-void sn_volume_build(const sn_build *build);
 double sn_volume_ratio(const sn_model_muscle *m, const sn_muscle_state *s); /* V / V0 */
-void sn_volume_sweep(const sn_model_muscle *m, sn_muscle_state *s, const sn_sweep *sweep);
-/* With a gradient, volume_gradient in the state is left at dV/dx. */
-double sn_volume_energy(const sn_model_muscle *m, sn_muscle_state *s, double k, sn_forces gradient);
 
 /* ---- single.c: the sweeps in single precision ---- */
-float sn_single_weight(const sn_model_muscle *m, sn_index point); /* inverse mass in floats: over that of a mean point */
+float sn_single_weight(const sn_model_muscle *m, sn_index point);   /* inverse mass in floats: over that of a mean point */
 void sn_single_enter(const sn_model_muscle *m, sn_muscle_state *s); /* single_points from points, about a new origin */
 void sn_single_leave(const sn_model_muscle *m, sn_muscle_state *s); /* and back; attached points keep theirs */
-void sn_single_sweep(const sn_model_muscle *m, sn_muscle_state *s, sn_row_kind kind, const sn_sweep *sweep);
+void sn_single_distance_sweep(const sn_model_muscle *m, sn_muscle_state *s, sn_row_kind kind, const sn_sweep *sweep);
+void sn_single_hinge_sweep(const sn_model_muscle *m, sn_muscle_state *s, sn_row_kind kind, const sn_sweep *sweep);
+void sn_single_area_sweep(const sn_model_muscle *m, sn_muscle_state *s, sn_row_kind kind, const sn_sweep *sweep);
+void sn_single_volume_sweep(const sn_model_muscle *m, sn_muscle_state *s, sn_row_kind kind, const sn_sweep *sweep);
 
 /* ---- inputs.c ---- */
 /* Activation, contraction, stiffness, volume goal and goal lengths at `time`. */
 void sn_inputs_update(const sn_model_muscle *m, sn_muscle_state *s, double time);
-/* Stiffness of one kind of rows now, before the factors of single rows; 0 = none. */
-double sn_row_stiffness(const sn_model_muscle *m, const sn_muscle_state *s, sn_row_kind kind);
-
 /* ---- errors.c ---- */
-/* Of the errors of all rows of a kind but the volume; longest: nullable, and for SN_ROWS_MESH and SN_ROWS_MEMBRANE only. */
+/* Of the errors of all rows of a kind; longest: nullable, for kinds that the surface is stretched by. */
 sn_residual sn_rows_residual(const sn_model_muscle *m, const sn_muscle_state *s, sn_row_kind kind, sn_longest_edge *longest);
-/* What the surface is stretched by: SN_ROWS_MEMBRANE where it runs, else SN_ROWS_MESH. */
+/* What the surface is stretched by: of the kinds that have a longest edge the last one that runs, or the first. */
 sn_row_kind sn_stretch_kind(const sn_model_muscle *m);
 /* Where neither of them has a row: the edge longest over its length at rest. */
 void sn_rest_longest(const sn_model_muscle *m, const sn_muscle_state *s, sn_longest_edge *longest);

@@ -19,24 +19,14 @@
 /* [K21] but for its hinges: those of SN_SCHEME_KOHOUT are as published, those of the entry behind all schemes as printed. */
 enum { KOHOUT_PRINTED = SN_SCHEME_KOHOUT + 1 };
 #define KOHOUT_RULES                                                                                                                       \
-    .count = 3, .order = {SN_ROWS_MESH, SN_ROWS_VOLUME, SN_ROWS_DIHEDRAL},                                                                 \
-    .gain = {[SN_ROWS_MESH] = 1.0, [SN_ROWS_VOLUME] = 1.0, [SN_ROWS_DIHEDRAL] = 0.9}, .volume_projections = 1, .keep = 0.99,               \
-    .damps_all = true, .plain = true, .unit_mass = true, .yields = true
+    .count = 3, .order = {SN_ROWS_MESH, SN_ROWS_VOLUME, SN_ROWS_DIHEDRAL}, .gain = {[SN_ROWS_DIHEDRAL] = 0.9}, .volume_projections = 1,    \
+    .keep = 0.99, .damps_all = true, .plain = true, .unit_mass = true, .yields = true
 
 static const sn_scheme_rules RULES[] = {
-    [SN_SCHEME_GUARDED] = {.count = 8,
-                           .order = {SN_ROWS_INTERNAL, SN_ROWS_RADIAL, SN_ROWS_MESH, SN_ROWS_AREA, SN_ROWS_DIHEDRAL, SN_ROWS_AREA,
-                                     SN_ROWS_VOLUME, SN_ROWS_AREA},
-                           .gain = {1.0, 1.0, 1.0, 1.0, 1.0, 0.0, 1.0},
-                           .hinge_clamp = SN_HINGE_CLAMP,
-                           .hinge_step = 2.0,
-                           .volume_projections = 5,
-                           .most_speed = 50.0,
-                           .contracts = true,
-                           .scales = true},
+    [SN_SCHEME_GUARDED] =
+        {.hinge_clamp = SN_HINGE_CLAMP, .hinge_step = 2.0, .volume_projections = 5, .most_speed = 50.0, .contracts = true, .scales = true},
     [SN_SCHEME_ROMEO] = {.count = 4,
                          .order = {SN_ROWS_MESH, SN_ROWS_INTERNAL, SN_ROWS_RADIAL, SN_ROWS_VOLUME},
-                         .gain = {1.0, 1.0, 1.0, 1.0, 1.0, 0.0, 1.0},
                          .hinge_clamp = INFINITY,
                          .hinge_step = INFINITY,
                          .volume_projections = 1,
@@ -51,9 +41,22 @@ const sn_scheme_rules *sn_scheme_rules_of(const sn_solver_settings *solver) {
     return &RULES[printed ? KOHOUT_PRINTED : (int)solver->scheme];
 }
 
-int sn_scheme_sweeps(sn_scheme scheme, sn_row_kind kind) {
-    int sweeps = 0;
-    for (int i = 0; i < RULES[scheme].count; i++) sweeps += RULES[scheme].order[i] == kind;
+int sn_scheme_order(const sn_scheme_rules *rules, sn_row_kind order[SN_MOST_SWEEPS]) {
+    int count = 0;
+    for (; count < rules->count; count++) order[count] = rules->order[count];
+    for (int kind = 0; rules->count == 0 && kind < SN_ROW_KINDS; kind++) {
+        const sn_row_ops *ops = sn_row_ops_of((sn_row_kind)kind);
+        if (ops->sweep == NULL || kind == SN_ROWS_AREA) continue;
+        order[count++] = (sn_row_kind)kind;
+        if (ops->crushes) order[count++] = SN_ROWS_AREA;
+    }
+    return count;
+}
+
+int sn_scheme_sweeps(const sn_solver_settings *solver, sn_row_kind kind) {
+    sn_row_kind order[SN_MOST_SWEEPS];
+    int sweeps = 0, count = sn_scheme_order(sn_scheme_rules_of(solver), order);
+    for (int i = 0; i < count; i++) sweeps += order[i] == kind;
     return sweeps;
 }
 

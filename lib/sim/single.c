@@ -172,46 +172,43 @@ static bool project_volume(const sn_model_muscle *m, sn_muscle_state *s, const s
     return residual * residual > VOLUME_TOLERANCE * m->rest_volume * m->rest_volume;
 }
 
-static void sweep_of_volume(const sn_model_muscle *m, sn_muscle_state *s, const sn_sweep *sweep) {
-    if (sweep->first) s->volume_lambda = 0.0;
-    for (int i = 0; m->keeps_volume && i < sweep->projections && project_volume(m, s, sweep); i++) continue;
-}
-
 /* ---- one sweep -------------------------------------------------------------------------------------------------------------- */
 
-static void sweep_of_distances(const sn_model_muscle *m, sn_muscle_state *s, sn_row_kind kind, const sn_sweep *sweep) {
+/* Inverse masses are over that of a mean point here. */
+static sn_sweep in_floats(const sn_model_muscle *m, const sn_sweep *in_double) {
+    sn_sweep sweep = *in_double;
+    sweep.compliance *= mean_mass(m);
+    return sweep;
+}
+
+void sn_single_distance_sweep(const sn_model_muscle *m, sn_muscle_state *s, sn_row_kind kind, const sn_sweep *in_double) {
+    const sn_sweep sweep = in_floats(m, in_double);
     const distance_rows in = {s->single_points,   m->distances->point,    s->goals, m->distance_softness, m->distance_gain,
                               s->distance_lambda, m->distance_pairs[kind]};
     sn_index begin = m->distance_start[kind], end = m->distance_start[kind + 1];
-    s->statistics.skipped_edges += sweep_distances(&in, begin, begin + m->distance_batched[kind], end, sweep);
+    s->statistics.skipped_edges += sweep_distances(&in, begin, begin + m->distance_batched[kind], end, &sweep);
 }
 
-static void sweep_of_hinges(const sn_model_muscle *m, sn_muscle_state *s, const sn_sweep *sweep) {
-    if (m->hinge_count == 0) return;
+void sn_single_hinge_sweep(const sn_model_muscle *m, sn_muscle_state *s, sn_row_kind kind, const sn_sweep *in_double) {
+    (void)kind;
+    const sn_sweep sweep = in_floats(m, in_double);
     const hinge_rows in = {s->single_points, m->hinges->point, m->hinge_angles, m->hinge_softness, s->hinge_lambda, m->hinge_pairs};
-    hinge_tally done = sweep_hinges(&in, m->hinge_batched, m->hinge_count, sweep);
+    hinge_tally done = sweep_hinges(&in, m->hinge_batched, m->hinge_count, &sweep);
     s->statistics.skipped_hinges += done.skipped;
     s->statistics.clamped_hinges += done.clamped;
 }
 
-static void sweep_of_areas(const sn_model_muscle *m, sn_muscle_state *s) {
-    if (m->area_count == 0) return;
+void sn_single_area_sweep(const sn_model_muscle *m, sn_muscle_state *s, sn_row_kind kind, const sn_sweep *in_double) {
+    (void)kind, (void)in_double;
     const area_rows in = {s->single_points, m->areas->point, m->area_scales, m->source->least_area, m->area_pairs};
     area_tally done = sweep_areas(&in, m->area_batched, m->area_count);
     s->statistics.held_triangles += done.held;
     s->statistics.skipped_triangles += done.skipped;
 }
 
-void sn_single_sweep(const sn_model_muscle *m, sn_muscle_state *s, sn_row_kind kind, const sn_sweep *in_double) {
-    sn_sweep sweep = *in_double;
-    sweep.compliance *= mean_mass(m);
-    if (kind == SN_ROWS_DIHEDRAL) {
-        sweep_of_hinges(m, s, &sweep);
-    } else if (kind == SN_ROWS_AREA) {
-        sweep_of_areas(m, s);
-    } else if (kind == SN_ROWS_VOLUME) {
-        sweep_of_volume(m, s, &sweep);
-    } else {
-        sweep_of_distances(m, s, kind, &sweep);
-    }
+void sn_single_volume_sweep(const sn_model_muscle *m, sn_muscle_state *s, sn_row_kind kind, const sn_sweep *in_double) {
+    (void)kind;
+    const sn_sweep sweep = in_floats(m, in_double);
+    if (sweep.first) s->volume_lambda = 0.0;
+    for (int i = 0; i < sweep.projections && project_volume(m, s, &sweep); i++) continue;
 }

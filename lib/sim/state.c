@@ -13,6 +13,10 @@ static bool make_arrays(const sn_model_muscle *m, sn_muscle_state *s) {
 #define MAKE(type, name, count, kept) made = (s->name = SN_NEW(type, count)) != NULL && made;
     SN_STATE_ARRAYS(MAKE)
 #undef MAKE
+    for (int kind = 0; kind < SN_ROW_KINDS; kind++) {
+        const sn_row_ops *ops = sn_row_ops_of((sn_row_kind)kind);
+        if (ops->own != NULL) made = (s->own[kind] = SN_NEW(double, ops->own(m, (sn_row_kind)kind))) != NULL && made;
+    }
     return made;
 }
 
@@ -20,6 +24,7 @@ static void free_arrays(sn_muscle_state *s) {
 #define FREE(type, name, count, kept) free(s->name);
     SN_STATE_ARRAYS(FREE)
 #undef FREE
+    for (int kind = 0; kind < SN_ROW_KINDS; kind++) free(s->own[kind]);
 }
 
 sn_status sn_state_create(const sn_model *model, sn_state **out, sn_error *error) {

@@ -36,14 +36,12 @@ static void measure_points(const sn_model_muscle *m, const sn_muscle_state *s, s
     }
 }
 
-/* Every spring as if it could give way; rigid rows (the least area) hold no energy. gradient (point_count) is added to. */
-static double elastic_energy(const sn_model_muscle *m, sn_muscle_state *s, sn_forces gradient) {
+/* Every row as if it could give way; rigid ones hold no energy. gradient (point_count) is added to. */
+static double elastic_energy(const sn_model_muscle *m, const sn_muscle_state *s, sn_forces gradient) {
     double energy = 0.0;
-    for (int kind = 0; kind < SN_DISTANCE_KINDS; kind++)
-        energy += sn_distance_energy(m, s, (sn_row_kind)kind, sn_row_stiffness(m, s, (sn_row_kind)kind), gradient);
-    energy += sn_membrane_energy(m, s, sn_row_stiffness(m, s, SN_ROWS_MEMBRANE), gradient);
-    energy += sn_hinge_energy(m, s, sn_row_stiffness(m, s, SN_ROWS_DIHEDRAL), gradient);
-    return energy + sn_volume_energy(m, s, sn_row_stiffness(m, s, SN_ROWS_VOLUME), gradient);
+    for (int kind = 0; kind < SN_ROW_KINDS; kind++)
+        if (!sn_row_ops_of((sn_row_kind)kind)->rigid) energy += sn_rows_energy(m, s, (sn_row_kind)kind, s->points, gradient);
+    return energy;
 }
 
 double sn_residual_measure(const sn_model_muscle *m, sn_muscle_state *s, sn_vec3 *inertia) {
@@ -54,12 +52,14 @@ double sn_residual_measure(const sn_model_muscle *m, sn_muscle_state *s, sn_vec3
     return s->stiffness > 0.0 ? sqrt(sum) / (s->stiffness * m->diagonal) : NAN;
 }
 
-/* The errors of all rows but the volume's, and what the surface's say: its longest edge, and whether it is torn. */
+/* The errors of all rows but those of all points, which have been measured, and what the surface's say: its longest edge, and whether it is
+ * torn. */
 static void measure_rows(const sn_model_muscle *m, const sn_muscle_state *s, sn_statistics *out) {
     sn_longest_edge longest = {0.0, {SN_NONE, SN_NONE}};
-    int stretch = sn_stretch_kind(m);
-    for (int kind = 0; kind < SN_ROWS_VOLUME; kind++)
-        out->residuals[kind] = sn_rows_residual(m, s, (sn_row_kind)kind, kind == stretch ? &longest : NULL);
+    int stretch = (int)sn_stretch_kind(m);
+    for (int kind = 0; kind < SN_ROW_KINDS; kind++)
+        if (sn_row_info_of((sn_row_kind)kind)->points > 0)
+            out->residuals[kind] = sn_rows_residual(m, s, (sn_row_kind)kind, kind == stretch ? &longest : NULL);
     const sn_residual *off = &out->residuals[stretch];
     if (off->worst == SN_NONE) sn_rest_longest(m, s, &longest);
     out->largest_edge[0] = longest.point[0], out->largest_edge[1] = longest.point[1];

@@ -9,7 +9,7 @@
 #include "two_level.h"
 
 #include "frames.h"
-#include "rest_rows.h"
+#include "rows.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -38,12 +38,14 @@ double sn_volume_ratio(const sn_model_muscle *m, const sn_muscle_state *s) {
     return sn_volume_constraint(m->vertex_count, s->points, m->triangle_count, m->triangles, NULL) / m->rest_volume;
 }
 
-void sn_volume_build(const sn_build *build) {
-    sn_plan_group *group = &build->plan->groups[SN_ROWS_VOLUME];
+static sn_status build_volume(const sn_build *build, sn_row_kind kind, sn_error *error) {
+    (void)error;
+    sn_plan_group *group = &build->plan->groups[kind];
     if (group->reason == SN_OUT_OPEN_SURFACE || group->reason == SN_OUT_FLAT) build->model->rest_volume = NAN; /* nothing to compare with */
     build->model->keeps_volume = group->reason == SN_RUNS && build->plan->kinematic < build->plan->vertices;
     group->rows = build->model->keeps_volume ? 1 : 0;
     group->kinematic = group->reason == SN_RUNS ? 1 - group->rows : 0;
+    return SN_OK;
 }
 
 /* The volume is far from linear in the positions where the edges pull the muscle far from its goal within one iteration (overpressure): one
@@ -69,7 +71,8 @@ static bool project(const sn_model_muscle *m, sn_muscle_state *s, const sn_sweep
     return residual * residual > VOLUME_TOLERANCE * m->rest_volume * m->rest_volume;
 }
 
-void sn_volume_sweep(const sn_model_muscle *m, sn_muscle_state *s, const sn_sweep *sweep) {
+static void sweep_kind(const sn_model_muscle *m, sn_muscle_state *s, sn_row_kind kind, const sn_sweep *sweep) {
+    (void)kind;
     if (sweep->first) s->volume_lambda = 0.0;
     for (int i = 0; i < sweep->projections && project(m, s, sweep); i++) continue;
 }
@@ -119,9 +122,11 @@ SN_WIDE_KERNEL static double volume_of_triangles(const triangles *in, sn_index e
     return wide_sum(&volume) / 6.0;
 }
 
-double sn_volume_energy(const sn_model_muscle *m, sn_muscle_state *s, double k, sn_forces gradient) {
-    if (!m->keeps_volume) return 0.0;
-    triangles in = {s->points, m->triangles->v, mean_of_four(m->vertex_count, s->points), {NULL, 3}};
+/* With a gradient, volume_gradient in the state is left at dV/dx. */
+static double energy_of_kind(const sn_model_muscle *m, const sn_muscle_state *s, sn_row_kind kind, const sn_point *points, double k,
+                             sn_forces gradient) {
+    (void)kind;
+    triangles in = {points, m->triangles->v, mean_of_four(m->vertex_count, points), {NULL, 3}};
     if (gradient.values != NULL) in.gradient.values = &s->volume_gradient->x;
     for (sn_index i = 0; gradient.values != NULL && i < m->vertex_count; i++) s->volume_gradient[i] = sn_v3(0, 0, 0);
     double c = volume_of_triangles(&in, m->triangle_count) - s->volume_goal * m->rest_volume;
@@ -133,3 +138,47 @@ double sn_volume_energy(const sn_model_muscle *m, sn_muscle_state *s, double k, 
     }
     return 0.5 * k * c * c;
 }
+
+/* ---- the table ----------------------------------------------------------------------------------------------------------------- */
+
+static bool closed(const sn_topology *topology) {
+    for (sn_index i = 0; i < topology->edge_count; i++)
+        if (topology->edges[i].triangle_count != 2) return false;
+    return topology->edge_count > 0;
+}
+
+static sn_left_out reason_of(const sn_build *build) {
+    double size = build->model->diagonal, volume = build->model->rest_volume;
+    if (!closed(build->topology)) return SN_OUT_OPEN_SURFACE;
+    if (!(fabs(volume) > 1e-12 * size * size * size)) return SN_OUT_FLAT;
+    return sn_has_stiffness(build->source, build->source->stiffness_volume) ? SN_RUNS : SN_OUT_NO_STIFFNESS;
+}
+
+static double factor_of(const sn_scene_muscle *source) { return source->stiffness_volume; }
+
+static sn_index count_rows(const sn_model_muscle *m, sn_row_kind kind) {
+    (void)kind;
+    return m->keeps_volume ? 1 : 0;
+}
+
+/* The gradient of the volume. */
+static size_t bytes_of_row(const sn_model_muscle *m) { return (size_t)m->vertex_count * sizeof(sn_vec3); }
+
+static void errors_of_kind(const sn_model_muscle *m, const sn_muscle_state *s, sn_row_kind kind, sn_index begin, sn_index end,
+                           double *errors) {
+    (void)kind;
+    if (begin < end) *errors = fabs(sn_volume_ratio(m, s) - s->volume_goal);
+}
+
+const sn_row_ops sn_rows_volume = {.info = {"volume", "way to the goal volume, mean edges", "no volume", 0, .inside = false},
+                                   .crushes = true,
+                                   .per_volume = true,
+                                   .reason = reason_of,
+                                   .factor = factor_of,
+                                   .build = build_volume,
+                                   .count = count_rows,
+                                   .bytes = bytes_of_row,
+                                   .sweep = sweep_kind,
+                                   .sweep_single = sn_single_volume_sweep,
+                                   .energy = energy_of_kind,
+                                   .errors = errors_of_kind};

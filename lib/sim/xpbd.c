@@ -22,46 +22,26 @@ static void predict(const sn_model_muscle *m, sn_muscle_state *s, const sn_subst
     }
 }
 
-static void sweep_rows(const sn_model_muscle *m, sn_muscle_state *s, sn_row_kind kind, const sn_sweep *sweep) {
-    if (m->single) {
-        sn_single_sweep(m, s, kind, sweep);
-        return;
-    }
-    switch (kind) {
-    case SN_ROWS_DIHEDRAL:
-        sn_hinge_sweep(m, s, sweep);
-        break;
-    case SN_ROWS_AREA:
-        sn_area_sweep(m, s);
-        break;
-    case SN_ROWS_MEMBRANE: /* of `qn` alone */
-        break;
-    case SN_ROWS_VOLUME:
-        if (m->keeps_volume) sn_volume_sweep(m, s, sweep);
-        break;
-    default:
-        sn_distance_sweep(m, s, kind, sweep);
-    }
-}
-
 static void project_kind(const sn_model_muscle *m, sn_muscle_state *s, sn_row_kind kind, const sn_scheme_rules *rules, double h,
                          bool first) {
+    const sn_row_ops *ops = sn_row_ops_of(kind);
     double stiffness = sn_row_stiffness(m, s, kind);
-    if (!(stiffness > 0.0)) return;
+    if (!(stiffness > 0.0) || ops->sweep == NULL || ops->count(m, kind) == 0) return;
     const sn_sweep sweep = {.compliance = rules->plain ? 0.0 : 1.0 / (stiffness * h * h),
-                            .gain = rules->gain[kind],
+                            .gain = rules->gain[kind] != 0.0 ? rules->gain[kind] : 1.0,
                             .clamp = rules->hinge_clamp,
                             .most_step = rules->hinge_step * m->mean_edge,
                             .published = rules->hinges_published,
                             .projections = rules->volume_projections,
                             .first = first};
-    sweep_rows(m, s, kind, &sweep);
+    (m->single ? ops->sweep_single : ops->sweep)(m, s, kind, &sweep);
 }
 
 static void project(const sn_model_muscle *m, sn_muscle_state *s, const sn_substep *substep) {
-    const sn_scheme_rules *rules = substep->rules;
+    sn_row_kind order[SN_MOST_SWEEPS];
+    int count = sn_scheme_order(substep->rules, order);
     for (sn_index i = substep->begin; i < substep->end; i++)
-        for (int k = 0; k < rules->count; k++) project_kind(m, s, rules->order[k], rules, substep->h, i == 0);
+        for (int k = 0; k < count; k++) project_kind(m, s, order[k], substep->rules, substep->h, i == 0);
 }
 
 void sn_project(const sn_model *model, sn_state *state, sn_index muscle, sn_row_kind kind) {

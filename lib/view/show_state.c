@@ -11,14 +11,16 @@ static const sn_color COLOR_SHEER = {0.72, 0.72, 0.74}, COLOR_WORST = {0.10, 0.1
 
 /* ---- errors of one muscle --------------------------------------------------------------------------------------------------------- */
 
-/* Of its rows of one kind; of the volume at its vertices. */
+/* Of its rows of one kind; of a row of all points (the volume) at its vertices. */
 typedef struct field {
     sn_index count, worst; /* worst: SN_NONE = none */
     double *errors;        /* (count) NaN: a row without a value */
 } field;
 
+static bool has_all_points(sn_row_kind kind) { return sn_row_info_of(kind)->points == 0; }
+
 static sn_index field_size(const sn_model *model, sn_index muscle, sn_row_kind kind) {
-    return kind == SN_ROWS_VOLUME ? model->muscles[muscle].vertex_count : sn_row_count(model, muscle, kind);
+    return has_all_points(kind) ? model->muscles[muscle].vertex_count : sn_row_count(model, muscle, kind);
 }
 
 static sn_status measure_volume(const sn_model *model, const sn_state *state, sn_index muscle, double *errors, sn_error *error) {
@@ -45,7 +47,7 @@ static sn_status field_measure(const sn_model *model, const sn_state *state, sn_
     f->errors = SN_NEW(double, f->count);
     if (!f->errors) return sn_fail_memory(error, "the errors of a muscle");
     sn_status status = SN_OK;
-    if (kind == SN_ROWS_VOLUME)
+    if (has_all_points(kind))
         status = measure_volume(model, state, muscle, f->errors, error);
     else
         sn_row_errors(model, state, muscle, kind, f->errors);
@@ -54,7 +56,7 @@ static sn_status field_measure(const sn_model *model, const sn_state *state, sn_
 }
 
 static int field_points(const sn_model *model, sn_index muscle, sn_row_kind kind, sn_index item, sn_index points[4]) {
-    if (kind != SN_ROWS_VOLUME) return sn_row_points(model, muscle, kind, item, points);
+    if (!has_all_points(kind)) return sn_row_points(model, muscle, kind, item, points);
     points[0] = item;
     return 1;
 }
@@ -191,11 +193,9 @@ typedef struct scene_view {
     double worst;
 } scene_view;
 
-static bool is_inside(sn_row_kind kind) { return kind == SN_ROWS_INTERNAL || kind == SN_ROWS_RADIAL; }
-
 static sn_status show_field(const scene_view *s, sn_index muscle, const field *f, sn_error *error) {
     sn_view_mesh *mesh;
-    bool inside = is_inside(s->kind), both = s->kind == SN_ROWS_MESH && s->show & SN_SHOW_STRUCTURE;
+    bool inside = sn_row_info_of(s->kind)->inside, both = s->kind == SN_ROWS_MESH && s->show & SN_SHOW_STRUCTURE;
     both = both && sn_row_count(s->model, muscle, SN_ROWS_INTERNAL) > 0;
     sn_status status = add_surface(s->view, s->model, s->state, muscle, &mesh, error);
     if (status) return status;
@@ -204,8 +204,9 @@ static sn_status show_field(const scene_view *s, sn_index muscle, const field *f
     mesh->opacity = inside || both ? SHEER : 1.0;
     if (!inside) status = color_surface(mesh, s->model, muscle, s->kind, f, s->range, error);
     if (!status && both) status = add_internal(s->view, s->model, s->state, muscle, s->range, error);
-    sn_index step = s->kind == SN_ROWS_RADIAL ? f->count / RADIAL_SHOWN + 1 : 1;
-    double radius = s->kind == SN_ROWS_RADIAL ? RADIAL_RADIUS : INTERNAL_RADIUS;
+    bool radial = s->kind == SN_ROWS_RADIAL; /* there are many of them */
+    sn_index step = radial ? f->count / RADIAL_SHOWN + 1 : 1;
+    double radius = radial ? RADIAL_RADIUS : INTERNAL_RADIUS;
     if (!status && inside) status = add_lines(s->view, s->model, s->state, muscle, s->kind, f, s->range, step, radius, error);
     return status;
 }
@@ -227,31 +228,12 @@ static sn_status show_muscle_state(scene_view *s, sn_index muscle, sn_error *err
 /* ---- words
  * ----------------------------------------------------------------------------------------------------------------------------------- */
 
-static const char *scale_text(sn_row_kind kind) {
-    switch (kind) {
-    case SN_ROWS_INTERNAL:
-        return "error of internal edges, mean edges";
-    case SN_ROWS_RADIAL:
-        return "error of connections, mean edges";
-    case SN_ROWS_MESH:
-        return "error of surface edges, mean edges";
-    case SN_ROWS_DIHEDRAL:
-        return "error of dihedral angles, rad";
-    case SN_ROWS_AREA:
-        return "area below the least, of the rest area";
-    case SN_ROWS_MEMBRANE:
-        return "strain of the membrane";
-    default:
-        return "way to the goal volume, mean edges";
-    }
-}
-
 /* "vertices 3, 17", "samples 4, 5" or "sample 4, vertex 17": the points of the worst row. */
 static void worst_points(const scene_view *s, char *text, size_t room) {
     const sn_model_muscle *muscle = &s->model->muscles[s->worst_muscle];
     sn_index points[4], vertices = muscle->vertex_count;
     int count = field_points(s->model, s->worst_muscle, s->kind, s->worst_row, points), length = 0;
-    bool mixed = s->kind == SN_ROWS_RADIAL;
+    bool mixed = count > 1 && (points[0] >= vertices) != (points[1] >= vertices);
     for (int i = 0; i < count && length < (int)room; i++) {
         bool sample = points[i] >= vertices;
         const char *one = sample ? "sample " : "vertex ", *many = sample ? "samples " : "vertices ";
@@ -271,8 +253,8 @@ static sn_status write_subtitle(const scene_view *s, sn_error *error) {
         snprintf(text, sizeof text, "%s: no error", sn_row_kind_name(s->kind));
     } else {
         const char *muscle = s->model->muscle_count > 1 ? s->model->muscles[s->worst_muscle].source->name : "";
-        char value[32] = "no number";
-        if (s->kind == SN_ROWS_DIHEDRAL) snprintf(value, sizeof value, "no angle");
+        char value[32];
+        snprintf(value, sizeof value, "%s", sn_row_info_of(s->kind)->lacks);
         if (!isnan(s->worst)) snprintf(value, sizeof value, "%.3g", s->worst);
         worst_points(s, points, sizeof points);
         snprintf(text, sizeof text, "%s: worst %s, %s%s%s", sn_row_kind_name(s->kind), value, muscle, *muscle ? ", " : "", points);
@@ -282,7 +264,8 @@ static sn_status write_subtitle(const scene_view *s, sn_error *error) {
 }
 
 static sn_status write_scale(const scene_view *s, sn_error *error) {
-    s->view->scale = (sn_view_scale){sn_strdup(scale_text(s->kind)), s->range, !(s->worst <= s->range) && s->worst_row != SN_NONE};
+    s->view->scale =
+        (sn_view_scale){sn_strdup(sn_row_info_of(s->kind)->errors), s->range, !(s->worst <= s->range) && s->worst_row != SN_NONE};
     return s->view->scale.text ? SN_OK : sn_fail_memory(error, "the scale");
 }
 

@@ -125,12 +125,8 @@ static void bench(sn_index rings, sn_index sectors, sn_precision precision) {
 static sn_forces forces_of(const simulation *s) { return (sn_forces){&s->state->muscles[0].qn->forces->x, 4}; }
 
 static void energy_of_kind(const job *j) {
-    const sn_model_muscle *m = &j->s->model->muscles[0];
-    sn_muscle_state *s = &j->s->state->muscles[0];
-    double k = sn_row_stiffness(m, s, j->kind);
-    if (j->kind < SN_DISTANCE_KINDS) kept += sn_distance_energy(m, s, j->kind, k, forces_of(j->s));
-    if (j->kind == SN_ROWS_DIHEDRAL) kept += sn_hinge_energy(m, s, k, forces_of(j->s));
-    if (j->kind == SN_ROWS_VOLUME) kept += sn_volume_energy(m, s, k, forces_of(j->s));
+    const sn_muscle_state *s = &j->s->state->muscles[0];
+    kept += sn_rows_energy(&j->s->model->muscles[0], s, j->kind, s->points, forces_of(j->s));
 }
 
 /* All of them, inertia and areas too. */

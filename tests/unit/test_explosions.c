@@ -83,9 +83,11 @@ static void the_membrane_looks_at_every_edge_that_counts(void **state) {
     step_frames(&s, 3, NULL);
     const sn_model_muscle *m = &s.model->muscles[0];
     double most = 0.0;
-    for (sn_index r = 0; r < m->membrane_count; r++)
+    sn_index points[4];
+    for (sn_index r = 0; r < sn_row_count(s.model, 0, SN_ROWS_MEMBRANE); r++)
         for (int i = 0; i < 3; i++) {
-            sn_index a = m->membrane_points[r].point[i], b = m->membrane_points[r].point[(i + 1) % 3];
+            sn_row_points(s.model, 0, SN_ROWS_MEMBRANE, r, points);
+            sn_index a = points[i], b = points[(i + 1) % 3];
             most = fmax(most, length(&s, a, b) / fmax(sn_distance(m->rest[a], m->rest[b]), SN_LEAST_GOAL * m->mean_edge));
         }
     assert_true(most > 1.05 && fabs(statistics(&s)->largest_edge_ratio / most - 1.0) < 1e-9);

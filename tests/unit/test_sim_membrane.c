@@ -27,7 +27,7 @@ static void the_gradient_is_that_of_the_energy(void **state) {
             double *c[3] = {&ms->points[i].x, &ms->points[i].y, &ms->points[i].z};
             for (int k = 0; k < 3; k++) *c[k] += 4e-3 * (sn_random(&random) - 0.5);
         }
-        sn_membrane_energy(m, ms, 1.0, (sn_forces){&gradient->x, 3});
+        sn_rows_membrane.energy(m, ms, SN_ROWS_MEMBRANE, ms->points, 1.0, (sn_forces){&gradient->x, 3});
         double largest = 0.0, worst = 0.0, e = 1e-7;
         for (sn_index i = 0; i < m->vertex_count; i += 7) {
             double *c[3] = {&ms->points[i].x, &ms->points[i].y, &ms->points[i].z};
@@ -35,9 +35,9 @@ static void the_gradient_is_that_of_the_energy(void **state) {
             for (int k = 0; k < 3; k++) {
                 double at = *c[k];
                 *c[k] = at + e;
-                double high = sn_membrane_energy(m, ms, 1.0, (sn_forces){NULL, 3});
+                double high = sn_rows_membrane.energy(m, ms, SN_ROWS_MEMBRANE, ms->points, 1.0, (sn_forces){NULL, 3});
                 *c[k] = at - e;
-                double low = sn_membrane_energy(m, ms, 1.0, (sn_forces){NULL, 3});
+                double low = sn_rows_membrane.energy(m, ms, SN_ROWS_MEMBRANE, ms->points, 1.0, (sn_forces){NULL, 3});
                 *c[k] = at;
                 largest = fmax(largest, fabs(found[k]));
                 worst = fmax(worst, fabs((high - low) / (2.0 * e) - found[k]));

@@ -2,7 +2,7 @@
 #include "sim_scene.h"
 
 #include "../../lib/sim/qn.h"
-#include "../../lib/sim/rest_rows.h"
+#include "../../lib/sim/rows.h"
 #include "../../lib/sim/two_level.h"
 
 static void use(sn_scene *scene, sn_preconditioning preconditioner) {
