@@ -70,7 +70,7 @@ END
         for muscle in biceps brachialis triceps; do cmp a/$muscle.pc2 $other/$muscle.pc2; done
     done
     [ "$(grep -c '"stage":"iteration"' steps.jsonl)" -eq "$(wc -l < steps.jsonl)" ]
-    each=$(simulate --plan arm.scene.json | python3 -c 'import json,sys; s=json.load(sys.stdin)["scene"]["solver"]; print(s["substeps"]*s["iterations"])')
+    each=$(simulate --plan arm.scene.json | python3 -c 'import json,sys; s=json.load(sys.stdin)["scene"]["solver"]; print((1 if s["substeps"] == "auto" else s["substeps"]) * s["iterations"])')
     [ "$(wc -l < steps.jsonl)" -eq $((3 * 3 * each)) ]
 }
 
@@ -302,7 +302,7 @@ END
     }
     for frame in 2147483647 -2147483648 100000001; do told "frame $frame" 160,i,$frame; done
     for substep in -1 1 2147483647; do told substep 164,i,$substep; done
-    for iteration in -1 10 2147483647; do told iteration 168,i,$iteration; done
+    for iteration in -1 110 2147483647; do told iteration 168,i,$iteration; done
     for muscles in 0 2 -1; do told muscles 172,i,$muscles; done
     told statistics.skipped_edges 176,q,9223372036854775807
     told volume_lambda 248,d,nan
