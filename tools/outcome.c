@@ -106,7 +106,7 @@ static const char *help(const outcome *o, const sn_state *state, sn_index muscle
     if (solver->method == SN_SOLVER_XPBD && solver->precision == SN_PRECISION_SINGLE)
         return "--precision double, more --substeps or --solver qn may help";
     if (solver->method == SN_SOLVER_XPBD) return "more --substeps, more --iterations or --solver qn may help";
-    if (s->statistics.stop_reason == SN_STOP_FAILED) return "its matrix could not be factored: a lower stiffness may help";
+    if (s->statistics.stop_reason == SN_STOP_FAILED) return "a lower stiffness, or less weight, may help";
     if (s->statistics.torn) return "bones that move fast or goals that it cannot reach have torn it: more --substeps may help";
     return "more --iterations or --substeps may help";
 }
@@ -114,7 +114,10 @@ static const char *help(const outcome *o, const sn_state *state, sn_index muscle
 static void tell_explosion(outcome *o, const sn_state *state, sn_index muscle, sn_explosion sign) {
     const sn_statistics *s = &state->muscles[muscle].statistics;
     const char *name = name_of(o, muscle), *may_help = help(o, state, muscle, sign);
-    if (sign == SN_EXPLODED_VOLUME)
+    if (sign == SN_EXPLODED_SOLVER)
+        cli_shortfall(o->c, "frame %d: the solver has failed on muscle \"%s\", its matrix could not be factored or solved; %s",
+                      (int)state->frame, name, may_help);
+    else if (sign == SN_EXPLODED_VOLUME)
         cli_shortfall(o->c, "frame %d: muscle \"%s\" has exploded, its volume is %.4g times its goal; %s", (int)state->frame, name,
                       1.0 + s->volume_error, may_help);
     else
@@ -124,7 +127,7 @@ static void tell_explosion(outcome *o, const sn_state *state, sn_index muscle, s
 
 /* Each sign is told once of each muscle, where it shows first: later frames only follow from that one. */
 static void check_explosions(outcome *o, const sn_state *state) {
-    static const sn_explosion SIGNS[] = {SN_EXPLODED_VOLUME, SN_EXPLODED_EDGE};
+    static const sn_explosion SIGNS[] = {SN_EXPLODED_VOLUME, SN_EXPLODED_EDGE, SN_EXPLODED_SOLVER};
     for (sn_index i = 0; i < o->model->muscle_count; i++) {
         unsigned fresh = sn_explosions(&state->muscles[i].statistics) & ~o->told[i];
         for (size_t k = 0; k < sizeof SIGNS / sizeof *SIGNS; k++)
@@ -360,12 +363,12 @@ static void report_torn(const outcome *o, sn_index muscle, sn_json *json) {
 }
 
 static void report_exploded(const outcome *o, sn_index muscle, sn_json *json) {
-    static const char *const NAMES[] = {"points", "volume", "edge"}; /* in the order of the bits of sn_explosion */
+    static const char *const NAMES[] = {"points", "volume", "edge", "solver"}; /* in the order of the bits of sn_explosion */
     if (o->told[muscle] == 0) return;
     sn_json_object(json, NULL);
     sn_json_text(json, "muscle", name_of(o, muscle));
     sn_json_array(json, "signs");
-    for (int k = 0; k < 3; k++)
+    for (int k = 0; k < 4; k++)
         if (o->told[muscle] & 1u << k) sn_json_text(json, NULL, NAMES[k]);
     sn_json_close(json);
     sn_json_close(json);

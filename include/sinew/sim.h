@@ -247,7 +247,8 @@ typedef struct sn_statistics {
 typedef enum sn_explosion {
     SN_EXPLODED_POINTS = 1, /* a coordinate is not finite */
     SN_EXPLODED_VOLUME = 2, /* the volume is off its goal by more than SN_EXPLODED_VOLUME_ERROR; whether or not the volume is kept */
-    SN_EXPLODED_EDGE = 4    /* an edge of the surface is longer than SN_EXPLODED_EDGE_RATIO times its goal */
+    SN_EXPLODED_EDGE = 4,   /* an edge of the surface is longer than SN_EXPLODED_EDGE_RATIO times its goal */
+    SN_EXPLODED_SOLVER = 8  /* qn: the last step failed (SN_STOP_FAILED): the free points are where inertia, or nothing, has put them */
 } sn_explosion;
 #define SN_EXPLODED_VOLUME_ERROR 0.5
 #define SN_EXPLODED_EDGE_RATIO 10.0

@@ -511,11 +511,11 @@ static bool begin(const sn_model_muscle *m, sn_muscle_state *s, const sn_substep
 static void resume(const sn_model_muscle *m, sn_muscle_state *s, double h) {
     sn_objective objective = objective_of(m, s, h);
     bool changed;
+    s->energy = sn_objective_evaluate(&objective, s->points, s->qn->gradient); /* the residual needs it, further iterations or not */
     if (s->stopped != SN_STOP_ITERATIONS) return;
     if (!go_by(m, s, h, &changed)) stop(s, SN_STOP_FAILED);
     if (m->two_level) sn_preconditioner_correct(s->qn->preconditioner, s->turned ? s->section_points : NULL, h, &s->stiffness);
     set_volume_row(m, s, s->row_gradient);
-    s->energy = sn_objective_evaluate(&objective, s->points, s->qn->gradient);
 }
 
 /* Velocities, until then those before the step: nor farther than once its length in a step. */

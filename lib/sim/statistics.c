@@ -72,6 +72,7 @@ unsigned sn_explosions(const sn_statistics *s) {
     if (s->nan_points > 0) signs |= SN_EXPLODED_POINTS;
     if (fabs(s->volume_error) > SN_EXPLODED_VOLUME_ERROR) signs |= SN_EXPLODED_VOLUME; /* NaN: no volume */
     if (s->largest_edge_ratio > SN_EXPLODED_EDGE_RATIO) signs |= SN_EXPLODED_EDGE;
+    if (s->stop_reason == SN_STOP_FAILED) signs |= SN_EXPLODED_SOLVER;
     return signs;
 }
 

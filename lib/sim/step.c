@@ -79,6 +79,12 @@ static void watch_rest(const run *r, const sn_model_muscle *m, sn_muscle_state *
     if (still) s->pair_count = s->pair_next = 0; /* whether it sleeps or not: what moves it next finds it the same */
 }
 
+/* If it does not move in the step at hand, either, may it sleep from there on? Then this step is the last that can be measured. */
+static bool may_fall_asleep(const run *r, const sn_muscle_state *s) {
+    const sn_solver_settings *solver = &r->model->scene->solver;
+    return solver->sleep && s->still + 1 >= sn_solver_substeps(solver);
+}
+
 /* After a frame at rest a muscle sleeps until an input changes. */
 static bool sleeps(const run *r, const sn_model_muscle *m, sn_muscle_state *s, sn_index substep) {
     const sn_scene *scene = r->model->scene;
@@ -110,7 +116,7 @@ static void do_step(const run *r, sn_index muscle, sn_index substep, sn_index un
                              .end = end,
                              .may_halve = r->model->halves && at->size > 1,
                              .halved = at->size < SN_SUBSTEP_PARTS,
-                             .measure = r->measure && end == m->iterations && is_last(r, substep),
+                             .measure = r->measure && end == m->iterations && (is_last(r, substep) || may_fall_asleep(r, s)),
                              .start = start_of(r, muscle)};
     take_poses(r, m, s, substep, parts);
     sn_inputs_update(m, s, time_of(r, substep, parts));
@@ -128,8 +134,8 @@ static void do_step(const run *r, sn_index muscle, sn_index substep, sn_index un
     watch_rest(r, m, s);
 }
 
-/* One substep, from its start or from where the muscle is in it, until it has spent so many iterations or is through. */
-static void do_substep(const run *r, sn_index muscle, sn_index substep, bool fresh, sn_index until) {
+/* One substep, from its start or from where the muscle is in it, until it has spent so many iterations or is through. false: it sleeps. */
+static bool do_substep(const run *r, sn_index muscle, sn_index substep, bool fresh, sn_index until) {
     const sn_model_muscle *m = &r->model->muscles[muscle];
     sn_muscle_state *s = &r->state->muscles[muscle];
     sn_progress *at = &s->progress;
@@ -144,24 +150,25 @@ static void do_substep(const run *r, sn_index muscle, sn_index substep, bool fre
         at->parts = at->spent == m->iterations ? SN_SUBSTEP_PARTS : 0;
     }
     while (at->parts < SN_SUBSTEP_PARTS && at->spent < until && at->size > 0) do_step(r, muscle, substep, until);
+    return at->size > 0;
 }
 
-static void do_muscle(const run *r, sn_index muscle) {
+/* false: it has slept all the time, and what its statistics say still holds. */
+static bool do_muscle(const run *r, sn_index muscle) {
+    bool awake = false;
     for (sn_index substep = r->from.substep; substep <= r->to.substep; substep++) {
         bool fresh = substep > r->from.substep || r->from.iteration == 0;
         sn_index until = substep == r->to.substep ? r->to.iteration : SN_INDEX_MAX;
-        if (until > 0) do_substep(r, muscle, substep, fresh, until);
+        if (until > 0) awake = do_substep(r, muscle, substep, fresh, until) || awake;
     }
+    return awake;
 }
 
 static void do_muscles(void *user, sn_index begin, sn_index end, sn_index chunk) {
     const run *r = user;
     (void)chunk;
-    for (sn_index muscle = begin; muscle < end; muscle++) {
-        do_muscle(r, muscle);
-        if (r->measure && !r->state->muscles[muscle].statistics.asleep)
-            sn_statistics_measure(&r->model->muscles[muscle], &r->state->muscles[muscle]);
-    }
+    for (sn_index muscle = begin; muscle < end; muscle++)
+        if (do_muscle(r, muscle) && r->measure) sn_statistics_measure(&r->model->muscles[muscle], &r->state->muscles[muscle]);
 }
 
 /* ---- frames --------------------------------------------------------------------------------------------------------------- */

@@ -302,7 +302,7 @@ END
     }
     for frame in 2147483647 -2147483648 100000001; do told "frame $frame" 160,i,$frame; done
     for substep in -1 1 2147483647; do told substep 164,i,$substep; done
-    for iteration in -1 10 2147483647; do told iteration 168,i,$iteration; done
+    for iteration in -1 110 2147483647; do told iteration 168,i,$iteration; done
     for muscles in 0 2 -1; do told muscles 172,i,$muscles; done
     told statistics.skipped_edges 176,q,9223372036854775807
     told volume_lambda 272,d,nan
@@ -452,11 +452,24 @@ samples() { python3 -c 'import struct, sys; print(struct.unpack("<i", open(sys.a
         [ "$(samples out.pc2)" -eq 13 ]
         [ "$(wc -l < log.jsonl)" -eq 13 ]
     done
+    sed 's/"name": "biceps",/& "stiffness": {"relaxed": 30, "active": 30, "volume": 0},/; s/^{/& "gravity": [0, 0, -300],/' jump.scene.json > soft.scene.json
+    run -3 --separate-stderr simulate soft.scene.json --frames 0:12 --solver xpbd --log log.jsonl
+    [[ "$stderr" == *'has exploded, its volume is '*" times its goal; nothing keeps its volume"* ]]
     simulate jump.scene.json --frames 0:12 > qn.jsonl # the default survives it
     moved far.scene.json "0.2 0" "0.21 20"
     run -3 --separate-stderr simulate -q far.scene.json --frames 0:6
     [[ "$stderr" == *"its bones have gone far apart"* ]]
     simulate far.scene.json --frames 0:4 > log.jsonl # before it
+}
+
+@test "a solver that fails on a muscle is told of, status 3" {
+    for stiffness in '{"relaxed": 1e303, "active": 1e303}' '{"volume": 1e300}'; do # no energy is finite: the muscle stays where it was
+        sed "s/\"contraction\": 0.26,/&\"stiffness\": $stiffness,/" arm.scene.json > stiff.scene.json
+        run -3 --separate-stderr simulate stiff.scene.json --frames 0:2 --log log.jsonl --report report.json
+        [[ "$stderr" == *'frame 1: the solver has failed on muscle "biceps", '*"a lower stiffness"* ]]
+        [ "$(grep -c 'the solver has failed' <<< "$stderr")" -eq 1 ]
+        python3 -c 'import json; assert json.load(open("report.json"))["outcome"]["exploded"] == [dict(muscle="biceps", signs=["solver"])]'
+    done
 }
 
 @test "points that are not finite end the run, and what was done is kept; where nothing was, status 1" {
@@ -476,7 +489,7 @@ r = json.load(open("report.json")); assert r["frames"] == 5 and "points" in r["o
     done
     run -3 simulate nan.scene.json --frames 0:12 --save-every 2 --state end.state --log log.jsonl
     [ -e end.state ] # of frame 4
-    simulate nan.scene.json --frames 4:5 --from end.state -o rest.pc2 --log log.jsonl || [ $? -eq 3 ]
+    run -3 simulate nan.scene.json --frames 5:5 --from end.state -o rest.pc2 --log log.jsonl # its bones are 1e308 m apart
     [ "$(samples rest.pc2)" -eq 1 ]
     run -1 --separate-stderr simulate nan.scene.json --frames 6:8 -o none.pc2 --log log.jsonl
     [[ "$stderr" == *'frame 6: muscle "biceps" has '*" points that are not finite"* ]]

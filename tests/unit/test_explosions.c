@@ -127,8 +127,11 @@ static void each_sign_has_its_threshold(void **state) {
     s.largest_edge_ratio = 10.0000001;
     s.nan_points = 1;
     assert_int_equal(sn_explosions(&s), SN_EXPLODED_VOLUME | SN_EXPLODED_EDGE | SN_EXPLODED_POINTS);
-    s = (sn_statistics){.volume_error = NAN, .largest_edge_ratio = NAN}; /* an open surface without an edge */
+    s = (sn_statistics){
+        .volume_error = NAN, .largest_edge_ratio = NAN, .stop_reason = SN_STOP_STALLED}; /* an open surface without an edge */
     assert_int_equal(sn_explosions(&s), 0);
+    s.stop_reason = SN_STOP_FAILED;
+    assert_int_equal(sn_explosions(&s), SN_EXPLODED_SOLVER);
 }
 
 /* A muscle that is blown up, whether or not its volume is kept; one point far out; one point that is nowhere. */

@@ -242,6 +242,34 @@ static void a_stop_changes_no_bit(void **state) {
     for (int i = 0; i < 3; i++) finish(&s[i]);
 }
 
+/* Stopped where the tolerance has ended the step, but not its iterations: the residual, too, is that of the run that was not stopped. */
+static void a_stop_after_the_tolerance_changes_no_residual(void **state) {
+    (void)state;
+    sn_scene scenes[3];
+    simulation s[3];
+    for (int i = 0; i < 3; i++) {
+        make_newton(&scenes[i], &FUSIFORM);
+        scenes[i].solver.tolerance = 1e-3;
+        s[i] = start(&scenes[i]);
+    }
+    sn_index last = s[0].model->muscles[0].iterations - 1;
+    step_frames(&s[0], 3, NULL);
+    step_frames(&s[1], 2, NULL);
+    assert_int_equal(sn_step(s[1].model, s[1].state, &(sn_step_options){.stop_substep = 1, .stop_iteration = last}, NULL), SN_STOPPED);
+    assert_int_equal(s[1].state->muscles[0].stopped, SN_STOP_TOLERANCE);
+    char *bytes;
+    size_t size;
+    assert_int_equal(sn_state_pack(s[1].model, s[1].state, &bytes, &size, NULL), SN_OK);
+    assert_int_equal(sn_state_unpack(s[2].model, bytes, size, s[2].state, NULL), SN_OK);
+    free(bytes);
+    assert_true(statistics(&s[0])->residual > 0.0);
+    for (int i = 1; i < 3; i++) {
+        step_frames(&s[i], 1, NULL);
+        assert_true(statistics(&s[i])->residual == statistics(&s[0])->residual);
+    }
+    for (int i = 0; i < 3; i++) finish(&s[i]);
+}
+
 /* Stiffness 5e5 -> 5e7 refactors about once per doubling, not once per frame. */
 static void the_factor_is_kept_while_stiffness_changes_little(void **state) {
     (void)state;
@@ -382,6 +410,7 @@ int main(void) {
         cmocka_unit_test(a_teleported_bone_is_survived),
         cmocka_unit_test(threads_change_no_bit),
         cmocka_unit_test(a_stop_changes_no_bit),
+        cmocka_unit_test(a_stop_after_the_tolerance_changes_no_residual),
         cmocka_unit_test(jumps_under_every_matrix),
         cmocka_unit_test(a_step_that_is_too_long_is_halved),
         cmocka_unit_test(halved_steps_are_stopped_at_any_iteration),

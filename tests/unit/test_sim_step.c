@@ -477,6 +477,35 @@ static void sleep_moves_nothing(void **state) {
     for (int k = 0; k < 2; k++) finish(&runs[k]);
 }
 
+static void ignore_record(void *user, int64_t number, const char *stage, const sn_trace_value *values, int value_count) {
+    (void)user, (void)number, (void)stage, (void)values, (void)value_count;
+}
+
+/* A muscle that falls asleep on the way, in a pre-roll or between the substeps of a frame, is measured where it lies: as where each
+ * iteration is watched. */
+static void what_fell_asleep_is_measured(void **state) {
+    (void)state;
+    sn_scene scenes[2];
+    simulation runs[2];
+    sn_trace trace = {.receive = ignore_record, .stop_after = -1};
+    for (int k = 0; k < 2; k++) {
+        const sn_step_options options = {.trace = k == 0 ? NULL : &trace};
+        make_scene(&scenes[k], &FUSIFORM);
+        scenes[k].muscles[0].damping = 30.0;
+        scenes[k].gravity = sn_v3(0, 0, -9.81);
+        scenes[k].preroll = 8.0;
+        runs[k] = start(&scenes[k]);
+        assert_int_equal(sn_settle(runs[k].model, runs[k].state, &options, NULL), SN_OK);
+    }
+    const sn_statistics *s = statistics(&runs[0]), *watched = statistics(&runs[1]);
+    assert_true(s->asleep && watched->asleep);
+    assert_true(s->residuals[SN_ROWS_MESH].max > 1e-9); /* it hangs */
+    assert_true(s->residuals[SN_ROWS_MESH].max == watched->residuals[SN_ROWS_MESH].max);
+    assert_true(s->volume_ratio == watched->volume_ratio && s->kinetic_energy == watched->kinetic_energy);
+    assert_true(s->residual == watched->residual && s->elastic_energy == watched->elastic_energy);
+    for (int k = 0; k < 2; k++) finish(&runs[k]);
+}
+
 /* ---- refusals and plans ------------------------------------------------------------------------------------------------------ */
 
 static void a_bone_that_is_missing_is_named(void **state) {
@@ -565,6 +594,7 @@ int main(void) {
         cmocka_unit_test(a_step_stops_where_it_is_told),
         cmocka_unit_test(a_stopped_step_goes_on_to_the_same_bits),
         cmocka_unit_test(sleep_moves_nothing),
+        cmocka_unit_test(what_fell_asleep_is_measured),
         cmocka_unit_test(a_bone_that_is_missing_is_named),
         cmocka_unit_test(an_open_surface_keeps_no_volume),
         cmocka_unit_test(the_plan_tells_where_a_stiffness_is_felt),
