@@ -92,6 +92,15 @@ static size_t state_bytes(const sn_model_muscle *m) {
     return bytes;
 }
 
+/* And of a model, without the curves. */
+static size_t model_bytes(const sn_model_muscle *m) {
+    size_t bytes = sizeof(*m);
+#define ADD(type, name, count, nullable, fitted) bytes += nullable && m->name == NULL ? 0 : (size_t)(count) * sizeof(type);
+    SN_MODEL_ARRAYS(ADD)
+#undef ADD
+    return bytes;
+}
+
 /* Bytes of one row of a kind in the model; of an array that is NULL there are none. */
 static size_t row_bytes(const sn_model_muscle *m, sn_row_kind kind) {
     const void *extra[] = {m->distance_softness, m->distance_gain, m->distance_share};
@@ -119,17 +128,6 @@ static size_t row_state_bytes(const sn_model_muscle *m, sn_row_kind kind) {
     return kind == SN_ROWS_VOLUME ? (size_t)m->vertex_count * sizeof(sn_vec3) : 0;
 }
 
-static size_t model_bytes(const sn_build *build) {
-    const sn_model_muscle *m = build->model;
-    size_t points = (size_t)m->point_count * (sizeof(sn_vec3) + sizeof(double));
-    size_t triangles = (size_t)m->triangle_count * (sizeof(sn_triangle) + sizeof(double));
-    size_t sites = (size_t)m->site_count * sizeof(sn_site) + (size_t)m->kinematic_count * (sizeof(sn_index) + sizeof(double)), rows = 0;
-    for (int kind = 0; kind < SN_ROW_KINDS; kind++) rows += (size_t)build->plan->groups[kind].rows * row_bytes(m, (sn_row_kind)kind);
-    if (m->single) rows += (size_t)(m->hinge_batched + m->area_batched) / 4;
-    for (int kind = 0; m->single && kind < SN_DISTANCE_KINDS; kind++) rows += (size_t)m->distance_batched[kind] / 4;
-    return sizeof(*m) + points + triangles + rows + sites;
-}
-
 /* XPBD feels a stiffness only where k h^2 w is not far above 1 (numerics.md 1). */
 static void measure_rigidity(const sn_build *build, sn_row_kind kind) {
     const sn_scene_muscle *source = build->source;
@@ -149,6 +147,6 @@ void sn_plan_count(const sn_build *build) {
         groups[kind].bytes = (size_t)groups[kind].rows * row;
         if (kind < SN_DISTANCE_KINDS && groups[kind].rows > 0) measure_rigidity(build, (sn_row_kind)kind);
     }
-    build->plan->model_bytes = model_bytes(build);
+    build->plan->model_bytes = model_bytes(m);
     build->plan->state_bytes = state_bytes(m);
 }

@@ -105,8 +105,8 @@ void sn_plan_count(const sn_build *build);
 /* An order of rows of `size` points each, points (count x size): the first *batched rows come in fours that share no point. */
 SN_MUST_CHECK sn_status sn_batch_order(sn_index count, sn_index size, const sn_index *points, sn_index point_count, sn_index *order,
                                        sn_index *batched, sn_error *error);
-/* For rows in that order: *pairs (batched / 4, made), true where a four and the next one share no point either. */
-SN_MUST_CHECK sn_status sn_batch_pair(sn_index batched, sn_index size, const sn_index *points, bool **pairs, sn_error *error);
+/* For rows in that order: pairs (batched / 4), true where a four and the next one share no point either. */
+void sn_batch_pair(sn_index batched, sn_index size, const sn_index *points, bool *pairs);
 /* Put an array (count) of elements of `size` bytes into that order; NULL is fine. */
 SN_MUST_CHECK sn_status sn_batch_sort(void *array, sn_index count, size_t size, const sn_index *order, sn_error *error);
 
@@ -191,7 +191,7 @@ void sn_volume_sweep(const sn_model_muscle *m, sn_muscle_state *s, const sn_swee
 double sn_volume_energy(const sn_model_muscle *m, sn_muscle_state *s, double k, sn_forces gradient);
 
 /* ---- single.c: the sweeps in single precision ---- */
-float sn_single_weight(const sn_model_muscle *m, sn_index point); /* inverse mass in floats: over that of a mean point */
+float sn_single_weight(const sn_model_muscle *m, sn_index point);   /* inverse mass in floats: over that of a mean point */
 void sn_single_enter(const sn_model_muscle *m, sn_muscle_state *s); /* single_points from points, about a new origin */
 void sn_single_leave(const sn_model_muscle *m, sn_muscle_state *s); /* and back; attached points keep theirs */
 void sn_single_sweep(const sn_model_muscle *m, sn_muscle_state *s, sn_row_kind kind, const sn_sweep *sweep);

@@ -180,9 +180,9 @@ static void sweep_of_volume(const sn_model_muscle *m, sn_muscle_state *s, const 
 /* ---- one sweep -------------------------------------------------------------------------------------------------------------- */
 
 static void sweep_of_distances(const sn_model_muscle *m, sn_muscle_state *s, sn_row_kind kind, const sn_sweep *sweep) {
-    const distance_rows in = {s->single_points,   m->distances->point,    s->goals, m->distance_softness, m->distance_gain,
-                              s->distance_lambda, m->distance_pairs[kind]};
     sn_index begin = m->distance_start[kind], end = m->distance_start[kind + 1];
+    const distance_rows in = {s->single_points,   m->distances->point,          s->goals, m->distance_softness, m->distance_gain,
+                              s->distance_lambda, m->distance_pairs + begin / 4};
     s->statistics.skipped_edges += sweep_distances(&in, begin, begin + m->distance_batched[kind], end, sweep);
 }
 
