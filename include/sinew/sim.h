@@ -79,8 +79,6 @@ typedef struct sn_plan {
 
 const char *sn_row_kind_name(sn_row_kind kind);   /* "internal", "radial", "mesh", "dihedral", "area", "membrane", "volume" */
 const char *sn_left_out_text(sn_left_out reason); /* half a sentence; "" for SN_RUNS */
-const char *sn_scheme_name(sn_scheme scheme);     /* "guarded", "romeo", "kohout" */
-const char *sn_fiber_law_name(sn_fiber_law law);  /* "projected", "paper", "isochoric" */
 
 /* ---- the constraint table --------------------------------------------------------------------------------------------- */
 

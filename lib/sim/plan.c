@@ -39,11 +39,6 @@ const char *sn_left_out_text(sn_left_out reason) {
     return "";
 }
 
-const char *sn_fiber_law_name(sn_fiber_law law) {
-    static const char *const NAMES[] = {"projected", "paper", "isochoric"};
-    return NAMES[law];
-}
-
 static bool has_stiffness(const sn_scene_muscle *source, double factor) {
     return factor > 0.0 && (source->stiffness_relaxed > 0.0 || source->stiffness_active > 0.0);
 }

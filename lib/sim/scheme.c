@@ -56,8 +56,3 @@ int sn_scheme_sweeps(sn_scheme scheme, sn_row_kind kind) {
     for (int i = 0; i < RULES[scheme].count; i++) sweeps += RULES[scheme].order[i] == kind;
     return sweeps;
 }
-
-const char *sn_scheme_name(sn_scheme scheme) {
-    static const char *const NAMES[] = {"guarded", "romeo", "kohout"};
-    return NAMES[scheme];
-}
