@@ -14,9 +14,6 @@ static const char *const method_names[] = {"both", "contact", "proximity", "area
 static const unsigned method_bits[] = {SN_ATTACH_CONTACT | SN_ATTACH_PROXIMITY, SN_ATTACH_CONTACT, SN_ATTACH_PROXIMITY, 0, 0};
 enum { METHOD_AREA = 3, METHOD_NONE = 4 };
 static const char *const pair_names[] = {"nearby", "all", NULL};
-static const char *const unit_names[] = {"m", "cm", "mm", NULL};
-static const double unit_meters[] = {1.0, 0.01, 0.001};
-static const char *const up_names[] = {"z", "y", NULL};
 
 static cli_list bone_texts, list_files, pin_texts, glue_files;
 static int method, pairs, bone_unit = -1, bone_up; /* bone_unit -1: the muscle's */
@@ -35,9 +32,9 @@ static const cli_option options[] = {
     {0, "pairs", "RULE", CLI_CHOICE, &pairs, CLI_RESULT, 0, 0, pair_names,
      "which bones of LIST may hold vertices: nearby (in the muscle, or 0.8 % of its area near; default), all"},
     {0, "pair-distance", "LENGTH", CLI_LENGTH, &pair_distance, CLI_RESULT, 0, 0, NULL, "what is near for --pairs nearby (default 2mm)"},
-    {0, "bone-units", "UNIT", CLI_CHOICE, &bone_unit, CLI_RESULT, 0, 0, unit_names,
+    {0, "bone-units", "UNIT", CLI_CHOICE, &bone_unit, CLI_RESULT, 0, 0, cli_unit_names,
      "unit of the bones and landmarks: m, cm or mm (default: the muscle's)"},
-    {0, "bone-up", "AXIS", CLI_CHOICE, &bone_up, CLI_RESULT, 0, 0, up_names,
+    {0, "bone-up", "AXIS", CLI_CHOICE, &bone_up, CLI_RESULT, 0, 0, cli_up_names,
      "up axis of the bones and landmarks: z, or y, turned to z (default: as --up)"},
     {.kind = CLI_HEADING, .help = "Which vertices:"},
     {0, "pin", "NAME=SELECTOR", CLI_LIST, &pin_texts, CLI_RESULT, 0, 0, NULL,
@@ -285,8 +282,8 @@ static double box_gap(sn_box a, sn_box b) {
 static int fitting_unit(const outcome *o, const bone *b) {
     sn_box muscle = sn_mesh_box(&o->muscle->mesh), now = sn_mesh_box(&b->mesh);
     if (box_gap(muscle, now) == 0.0) return -1;
-    for (int unit = 0; unit_names[unit] != NULL; unit++) {
-        double factor = unit_meters[unit] / o->muscle->meters_per_unit / b->scale;
+    for (int unit = 0; cli_unit_names[unit] != NULL; unit++) {
+        double factor = cli_unit_meters[unit] / o->muscle->meters_per_unit / b->scale;
         sn_box box = {sn_scale(now.low, factor), sn_scale(now.high, factor)};
         if (box_gap(muscle, box) == 0.0 && sn_box_diagonal(box) < 1e3 * sn_box_diagonal(muscle)) return unit;
     }
@@ -300,7 +297,8 @@ static void warn_nothing(const cli *c, const outcome *o) {
         const sn_attach_pair *pair = &o->report.pairs[i];
         int unit = pair->culled ? fitting_unit(o, &o->bones.items[pair->bone]) : -1;
         if (unit >= 0) {
-            cli_warn(c, "nothing attached; the bones lie far from the muscle, but would meet it with --bone-units %s", unit_names[unit]);
+            cli_warn(c, "nothing attached; the bones lie far from the muscle, but would meet it with --bone-units %s",
+                     cli_unit_names[unit]);
             return;
         }
         if (nearest == NULL || pair->nearest < nearest->nearest) nearest = pair;
@@ -367,7 +365,7 @@ static sn_status detect(cli *c, sn_muscle *muscle, const pin_list *pins, outcome
 
 static sn_status attach(cli *c, sn_muscle *muscle, const pin_list *pins, outcome *o, sn_error *error) {
     o->bones.meters_per_unit = muscle->meters_per_unit;
-    o->bones.given_unit = bone_unit >= 0 ? unit_meters[bone_unit] : 0.0;
+    o->bones.given_unit = bone_unit >= 0 ? cli_unit_meters[bone_unit] : 0.0;
     o->bones.up_given = cli_given(c, "bone-up");
     o->bones.up_y = cli_given(c, "bone-up") ? bone_up == 1 : c->read.up_y;
     sn_status status = bones_load(&o->bones, c->threads, error);

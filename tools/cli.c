@@ -13,9 +13,9 @@
 
 /* ---- shared options --------------------------------------------------------------------------------------------------- */
 
-static const char *const unit_names[] = {"m", "cm", "mm", NULL};
-static const double unit_meters[] = {1.0, 0.01, 0.001};
-static const char *const up_names[] = {"z", "y", NULL};
+const char *const cli_unit_names[] = {"m", "cm", "mm", NULL};
+const double cli_unit_meters[] = {1.0, 0.01, 0.001};
+const char *const cli_up_names[] = {"z", "y", NULL};
 
 /* Targets of the shared options. */
 typedef struct shared_values {
@@ -38,10 +38,10 @@ typedef struct shared_option {
 static const shared_option shared_options[] = {
     {CLI_HAS_OUTPUT, {'o', "output", "FILE", CLI_TEXT, &shared.output, 0, 0, 0, NULL, "write to FILE instead of standard output"}},
     {CLI_HAS_UNITS,
-     {0, "units", "UNIT", CLI_CHOICE, &shared.units, CLI_RESULT, 0, 0, unit_names,
+     {0, "units", "UNIT", CLI_CHOICE, &shared.units, CLI_RESULT, 0, 0, cli_unit_names,
       "unit of a bare mesh: m, cm or mm (default: as its file says, else m)"}},
     {CLI_HAS_UNITS,
-     {0, "up", "AXIS", CLI_CHOICE, &shared.up, CLI_RESULT, 0, 0, up_names,
+     {0, "up", "AXIS", CLI_CHOICE, &shared.up, CLI_RESULT, 0, 0, cli_up_names,
       "up axis of a bare mesh: z, or y, turned to z (default: as its file says, else z)"}},
     {CLI_HAS_UNITS,
      {0, "mesh", "NAME|N", CLI_TEXT, &shared.mesh, CLI_RESULT, 0, 0, NULL,
@@ -324,7 +324,7 @@ static void receive_log(void *user, sn_log_level level, const char *text) {
 static void take_shared(cli *c) {
     c->output = shared.output != NULL ? shared.output : "-";
     c->report = shared.report;
-    c->read.meters_per_unit = cli_given(c, "units") ? unit_meters[shared.units] : 0.0;
+    c->read.meters_per_unit = cli_given(c, "units") ? cli_unit_meters[shared.units] : 0.0;
     c->read.up_y = shared.up == 1;
     c->read.up_given = cli_given(c, "up");
     c->read.mesh = shared.mesh;

@@ -48,6 +48,11 @@ typedef struct cli_option {
     const char *help;           /* one sentence; default in it where there is one */
 } cli_option;
 
+/* Of --units and --up, and of options like them; NULL at the end. */
+extern const char *const cli_unit_names[]; /* "m", "cm", "mm" */
+extern const double cli_unit_meters[];     /* in their order, m */
+extern const char *const cli_up_names[];   /* "z", "y" */
+
 /* Which of the shared options a tool takes. */
 enum {
     CLI_TAKES_INPUT = 1,   /* one positional INPUT; "-" or nothing = stdin */

@@ -49,7 +49,6 @@ static const char *const FULL =
 
 enum { SWEEP_QUICK, SWEEP_FULL };
 static const char *const SWEEPS[] = {"quick", "full", NULL};
-static const char *const STRETCHES[] = {"springs", "membrane", NULL}; /* in the order of sn_stretch */
 
 typedef struct choices {
     const char *settings, *frames, *title;
@@ -70,7 +69,7 @@ static const cli_option OPTIONS[] = {
      "hold the last frame until the muscles rest: distance to the equilibrium"},
     {0, "hold", "N", CLI_INTEGER, &given.hold, 0, 1, 1e6, NULL, "static: hold it so many frames at most (default 256)"},
     {0, "frames", "A:B", CLI_TEXT, &given.frames, 0, 0, 0, NULL, "frames A to B instead of the scene's"},
-    {0, "stretch", "MODEL", CLI_CHOICE, &given.stretch, 0, 0, 0, STRETCHES,
+    {0, "stretch", "MODEL", CLI_CHOICE, &given.stretch, 0, 0, 0, sn_stretch_names,
      "what resists the stretching of all surfaces, for the settings and their reference: springs, or (qn) a membrane"},
     {0, NULL, NULL, CLI_HEADING, NULL, 0, 0, 0, NULL, "How it is measured:"},
     {0, "runs", "N", CLI_INTEGER, &given.runs, 0, 1, 1000, NULL, "run each setting so often, and take the median of the times (default 5)"},

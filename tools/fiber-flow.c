@@ -10,11 +10,10 @@ static int field, weights;
 static const char *ends, *from_fibers;
 static int64_t smooth = -1;
 
-static const char *const field_names[] = {"auto", "tree", "harmonic", "fibers", NULL}; /* in the order of sn_flow_field */
-static const char *const weight_names[] = {"inverse-square", "paper", NULL};           /* in the order of sn_flow_weights */
+static const char *const weight_names[] = {"inverse-square", "paper", NULL}; /* in the order of sn_flow_weights */
 
 static const cli_option options[] = {
-    {0, "field", "NAME", CLI_CHOICE, &field, CLI_RESULT, 0, 0, field_names,
+    {0, "field", "NAME", CLI_CHOICE, &field, CLI_RESULT, 0, 0, sn_flow_field_names,
      "where directions come from: tree, the internal structure; harmonic, a field from end to end; fibers, those of --from-fibers; auto "
      "(default), harmonic where the ends are known by --ends or by attachment areas, else tree"},
     {0, "ends", "FILE", CLI_TEXT, &ends, CLI_RESULT | CLI_FILE, 0, 0, NULL,
@@ -35,13 +34,11 @@ static const cli_tool tool = {
 
 #define DEGREES (180.0 / SN_PI)
 
-static const char *const source_names[] = {"tips", "eigenfunction", "attachments", "sites"}; /* in the order of sn_ends_source */
-
 static void write_report(sn_json *json, const void *data) {
     const sn_flow_report *r = data;
     sn_json_integer(json, "vertices", r->vertices);
-    sn_json_text(json, "field", field_names[r->field]);
-    if (r->field == SN_FIELD_HARMONIC) sn_json_text(json, "ends", source_names[r->ends]);
+    sn_json_text(json, "field", sn_flow_field_names[r->field]);
+    if (r->field == SN_FIELD_HARMONIC) sn_json_text(json, "ends", sn_ends_source_names[r->ends]);
     sn_json_integer(json, "byField", r->by_field);
     sn_json_integer(json, "byNeighbours", r->by_neighbours);
     sn_json_integer(json, "byConvention", r->by_convention);
@@ -59,7 +56,7 @@ static void comment(const cli *c, const sn_flow_report *r) {
             "%d directions by the field %s: %d from it, %d from neighbours, %d by convention; between neighbours %.1f degrees on average, "
             "95 %% "
             "below %.1f",
-            r->vertices, field_names[r->field], r->by_field, r->by_neighbours, r->by_convention, r->mean_angle * DEGREES,
+            r->vertices, sn_flow_field_names[r->field], r->by_field, r->by_neighbours, r->by_convention, r->mean_angle * DEGREES,
             r->percentile95_angle * DEGREES);
     if (r->by_convention > 0)
         cli_warn(c, "%d vertices have an arbitrary direction: neither the field nor their neighbours gave one", r->by_convention);
@@ -88,10 +85,10 @@ static void take_options(const cli *c) {
     params.field = from_fibers != NULL ? SN_FIELD_FIBERS : (sn_flow_field)field;
     if (smooth >= 0) params.smooth = (sn_index)smooth;
     if (from_fibers != NULL && (field == SN_FIELD_TREE || field == SN_FIELD_HARMONIC))
-        cli_usage_error(c, "--from-fibers and --field %s exclude each other", field_names[field]);
+        cli_usage_error(c, "--from-fibers and --field %s exclude each other", sn_flow_field_names[field]);
     if (from_fibers == NULL && field == SN_FIELD_FIBERS) cli_usage_error(c, "--field fibers needs --from-fibers FILE");
     if (ends != NULL && params.field != SN_FIELD_AUTO && params.field != SN_FIELD_HARMONIC)
-        cli_usage_error(c, "--ends is for the harmonic field, not for %s", field_names[params.field]);
+        cli_usage_error(c, "--ends is for the harmonic field, not for %s", sn_flow_field_names[params.field]);
 }
 
 /* Fibres through the volume are not this tool's: they stay. */

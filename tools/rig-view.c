@@ -11,13 +11,6 @@
 
 /* ---- options ---------------------------------------------------------------------------------------------------------------- */
 
-static const char *const PRECISIONS[] = {"double", "single", NULL};
-static const char *const STRETCHES[] = {"springs", "membrane", NULL};
-static const char *const PRECONDITIONERS[] = {"scalar", "corotated", "two-level", NULL};
-static const char *const SOLVERS[] = {"xpbd", "qn", NULL}; /* in the order of sn_solver_method, and so on */
-static const char *const LAWS[] = {"projected", "paper", "isochoric", NULL};
-static const char *const SCHEMES[] = {"guarded", "romeo", "kohout", NULL};
-
 static struct {
     const char *size, *camera, *show, *views, *background, *title, *frames, *frame, *error;
     double zoom, range, rate;
@@ -45,13 +38,13 @@ static const cli_option options[] = {
      "which error: mesh (default), internal, radial, dihedral, area, membrane or volume; several with commas, one tile each"},
     {0, "range", "NUMBER", CLI_NUMBER, &given.range, 0, 1e-300, 1e300, NULL,
      "end of the colours (default: a round number that few rows exceed, the same for all states)"},
-    {0, "scheme", "SCHEME", CLI_CHOICE, &given.scheme, 0, 0, 0, SCHEMES, "as simulate was told: guarded, romeo or kohout"},
-    {0, "solver", "METHOD", CLI_CHOICE, &given.solver, 0, 0, 0, SOLVERS, "as simulate was told: xpbd or qn"},
-    {0, "precision", "PRECISION", CLI_CHOICE, &given.precision, 0, 0, 0, PRECISIONS, "as simulate was told: double or single"},
-    {0, "stretch", "MODEL", CLI_CHOICE, &given.stretch, 0, 0, 0, STRETCHES, "as simulate was told: springs or membrane"},
-    {0, "preconditioner", "MATRIX", CLI_CHOICE, &given.preconditioner, 0, 0, 0, PRECONDITIONERS,
+    {0, "scheme", "SCHEME", CLI_CHOICE, &given.scheme, 0, 0, 0, sn_scheme_names, "as simulate was told: guarded, romeo or kohout"},
+    {0, "solver", "METHOD", CLI_CHOICE, &given.solver, 0, 0, 0, sn_solver_method_names, "as simulate was told: xpbd or qn"},
+    {0, "precision", "PRECISION", CLI_CHOICE, &given.precision, 0, 0, 0, sn_precision_names, "as simulate was told: double or single"},
+    {0, "stretch", "MODEL", CLI_CHOICE, &given.stretch, 0, 0, 0, sn_stretch_names, "as simulate was told: springs or membrane"},
+    {0, "preconditioner", "MATRIX", CLI_CHOICE, &given.preconditioner, 0, 0, 0, sn_preconditioning_names,
      "as simulate was told: scalar, corotated or two-level"},
-    {0, "law", "LAW", CLI_CHOICE, &given.law, 0, 0, 0, LAWS, "as simulate was told: projected, paper or isochoric"},
+    {0, "law", "LAW", CLI_CHOICE, &given.law, 0, 0, 0, sn_fiber_law_names, "as simulate was told: projected, paper or isochoric"},
     {0, "substeps", "N", CLI_AUTO, &given.substeps, 0, 1, 1e6, NULL, "as simulate was told"},
     {0, "rate", "N", CLI_NUMBER, &given.rate, 0, 1e-6, 1e6, NULL, "as simulate was told"},
     {.kind = CLI_HEADING, .help = "From where:"},

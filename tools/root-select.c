@@ -79,8 +79,6 @@ static void take_selection(const cli *c, sn_roots_params *params, selector *chos
 
 /* ---- report --------------------------------------------------------------------------------------------------------------- */
 
-static const char *const source_names[] = {"tips", "eigenfunction", "attachments", "sites"}; /* in the order of sn_ends_source */
-
 static void write_report(sn_json *json, const void *data) {
     const sn_roots_report *r = data;
     sn_json_integer(json, "count", r->count);
@@ -91,7 +89,7 @@ static void write_report(sn_json *json, const void *data) {
     sn_json_number(json, "level", r->level);
     sn_json_number(json, "genus", r->genus);
     sn_json_integer(json, "components", r->components);
-    sn_json_text(json, "ends", source_names[r->ends]);
+    sn_json_text(json, "ends", sn_ends_source_names[r->ends]);
     sn_json_bool(json, "fallback", r->fallback);
 }
 

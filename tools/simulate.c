@@ -17,14 +17,6 @@
 
 enum { FORMAT_PC2, FORMAT_PLY };
 static const char *const FORMATS[] = {"pc2", "ply", NULL};
-static const char *const SOLVERS[] = {"xpbd", "qn", NULL}; /* in the order of sn_solver_method */
-static const char *const PRECONDITIONERS[] = {"scalar", "corotated", "two-level", NULL};
-static const char *const STRETCHES[] = {"springs", "membrane", NULL};
-static const char *const LAWS[] = {"projected", "paper", "isochoric", NULL};
-static const char *const SCHEMES[] = {"guarded", "romeo", "kohout", NULL};
-static const char *const HINGES[] = {"scheme", "published", "printed", NULL}; /* in the order of sn_hinge_rule */
-static const char *const PRECISIONS[] = {"double", "single", NULL};           /* in the order of sn_precision */
-static const char *const ANISOTROPIES[] = {"scheme", "none", "pbd", "xpbd", NULL};
 
 typedef struct choices {
     const char *frames, *log, *fail_on, *state, *from, *choose;
@@ -41,16 +33,19 @@ static const cli_option OPTIONS[] = {
     {0, "frames", "A:B", CLI_TEXT, &given.frames, 0, 0, 0, NULL, "simulate frames A to B instead of the scene's"},
     {0, "rate", "N", CLI_NUMBER, &given.rate, 0, 1e-6, 1e6, NULL, "frames per second instead of the scene's"},
     {0, "preroll", "SECONDS", CLI_NUMBER, &given.preroll, 0, 0, 1e6, NULL, "let it settle this long at the first frame's inputs"},
-    {0, "law", "LAW", CLI_CHOICE, &given.law, 0, 0, 0, LAWS, "fibre law of all muscles: projected, paper or isochoric"},
-    {0, "anisotropy", "FORM", CLI_CHOICE, &given.anisotropy, 0, 0, 0, ANISOTROPIES,
+    {0, "law", "LAW", CLI_CHOICE, &given.law, 0, 0, 0, sn_fiber_law_names, "fibre law of all muscles: projected, paper or isochoric"},
+    {0, "anisotropy", "FORM", CLI_CHOICE, &given.anisotropy, 0, 0, 0, sn_anisotropy_names,
      "surface edges along the fibres yield: scheme, none, pbd or xpbd"},
-    {0, "stretch", "MODEL", CLI_CHOICE, &given.stretch, 0, 0, 0, STRETCHES,
+    {0, "stretch", "MODEL", CLI_CHOICE, &given.stretch, 0, 0, 0, sn_stretch_names,
      "what resists the stretching of all surfaces: springs, or (qn) a membrane"},
     {0, NULL, NULL, CLI_HEADING, NULL, 0, 0, 0, NULL, "Solver:"},
-    {0, "scheme", "SCHEME", CLI_CHOICE, &given.scheme, 0, 0, 0, SCHEMES, "guarded, or a paper to the letter: romeo, kohout"},
-    {0, "hinges", "RULE", CLI_CHOICE, &given.hinges, 0, 0, 0, HINGES, "kohout: angles as its program does (published), or as printed"},
-    {0, "solver", "METHOD", CLI_CHOICE, &given.solver, 0, 0, 0, SOLVERS, "qn or xpbd, with its own defaults, instead of the scene's"},
-    {0, "precision", "PRECISION", CLI_CHOICE, &given.precision, 0, 0, 0, PRECISIONS, "xpbd: project in double, or in single: faster"},
+    {0, "scheme", "SCHEME", CLI_CHOICE, &given.scheme, 0, 0, 0, sn_scheme_names, "guarded, or a paper to the letter: romeo, kohout"},
+    {0, "hinges", "RULE", CLI_CHOICE, &given.hinges, 0, 0, 0, sn_hinge_rule_names,
+     "kohout: angles as its program does (published), or as printed"},
+    {0, "solver", "METHOD", CLI_CHOICE, &given.solver, 0, 0, 0, sn_solver_method_names,
+     "qn or xpbd, with its own defaults, instead of the scene's"},
+    {0, "precision", "PRECISION", CLI_CHOICE, &given.precision, 0, 0, 0, sn_precision_names,
+     "xpbd: project in double, or in single: faster"},
     {0, "substeps", "N", CLI_AUTO, &given.substeps, 0, 1, 1e6, NULL,
      "substeps per frame instead of the scene's; auto (qn): one, and halves where that is too long"},
     {0, "iterations", "N", CLI_INTEGER, &given.iterations, 0, 1, 1e6, NULL,
@@ -58,7 +53,8 @@ static const cli_option OPTIONS[] = {
     {0, "no-sleep", NULL, CLI_FLAG, &given.no_sleep, 0, 0, 0, NULL, "step muscles at rest too"},
     {0, "tolerance", "SHARE", CLI_NUMBER, &given.tolerance, 0, 0, 1, NULL,
      "qn: a substep ends when a whole step moves no point by more than this share of the diagonal"},
-    {0, "preconditioner", "MATRIX", CLI_CHOICE, &given.preconditioner, 0, 0, 0, PRECONDITIONERS, "qn: scalar, corotated or two-level"},
+    {0, "preconditioner", "MATRIX", CLI_CHOICE, &given.preconditioner, 0, 0, 0, sn_preconditioning_names,
+     "qn: scalar, corotated or two-level"},
     {0, "target-error", "E", CLI_NUMBER, &given.target_error, 0, 1e-12, 10, NULL,
      "with --choose: stay within this RMS distance to the true motion, as a share of the diagonal"},
     {0, "choose", "REPORT", CLI_TEXT, &given.choose, 0, 0, 0, NULL,
@@ -640,8 +636,8 @@ static void write_muscle_plan(const job *j, sn_json *json, const sn_plan_muscle 
 static void write_plan_members(const job *j, sn_json *json, bool costs) {
     const sn_plan *plan = &j->model->plan;
     sn_index running = 0;
-    sn_json_text(json, "solver", SOLVERS[j->scene.solver.method]);
-    sn_json_text(json, "scheme", sn_scheme_name(j->scene.solver.scheme));
+    sn_json_text(json, "solver", sn_solver_method_names[j->scene.solver.method]);
+    sn_json_text(json, "scheme", sn_scheme_names[j->scene.solver.scheme]);
     sn_json_number(json, "substepDuration", j->model->substep_duration);
     sn_json_array(json, "muscles");
     for (sn_index i = 0; i < plan->muscle_count; i++) {

@@ -10,6 +10,8 @@
 
 typedef enum sn_interpolation { SN_INTERPOLATE_LINEAR, SN_INTERPOLATE_SMOOTH } sn_interpolation; /* smooth: smoothstep between keys */
 
+extern const char *const sn_interpolation_names[]; /* "linear", "smooth"; NULL at the end */
+
 /* A scalar over time: keys in ascending time; outside them the end values hold. count 0 = the constant `constant`. */
 typedef struct sn_channel {
     double constant;
@@ -20,12 +22,15 @@ typedef struct sn_channel {
 
 typedef enum sn_joint_kind { SN_JOINT_HINGE, SN_JOINT_POSE } sn_joint_kind;
 
-typedef struct sn_pose_key { double time; sn_rigid pose; } sn_pose_key;
+typedef struct sn_pose_key {
+    double time;
+    sn_rigid pose;
+} sn_pose_key;
 
 /* A joint moves the bones bound to it, and its child joints. HINGE: turn by `angle` about the axis through point; POSE: keys. */
 typedef struct sn_joint {
     char *name;
-    sn_index parent;   /* SN_NONE = the world */
+    sn_index parent; /* SN_NONE = the world */
     sn_joint_kind kind;
     sn_vec3 axis, point; /* HINGE: unit axis; in the rest pose's world frame */
     sn_channel angle;    /* HINGE: radians */

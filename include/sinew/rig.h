@@ -42,11 +42,11 @@ typedef struct sn_dropped_component {
 
 typedef struct sn_clean_report {
     sn_mesh_report before, after;
-    double weld_tolerance;     /* document units */
+    double weld_tolerance; /* document units */
     sn_index nonfinite_vertices, welded, degenerate, duplicate, unused;
-    sn_index crack_vertices;   /* joined or put into an edge where borders ran side by side */
-    double crack_width;        /* the widest gap closed; document units */
-    sn_index wall_triangles;   /* of fins and walls inside, dropped where more than two triangles met on an edge */
+    sn_index crack_vertices; /* joined or put into an edge where borders ran side by side */
+    double crack_width;      /* the widest gap closed; document units */
+    sn_index wall_triangles; /* of fins and walls inside, dropped where more than two triangles met on an edge */
     sn_index flipped_triangles, split_vertices, stitched_edges, holes_filled, flipped_components, decimated_triangles, flipped_slivers;
     bool orientable, unchanged; /* unchanged: same vertices and triangles in the same order */
     bool flat;                  /* closed, but no volume to speak of: a sheet folded onto itself */
@@ -100,6 +100,7 @@ SN_MUST_CHECK sn_status sn_select_vertices(const sn_mesh *mesh, const sn_topolog
 
 /* What the ends of a muscle were taken from. */
 typedef enum sn_ends_source { SN_ENDS_TIPS, SN_ENDS_EIGEN, SN_ENDS_ATTACHMENTS, SN_ENDS_SITES } sn_ends_source;
+extern const char *const sn_ends_source_names[]; /* "tips", "eigenfunction", "attachments", "sites"; NULL at the end */
 
 typedef struct sn_roots_params {
     bool automatic; /* true (default): the mid-section ring; false: selector */
@@ -161,6 +162,7 @@ typedef enum sn_flow_field {
     SN_FIELD_HARMONIC, /* the gradient of a harmonic field between the muscle's ends */
     SN_FIELD_FIBERS    /* the tangent of the nearest of given fibres ([K21] 3.1) */
 } sn_flow_field;
+extern const char *const sn_flow_field_names[]; /* "auto", "tree", "harmonic", "fibers"; NULL at the end */
 
 typedef enum sn_flow_weights { SN_FLOW_INVERSE_SQUARE, SN_FLOW_PAPER } sn_flow_weights;
 
@@ -317,44 +319,47 @@ typedef enum sn_fill_map { SN_FILL_HARMONIC, SN_FILL_MEAN_VALUE } sn_fill_map;
 typedef enum sn_fill_ends_kind { SN_FILL_ENDS_ATTACHMENTS, SN_FILL_ENDS_GIVEN, SN_FILL_ENDS_TIPS } sn_fill_ends_kind;
 
 /* A Bezier curve of any degree in the unit square x [0,1]; z runs from the origins to the insertions. */
-typedef struct sn_fill_curve { sn_index count; const sn_vec3 *points; } sn_fill_curve;
+typedef struct sn_fill_curve {
+    sn_index count;
+    const sn_vec3 *points;
+} sn_fill_curve;
 
 typedef struct sn_fill_params {
-    sn_index fibers, segments;  /* default 100 of 15 */
+    sn_index fibers, segments; /* default 100 of 15 */
     sn_fill_template template;
-    double angle;               /* pennate, bipennate: against the line of action, radians in (0, pi/2); default 20 degrees */
-    double narrow;              /* fan: width at the narrow end as a share; default 0.25 */
-    double bow;                 /* curved: 0 to 1; default 0.5 */
-    double turn;                /* turn of the template about the line of action, radians; 0 = x along the widest way of the section */
-    sn_index curve_count;       /* user: at least 1; a fibre has the shape of the curves, blended by how near their starts are to its seed */
+    double angle;         /* pennate, bipennate: against the line of action, radians in (0, pi/2); default 20 degrees */
+    double narrow;        /* fan: width at the narrow end as a share; default 0.25 */
+    double bow;           /* curved: 0 to 1; default 0.5 */
+    double turn;          /* turn of the template about the line of action, radians; 0 = x along the widest way of the section */
+    sn_index curve_count; /* user: at least 1; a fibre has the shape of the curves, blended by how near their starts are to its seed */
     const sn_fill_curve *curves;
-    sn_index bend_count;        /* parallel, fan, curved: superficial fibres that bend the template (Kohout and Cholt 2017); 0 = none */
+    sn_index bend_count;           /* parallel, fan, curved: superficial fibres that bend the template (Kohout and Cholt 2017); 0 = none */
     const sn_polyline *bend_lines; /* (bend_count) along the muscle, within 5 % of the box diagonal from its surface, in either direction */
     sn_fill_map map;
-    sn_index smooth;            /* rounds of smoothing along each fibre before it is divided; default 0 */
-    bool pull;                  /* default true: bring vertices that lie outside in */
+    sn_index smooth;                        /* rounds of smoothing along each fibre before it is divided; default 0 */
+    bool pull;                              /* default true: bring vertices that lie outside in */
     sn_index origin_count, insertion_count; /* > 0 both: the ends */
     const sn_index *origin, *insertion;
-    bool use_attachments;       /* default true */
-    sn_pool *pool;              /* NULL = the caller's thread; the fibres are the same */
+    bool use_attachments; /* default true */
+    sn_pool *pool;        /* NULL = the caller's thread; the fibres are the same */
 } sn_fill_params;
 
 typedef struct sn_fill_report {
     sn_index fibers, vertices;
-    sn_index leaves;            /* tips of the structure that the fibres' ends cover */
+    sn_index leaves;                    /* tips of the structure that the fibres' ends cover */
     sn_index levels, loops, most_loops; /* slices: in all, and on one level */
     sn_fill_ends_kind ends;
-    bool closed;                /* every edge has two triangles */
+    bool closed;                            /* every edge has two triangles */
     sn_index outside_before, outside_after; /* fibre vertices outside the volume, before and after the pull */
-    double farthest;            /* that one lay outside */
+    double farthest;                        /* that one lay outside */
     double mean_length, least_length, greatest_length;
     double mean_pennation, greatest_pennation; /* radians, against the line of slice centroids, by length */
-    double action_length;       /* of the line of slice centroids */
-    double area;                /* of the widest level */
-    double density;             /* fibres through that level per area */
-    sn_index leaves_reached;    /* ends of branches of slices where at least one fibre ends */
-    sn_index leaf_loops;        /* ends of branches of slices */
-    double bend_farthest;       /* that a point of bend_lines lay from the surface */
+    double action_length;                      /* of the line of slice centroids */
+    double area;                               /* of the widest level */
+    double density;                            /* fibres through that level per area */
+    sn_index leaves_reached;                   /* ends of branches of slices where at least one fibre ends */
+    sn_index leaf_loops;                       /* ends of branches of slices */
+    double bend_farthest;                      /* that a point of bend_lines lay from the surface */
 } sn_fill_report;
 
 sn_fill_params sn_fill_defaults(void);

@@ -9,6 +9,16 @@
 #include "sinew/motion.h"
 #include "sinew/muscle.h"
 
+/* Names of the values of an enumeration, in its order, NULL at the end: one table for documents, settings in text and options. */
+extern const char *const sn_fiber_law_names[];       /* "projected", "paper", "isochoric" */
+extern const char *const sn_anisotropy_names[];      /* "scheme", "none", "pbd", "xpbd" */
+extern const char *const sn_stretch_names[];         /* "springs", "membrane" */
+extern const char *const sn_solver_method_names[];   /* "xpbd", "qn" */
+extern const char *const sn_scheme_names[];          /* "guarded", "romeo", "kohout" */
+extern const char *const sn_hinge_rule_names[];      /* "scheme", "published", "printed" */
+extern const char *const sn_preconditioning_names[]; /* "scalar", "corotated", "two-level" */
+extern const char *const sn_precision_names[];       /* "double", "single" */
+
 typedef struct sn_scene_bone {
     char *name;
     char *uri;              /* as written in the document */
@@ -17,6 +27,7 @@ typedef struct sn_scene_bone {
     sn_index joint;         /* SN_NONE = never moves */
 } sn_scene_bone;
 
+/* How a fibre shortens its edges with activation: the goal lengths of sn_goal_length (sim.h). */
 typedef enum sn_fiber_law { SN_LAW_PROJECTED, SN_LAW_PAPER, SN_LAW_ISOCHORIC } sn_fiber_law;
 
 /* [K21] 3.1: an edge along the fibres yields. k = 1 - |u.v| (edge and fibre direction) multiplies the correction (PBD form) or the
@@ -73,6 +84,7 @@ typedef enum sn_hinge_rule { SN_HINGES_SCHEME, SN_HINGES_PUBLISHED, SN_HINGES_PR
 /* The matrix that `qn` goes by (numerics.md 2, 7): one number for x, y and z of two points; the Hessian of the rest shape, turned with
  * the muscle; or the first and, beside it, the rigid motions of sections. */
 typedef enum sn_preconditioning { SN_PRECONDITION_SCALAR, SN_PRECONDITION_COROTATED, SN_PRECONDITION_TWO_LEVEL } sn_preconditioning;
+
 /* Of the projections under `xpbd`: single keeps points and inputs in double and projects in floats near the muscle's middle. */
 typedef enum sn_precision { SN_PRECISION_DOUBLE, SN_PRECISION_SINGLE } sn_precision;
 

@@ -76,7 +76,7 @@ typedef struct sn_plan_muscle {
     sn_index kinematic;    /* vertices carried by bones */
     sn_index iterations;   /* per substep */
     sn_plan_group groups[SN_ROW_KINDS];
-    size_t model_bytes, state_bytes;
+    size_t model_bytes, state_bytes; /* of its arrays and its struct; without the curves' knots and the back end's own scratch */
 } sn_plan_muscle;
 
 typedef struct sn_plan {
@@ -96,8 +96,6 @@ typedef struct sn_row_info {
 const sn_row_info *sn_row_info_of(sn_row_kind kind);
 const char *sn_row_kind_name(sn_row_kind kind);
 const char *sn_left_out_text(sn_left_out reason); /* half a sentence; "" for SN_RUNS */
-const char *sn_scheme_name(sn_scheme scheme);     /* "guarded", "romeo", "kohout" */
-const char *sn_fiber_law_name(sn_fiber_law law);  /* "projected", "paper", "isochoric" */
 
 /* ---- the constraint table --------------------------------------------------------------------------------------------- */
 
@@ -126,49 +124,69 @@ typedef struct sn_site {
     sn_vec3 centre; /* mean rest position, m */
 } sn_site;
 
+/* The terms of one row's goal length, m^2. */
+typedef double sn_goal_terms[SN_LAW_TERMS];
+
+/* Is an array of the model there whenever its count is above 0, or may an option leave it out? Must it be the same for a state to fit? */
+enum { SN_PRESENT = false, SN_NULLABLE = true };
+enum { SN_UNFITTED = false, SN_FITTED = true };
+
+/* Arrays of one muscle's model: type, name, count in terms of `m` (the muscle), may it be NULL, does a state have to fit it. Each is as
+ * long as its count once the model is made. Factors of rows: NULL = 1 for all. */
+#define SN_MODEL_ARRAYS(X)                                                                                                                 \
+    X(sn_index, samples, m->point_count - m->vertex_count, SN_PRESENT, SN_UNFITTED) /* which of the structure's a point stands for */      \
+    X(sn_vec3, rest, m->point_count, SN_PRESENT, SN_FITTED)                         /* m */                                                \
+    X(double, inverse_mass, m->point_count, SN_PRESENT, SN_FITTED)                  /* 1/kg; 0 = carried by a bone */                      \
+    X(sn_triangle, triangles, m->triangle_count, SN_PRESENT, SN_UNFITTED)           /* of the surface */                                   \
+    X(double, rest_area, m->triangle_count, SN_PRESENT, SN_UNFITTED)                /* m^2 */                                              \
+    X(sn_index, kinematic_points, m->kinematic_count, SN_PRESENT, SN_UNFITTED)      /* carried by bones; grouped by site */                \
+    X(double, kinematic_mass, m->kinematic_count, SN_PRESENT, SN_UNFITTED) /* kg, by which they weigh in the motion of the bones */        \
+    X(sn_site, sites, m->site_count, SN_PRESENT, SN_UNFITTED)              /* one per attachment with vertices */                          \
+    /* distances of all three kinds; factors on the stiffness (1 over it), on the correction ([K21] 3.1, PBD form), and the share of the   \
+     * contraction by the activation map; pairs: those of batch b of a kind are at distance_start[kind] / 4 + b */                         \
+    X(sn_distance_row, distances, m->distance_start[SN_DISTANCE_KINDS], SN_PRESENT, SN_FITTED)                                             \
+    X(sn_goal_terms, distance_terms, m->distance_start[SN_DISTANCE_KINDS], SN_PRESENT, SN_UNFITTED)                                        \
+    X(double, distance_softness, m->distance_start[SN_DISTANCE_KINDS], SN_NULLABLE, SN_UNFITTED)                                           \
+    X(double, distance_gain, m->distance_start[SN_DISTANCE_KINDS], SN_NULLABLE, SN_UNFITTED)                                               \
+    X(double, distance_share, m->distance_start[SN_DISTANCE_KINDS], SN_NULLABLE, SN_UNFITTED)                                              \
+    X(bool, distance_pairs, m->distance_start[SN_DISTANCE_KINDS] / 4, SN_NULLABLE, SN_UNFITTED)                                            \
+    /* hinges: theta0, rad; 1 / factor on the stiffness */                                                                                 \
+    X(sn_hinge_row, hinges, m->hinge_count, SN_PRESENT, SN_FITTED)                                                                         \
+    X(double, hinge_angles, m->hinge_count, SN_PRESENT, SN_UNFITTED)                                                                       \
+    X(double, hinge_softness, m->hinge_count, SN_NULLABLE, SN_UNFITTED)                                                                    \
+    X(bool, hinge_pairs, m->hinge_batched / 4, SN_NULLABLE, SN_UNFITTED)                                                                   \
+    /* least areas: 1 / (2 A0), 1/m^2 */                                                                                                   \
+    X(sn_area_row, areas, m->area_count, SN_PRESENT, SN_UNFITTED)                                                                          \
+    X(double, area_scales, m->area_count, SN_PRESENT, SN_UNFITTED)                                                                         \
+    X(bool, area_pairs, m->area_batched / 4, SN_NULLABLE, SN_UNFITTED)
+
 /* One muscle, immutable. Points are the surface vertices in document order, then the samples on which a vertex hangs. */
 typedef struct sn_model_muscle {
     const sn_scene_muscle *source;
+#define SN_MODEL_MEMBER(type, name, count, nullable, fitted) type *name;
+    SN_MODEL_ARRAYS(SN_MODEL_MEMBER)
+#undef SN_MODEL_MEMBER
     sn_index vertex_count, point_count, triangle_count;
-    sn_index *samples;      /* (point_count - vertex_count) which of the structure's a point stands for */
-    sn_vec3 *rest;          /* (point_count) m */
-    double *inverse_mass;   /* (point_count) 1/kg; 0 = carried by a bone */
-    sn_triangle *triangles; /* (triangle_count) */
-    double *rest_area;      /* (triangle_count) m^2 */
     sn_index kinematic_count, site_count;
-    sn_index *kinematic_points;                     /* (kinematic_count) grouped by site */
-    double *kinematic_mass;                         /* (kinematic_count) kg, by which they weigh in the motion of the bones */
-    sn_site *sites;                                 /* (site_count) one per attachment with vertices */
     sn_index distance_start[SN_DISTANCE_KINDS + 1]; /* rows of kind k are distance_start[k] .. distance_start[k + 1] - 1 */
     sn_index distance_batched[SN_DISTANCE_KINDS];   /* so many of each kind come first, in fours that share no point */
-    sn_distance_row *distances;                     /* (distance_start[SN_DISTANCE_KINDS]) */
-    double (*distance_terms)[SN_LAW_TERMS];         /* (the same) m^2: the goal length's dependence on activation */
-    double *distance_softness;                      /* (the same) 1 / factor on the stiffness; NULL = 1 for all */
-    double *distance_gain;                          /* (the same) factor on the correction ([K21] 3.1, PBD form); NULL = 1 for all */
-    double *distance_share;                         /* (the same) share of the contraction, by the activation map; NULL = 1 for all */
-    sn_index hinge_count, hinge_batched;
-    sn_hinge_row *hinges;   /* (hinge_count) */
-    double *hinge_angles;   /* (hinge_count) theta0, rad */
-    double *hinge_softness; /* (hinge_count) 1 / factor on the stiffness; NULL = 1 for all */
-    sn_index area_count, area_batched;
-    sn_area_row *areas;                                                 /* (area_count) */
-    double *area_scales;                                                /* (area_count) 1 / (2 A0), 1/m^2 */
-    void *own[SN_ROW_KINDS];                                            /* rows that only their own kind reads */
-    bool keeps_volume;                                                  /* the volume row runs */
-    double rest_volume;                                                 /* V0, m^3; NaN for an open or flat surface */
-    sn_curve *stiffness_curve;                                          /* ln k over activation; NULL = straight from relaxed to active */
-    sn_curve *volume_ratio;                                             /* g(activation); NULL = 1 */
-    double rest_ratio;                                                  /* g(rest activation) */
-    double mass;                                                        /* kg, all points together */
-    double mean_edge, diagonal;                                         /* m */
-    sn_index iterations;                                                /* per substep */
-    bool contracts;                                                     /* activation is felt: not under the scheme `kohout` */
-    bool single;                                                        /* projected in single precision: then, and only then: */
-    bool *distance_pairs[SN_DISTANCE_KINDS], *hinge_pairs, *area_pairs; /* (batched / 4) this four and the next share no point */
-    bool quasi_newton;                                                  /* the back end is `qn` */
-    bool corotated;   /* qn: by the rest shape's Hessian, turned with the muscle, where the shape allows it */
-    bool two_level;   /* qn: the scalar matrix and a coarse space of sections, where the shape allows it */
-    double tolerance; /* qn: stop when a whole step moves no point by more than this share of the diagonal */
+    sn_index hinge_count, hinge_batched;            /* rows; those that come first, in fours */
+    sn_index area_count, area_batched;              /* the same */
+    void *own[SN_ROW_KINDS];                        /* rows that only their own kind reads */
+    bool keeps_volume;                              /* the volume row runs */
+    double rest_volume;                             /* V0, m^3; NaN for an open or flat surface */
+    sn_curve *stiffness_curve;                      /* ln k over activation; NULL = straight from relaxed to active */
+    sn_curve *volume_ratio;                         /* g(activation); NULL = 1 */
+    double rest_ratio;                              /* g(rest activation) */
+    double mass;                                    /* kg, all points together */
+    double mean_edge, diagonal;                     /* m */
+    sn_index iterations;                            /* per substep */
+    bool contracts;                                 /* activation is felt: not under the scheme `kohout` */
+    bool single;       /* projected in single precision; then, and only then, pairs: this four of rows and the next share no point */
+    bool quasi_newton; /* the back end is `qn` */
+    bool corotated;    /* qn: by the rest shape's Hessian, turned with the muscle, where the shape allows it */
+    bool two_level;    /* qn: the scalar matrix and a coarse space of sections, where the shape allows it */
+    double tolerance;  /* qn: stop when a whole step moves no point by more than this share of the diagonal */
 } sn_model_muscle;
 
 typedef struct sn_model {

@@ -5,7 +5,6 @@
 #include <string.h>
 
 static const double RADIANS_PER_DEGREE = SN_PI / 180.0;
-const char *const sn_interpolation_names[] = {"linear", "smooth", NULL};
 static const char *const joint_types[] = {"hinge", "pose", NULL}; /* in the order of sn_joint_kind */
 
 double sn_unscale(double value, double factor) {

@@ -11,8 +11,6 @@ typedef struct sn_clock {
     sn_index first_frame, last_frame; /* where "degreesPerFrame" begins and ends */
 } sn_clock;
 
-extern const char *const sn_interpolation_names[]; /* in the order of sn_interpolation; NULL-terminated */
-
 /* The q with q x factor == value, where there is one: so a number that was scaled on reading is written as it was. */
 double sn_unscale(double value, double factor);
 

@@ -7,15 +7,6 @@
 #define FORMAT "sinew-scene"
 enum { NEWEST_VERSION = 1, COUNT_LIMIT = 1000000 };
 
-static const char *const stretch_names[] = {"springs", "membrane", NULL};                     /* of sn_stretch */
-static const char *const preconditioner_names[] = {"scalar", "corotated", "two-level", NULL}; /* of sn_preconditioning */
-static const char *const precision_names[] = {"double", "single", NULL};
-static const char *const law_names[] = {"projected", "paper", "isochoric", NULL};      /* in the order of sn_fiber_law */
-static const char *const scheme_names[] = {"guarded", "romeo", "kohout", NULL};        /* in the order of sn_scheme */
-static const char *const hinge_names[] = {"scheme", "published", "printed", NULL};     /* in the order of sn_hinge_rule */
-static const char *const anisotropy_names[] = {"scheme", "none", "pbd", "xpbd", NULL}; /* in the order of sn_anisotropy */
-static const char *const method_names[] = {"xpbd", "qn", NULL};                        /* in the order of sn_solver_method */
-
 /* What the parts of a scene need of the whole. */
 typedef struct reader {
     sn_scene *scene;
@@ -60,17 +51,17 @@ static sn_status parse_solver(const sn_json_value *value, sn_solver_settings *ou
     int hinges = (int)out->hinges;
     sn_index thread_count = out->threads;
     sn_status status = sn_json_expect_object(value, error);
-    if (status == SN_OK) status = sn_json_get_choice(&method, method_names, &choice, error);
-    if (status == SN_OK) status = sn_json_get_choice(&scheme_name, scheme_names, &scheme, error);
-    if (status == SN_OK) status = sn_json_get_choice(&hinge_name, hinge_names, &hinges, error);
-    if (status == SN_OK) status = sn_json_get_choice(&precision_name, precision_names, &precision, error);
+    if (status == SN_OK) status = sn_json_get_choice(&method, sn_solver_method_names, &choice, error);
+    if (status == SN_OK) status = sn_json_get_choice(&scheme_name, sn_scheme_names, &scheme, error);
+    if (status == SN_OK) status = sn_json_get_choice(&hinge_name, sn_hinge_rule_names, &hinges, error);
+    if (status == SN_OK) status = sn_json_get_choice(&precision_name, sn_precision_names, &precision, error);
     bool papers = scheme != SN_SCHEME_GUARDED || precision != SN_PRECISION_DOUBLE; /* which xpbd alone has */
     if (papers && !sn_json_has(&method)) choice = SN_SOLVER_XPBD;
     *out = sn_solver_defaults((sn_solver_method)choice);
     if (status == SN_OK) status = parse_substeps(&substeps, out, error);
     if (status == SN_OK) status = sn_json_get_index(&iterations, 1, COUNT_LIMIT, &out->iterations, error);
     if (status == SN_OK) status = sn_json_get_number(&tolerance, 0.0, 1.0, &out->tolerance, error);
-    if (status == SN_OK) status = sn_json_get_choice(&matrix, preconditioner_names, &preconditioner, error);
+    if (status == SN_OK) status = sn_json_get_choice(&matrix, sn_preconditioning_names, &preconditioner, error);
     if (status == SN_OK) status = sn_json_get_index(&threads, 0, 1024, &thread_count, error);
     if (status == SN_OK) status = sn_json_get_bool(&sleep, &out->sleep, error);
     if (status != SN_OK) return status;
@@ -254,9 +245,9 @@ static sn_status parse_muscle_choices(const sn_json_value *value, sn_scene_muscl
     sn_json_value law = sn_json_member(value, "law"), anisotropy = sn_json_member(value, "anisotropy"),
                   stretch = sn_json_member(value, "stretch"), mass = sn_json_member(value, "mass"), maps = sn_json_member(value, "maps");
     int stretching = (int)out->stretch, fiber_law = (int)out->law, yielding = (int)out->anisotropy, unit = out->unit_mass;
-    sn_status status = sn_json_get_choice(&law, law_names, &fiber_law, error);
-    if (status == SN_OK) status = sn_json_get_choice(&anisotropy, anisotropy_names, &yielding, error);
-    if (status == SN_OK) status = sn_json_get_choice(&stretch, stretch_names, &stretching, error);
+    sn_status status = sn_json_get_choice(&law, sn_fiber_law_names, &fiber_law, error);
+    if (status == SN_OK) status = sn_json_get_choice(&anisotropy, sn_anisotropy_names, &yielding, error);
+    if (status == SN_OK) status = sn_json_get_choice(&stretch, sn_stretch_names, &stretching, error);
     if (status == SN_OK) status = sn_json_get_choice(&mass, masses, &unit, error);
     out->law = (sn_fiber_law)fiber_law;
     out->stretch = (sn_stretch)stretching;
@@ -377,18 +368,18 @@ sn_status sn_scene_parse(const sn_blob *blob, bool load_bones, sn_scene *out, sn
 
 static void write_solver(const sn_solver_settings *solver, sn_json *json) {
     sn_json_object(json, "solver");
-    sn_json_text(json, "method", method_names[solver->method]);
-    sn_json_text(json, "scheme", scheme_names[solver->scheme]);
+    sn_json_text(json, "method", sn_solver_method_names[solver->method]);
+    sn_json_text(json, "scheme", sn_scheme_names[solver->scheme]);
     if (solver->scheme == SN_SCHEME_KOHOUT)
-        sn_json_text(json, "hinges", hinge_names[solver->hinges == SN_HINGES_PRINTED ? SN_HINGES_PRINTED : SN_HINGES_PUBLISHED]);
-    if (solver->method == SN_SOLVER_XPBD) sn_json_text(json, "precision", precision_names[solver->precision]);
+        sn_json_text(json, "hinges", sn_hinge_rule_names[solver->hinges == SN_HINGES_PRINTED ? SN_HINGES_PRINTED : SN_HINGES_PUBLISHED]);
+    if (solver->method == SN_SOLVER_XPBD) sn_json_text(json, "precision", sn_precision_names[solver->precision]);
     if (solver->substeps == SN_SUBSTEPS_AUTO)
         sn_json_text(json, "substeps", "auto");
     else
         sn_json_integer(json, "substeps", solver->substeps);
     sn_json_integer(json, "iterations", solver->iterations);
     if (solver->method == SN_SOLVER_QN) sn_json_number(json, "tolerance", solver->tolerance);
-    if (solver->method == SN_SOLVER_QN) sn_json_text(json, "preconditioner", preconditioner_names[solver->preconditioner]);
+    if (solver->method == SN_SOLVER_QN) sn_json_text(json, "preconditioner", sn_preconditioning_names[solver->preconditioner]);
     sn_json_integer(json, "threads", solver->threads);
     sn_json_bool(json, "sleep", solver->sleep);
     sn_json_close(json);
@@ -437,10 +428,10 @@ static void write_muscle(const sn_scene_muscle *muscle, sn_json *json) {
     sn_activation_write(&muscle->activation, json);
     sn_json_number(json, "contraction", muscle->contraction);
     sn_json_number(json, "restActivation", muscle->rest_activation);
-    sn_json_text(json, "law", law_names[muscle->law]);
-    sn_json_text(json, "stretch", stretch_names[muscle->stretch]);
+    sn_json_text(json, "law", sn_fiber_law_names[muscle->law]);
+    sn_json_text(json, "stretch", sn_stretch_names[muscle->stretch]);
     write_stiffness(muscle, json);
-    sn_json_text(json, "anisotropy", anisotropy_names[muscle->anisotropy]);
+    sn_json_text(json, "anisotropy", sn_anisotropy_names[muscle->anisotropy]);
     sn_json_number(json, "leastArea", muscle->least_area);
     if (muscle->volume_ratio.count > 0)
         write_curve("volumeRatio", &muscle->volume_ratio, json);

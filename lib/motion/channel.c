@@ -7,6 +7,8 @@
 
 #include "interpolate.h"
 
+const char *const sn_interpolation_names[] = {"linear", "smooth", NULL};
+
 double sn_channel_at(const sn_channel *channel, double time) {
     if (channel->count <= 0) return channel->constant;
     sn_index last = channel->count - 1;

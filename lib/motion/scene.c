@@ -4,6 +4,15 @@
 #include <stdlib.h>
 #include <string.h>
 
+const char *const sn_fiber_law_names[] = {"projected", "paper", "isochoric", NULL};
+const char *const sn_anisotropy_names[] = {"scheme", "none", "pbd", "xpbd", NULL};
+const char *const sn_stretch_names[] = {"springs", "membrane", NULL};
+const char *const sn_solver_method_names[] = {"xpbd", "qn", NULL};
+const char *const sn_scheme_names[] = {"guarded", "romeo", "kohout", NULL};
+const char *const sn_hinge_rule_names[] = {"scheme", "published", "printed", NULL};
+const char *const sn_preconditioning_names[] = {"scalar", "corotated", "two-level", NULL};
+const char *const sn_precision_names[] = {"double", "single", NULL};
+
 /* ---- defaults --------------------------------------------------------------------------------------------------------- */
 
 void sn_scene_muscle_defaults(sn_scene_muscle *muscle) {

@@ -18,10 +18,7 @@ void ends_free(ends *e) {
     *e = (ends){0};
 }
 
-const char *ends_source_name(sn_ends_source source) {
-    static const char *const names[] = {"tips", "eigenfunction", "attachments", "sites"};
-    return names[source];
-}
+const char *const sn_ends_source_names[] = {"tips", "eigenfunction", "attachments", "sites", NULL};
 
 static void ends_add(ends *e, sn_index vertex, double value) {
     e->vertices[e->count] = vertex;

@@ -29,6 +29,4 @@ bool ends_from_attachments(const sn_muscle *muscle, bool areas_only, ends *out);
 /* The vertices within 5 % of L of each tip. */
 SN_MUST_CHECK sn_status ends_from_tips(const sn_mesh *mesh, const sn_topology *topology, const tips *shape, ends *out, sn_error *error);
 
-const char *ends_source_name(sn_ends_source source);
-
 #endif

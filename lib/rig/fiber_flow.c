@@ -242,17 +242,15 @@ static void smooth_once(flow *f) {
     f->scratch = swap;
 }
 
-static const char *field_name(sn_flow_field field) {
-    static const char *const names[] = {"auto", "tree", "harmonic", "fibers"};
-    return names[field];
-}
+const char *const sn_flow_field_names[] = {"auto", "tree", "harmonic", "fibers", NULL};
 
 static sn_status run(flow *f, sn_error *error) {
     sn_status gathered = gather_directions(f, error);
     if (gathered && gathered != SN_STOPPED) return gathered;
     sn_index missing = lay_down(f);
-    bool stop = gathered == SN_STOPPED || SN_TRACE(f->trace, field_name(f->field), sn_trace_number("vertices", f->mesh->vertex_count),
-                                                   sn_trace_number("vanishing", missing));
+    bool stop =
+        gathered == SN_STOPPED || SN_TRACE(f->trace, sn_flow_field_names[f->field], sn_trace_number("vertices", f->mesh->vertex_count),
+                                           sn_trace_number("vanishing", missing));
     if (missing > 0) { /* also when stopped: what is written has a direction everywhere */
         sn_status status = fill_missing(f, missing, error);
         if (status) return status;
@@ -452,7 +450,7 @@ sn_status sn_flow_fibers(const sn_muscle *muscle, const sn_flow_params *params, 
         if (reported) status = reported;
     }
     if (status == SN_OK || status == SN_STOPPED) {
-        out->field = sn_strdup(field_name(f.field));
+        out->field = sn_strdup(sn_flow_field_names[f.field]);
         if (out->field) {
             out->directions = f.directions;
             out->confidence = f.confidence;

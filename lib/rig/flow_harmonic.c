@@ -42,7 +42,7 @@ sn_status harmonic_directions(const sn_muscle *muscle, const sn_topology *topolo
     for (sn_index v = 0; v < mesh->vertex_count; v++) directions[v] = sn_v3(0, 0, 0);
     for (sn_index t = 0; !status && t < mesh->triangle_count; t++) add_gradient(mesh, mesh->triangles[t], u, directions);
     if (!status &&
-        SN_TRACE(trace, "field", sn_trace_text("ends", ends_source_name(e.source)), sn_trace_indices("fixed", e.vertices, e.count)))
+        SN_TRACE(trace, "field", sn_trace_text("ends", sn_ends_source_names[e.source]), sn_trace_indices("fixed", e.vertices, e.count)))
         status = SN_STOPPED;
     ends_free(&e);
     free(u);

@@ -47,7 +47,7 @@ static sn_status harmonic_between(selection *s, bool known, double *u, sn_error 
     s->report.ends = e.source;
     if (!status) status = sn_harmonic_field(s->mesh, &s->topology, e.count, e.vertices, e.values, u, error);
     if (!status &&
-        SN_TRACE(s->trace, "field", sn_trace_text("ends", ends_source_name(e.source)), sn_trace_indices("fixed", e.vertices, e.count)))
+        SN_TRACE(s->trace, "field", sn_trace_text("ends", sn_ends_source_names[e.source]), sn_trace_indices("fixed", e.vertices, e.count)))
         status = SN_STOPPED;
     ends_free(&e);
     return status;

@@ -40,7 +40,10 @@ static sn_status batch_areas(sn_model_muscle *m, sn_error *error) {
     if (status == SN_OK) status = sn_batch_sort(m->areas, n, sizeof *m->areas, order, error);
     if (status == SN_OK) status = sn_batch_sort(m->area_scales, n, sizeof *m->area_scales, order, error);
     free(order);
-    return status == SN_OK ? sn_batch_pair(m->area_batched, 3, m->areas->point, &m->area_pairs, error) : status;
+    if (status != SN_OK) return status;
+    if ((m->area_pairs = SN_NEW(bool, m->area_batched / 4)) == NULL) return sn_fail_memory(error, "area rows");
+    sn_batch_pair(m->area_batched, 3, m->areas->point, m->area_pairs);
+    return SN_OK;
 }
 
 static sn_status build_areas(const sn_build *build, sn_row_kind kind, sn_error *error) {

@@ -82,11 +82,9 @@ static bool share_nothing(sn_index count, const sn_index *points) {
     return true;
 }
 
-sn_status sn_batch_pair(sn_index batched, sn_index size, const sn_index *points, bool **pairs, sn_error *error) {
+void sn_batch_pair(sn_index batched, sn_index size, const sn_index *points, bool *pairs) {
     sn_index batches = batched / SN_BATCH, count = SN_BATCH * size;
-    if ((*pairs = SN_NEW(bool, batches)) == NULL) return sn_fail_memory(error, "the order of rows");
-    for (sn_index b = 0; b + 1 < batches; b++) (*pairs)[b] = share_nothing(count, points + (size_t)b * (size_t)count);
-    return SN_OK;
+    for (sn_index b = 0; b < batches; b++) pairs[b] = b + 1 < batches && share_nothing(count, points + (size_t)b * (size_t)count);
 }
 
 sn_status sn_batch_sort(void *array, sn_index count, size_t size, const sn_index *order, sn_error *error) {

@@ -54,7 +54,7 @@ void sn_blocks_entries(sn_blocks *b, sn_index count, const sn_index *first, cons
         double k = sn_blocks_stiffness(count, first, stiffness, block->row);
         for (sn_index r = 0; r < size; r++) {
             for (sn_index c = 0; c < (i < b->rows ? r + 1 : size); c++) {
-                double mass = masses != NULL && i < b->rows && r == c ? masses[i] : 0.0;
+                double mass = i < b->rows && r == c ? masses[i] : 0.0;
                 *next++ = (sn_entry){size * block->row + r, size * block->column + c, k * block->value[size * r + c] + mass};
             }
         }

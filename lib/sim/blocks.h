@@ -31,7 +31,7 @@ void sn_blocks_free(sn_blocks *b);
 double *sn_blocks_at(sn_blocks *b, sn_index row, sn_index column);
 /* Make room for the entries of all blocks inside of the matrix, the lower triangle; false: no memory, or too many. */
 bool sn_blocks_close(sn_blocks *b);
-/* entries = stiffness x matrix + masses (rows; NULL = 0) on the diagonal; stiffness (count) of the rows from first (count + 1) of each. */
+/* entries = stiffness x matrix + masses (rows) on the diagonal; stiffness (count) of the rows from first (count + 1) of each. */
 void sn_blocks_entries(sn_blocks *b, sn_index count, const sn_index *first, const double *stiffness, const double *masses);
 /* That of a row. */
 static inline double sn_blocks_stiffness(sn_index count, const sn_index *first, const double *stiffness, sn_index row) {

@@ -123,8 +123,10 @@ static sn_status batch_hinges(sn_model_muscle *m, sn_error *error) {
     if (status == SN_OK) status = sn_batch_sort(m->hinge_angles, n, sizeof *m->hinge_angles, order, error);
     if (status == SN_OK) status = sn_batch_sort(m->hinge_softness, n, sizeof *m->hinge_softness, order, error);
     free(order);
-    if (status == SN_OK && m->single) status = sn_batch_pair(m->hinge_batched, 4, m->hinges->point, &m->hinge_pairs, error);
-    return status;
+    if (status != SN_OK || !m->single) return status;
+    if ((m->hinge_pairs = SN_NEW(bool, m->hinge_batched / 4)) == NULL) return sn_fail_memory(error, "dihedral rows");
+    sn_batch_pair(m->hinge_batched, 4, m->hinges->point, m->hinge_pairs);
+    return SN_OK;
 }
 
 static sn_status build_hinges(const sn_build *build, sn_row_kind kind, sn_error *error) {

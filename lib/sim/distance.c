@@ -190,8 +190,8 @@ static sn_status batch_kind(const sn_build *build, sn_row_kind kind, sn_index *o
     sn_status status = sn_batch_order(count, 2, m->distances[begin].point, m->point_count, order, &m->distance_batched[kind], error);
     for (size_t i = 0; status == SN_OK && i < sizeof columns / sizeof *columns; i++)
         status = sn_batch_sort(columns[i].array, count, columns[i].size, order, error);
-    if (status != SN_OK || !m->single) return status;
-    return sn_batch_pair(m->distance_batched[kind], 2, m->distances[begin].point, &m->distance_pairs[kind], error);
+    if (status == SN_OK && m->single) sn_batch_pair(m->distance_batched[kind], 2, m->distances[begin].point, m->distance_pairs + begin / 4);
+    return status;
 }
 
 static sn_status alloc_rows(const sn_build *build, size_t most, sn_error *error) {
@@ -203,6 +203,7 @@ static sn_status alloc_rows(const sn_build *build, size_t most, sn_error *error)
     if (soft) made = (m->distance_softness = SN_NEW(double, most)) != NULL && made;
     if (build->anisotropy == SN_ANISOTROPY_PBD) made = (m->distance_gain = SN_NEW(double, most)) != NULL && made;
     if (source->activation_map != NULL) made = (m->distance_share = SN_NEW(double, most)) != NULL && made;
+    if (m->single) made = (m->distance_pairs = SN_NEW(bool, most / 4)) != NULL && made;
     return made ? SN_OK : sn_fail_memory(error, "distance rows");
 }
 

@@ -168,6 +168,20 @@ static sn_vec3 find_turn(const sn_model_muscle *m, const sn_muscle_state *s, dou
     return solve3(&spread, moment);
 }
 
+/* Attached points nearly on a line say little of a turn about it: where it would move a point of the muscle so many times faster than any
+ * that is attached, it is that of another motion, of bones against each other. */
+static const double MOST_TURNED = 4.0;
+
+static sn_vec3 bound_turn(const sn_model_muscle *m, const sn_muscle_state *s, const sn_bone_motion *bones, sn_vec3 turn) {
+    double attached = 0.0, turned = 0.0;
+    for (sn_index k = 0; k < m->kinematic_count; k++)
+        attached = fmax(attached, sn_norm2(sn_sub(s->velocities[m->kinematic_points[k]], bones->velocity)));
+    for (sn_index i = 0; i < m->point_count; i++)
+        turned = fmax(turned, sn_norm2(sn_cross(turn, sn_sub(sn_point_position(&s->points[i]), bones->middle))));
+    double most = MOST_TURNED * sqrt(attached), found = sqrt(turned);
+    return found > most ? sn_scale(turn, most / found) : turn;
+}
+
 static bool bones_rest(const sn_model_muscle *m, const sn_muscle_state *s) {
     for (sn_index k = 0; k < m->kinematic_count; k++)
         if (sn_norm2(s->velocities[m->kinematic_points[k]]) > 0.0) return false;
@@ -181,7 +195,7 @@ void sn_kinematics_watch_bones(const sn_model_muscle *m, sn_muscle_state *s, dou
     if (bones_rest(m, s)) return;
     find_middle(m, s, h, bones);
     if (most > 0.0 && !(sn_distance(bones->velocity, before) <= most)) return;
-    bones->turn = sn_scale(find_turn(m, s, h, bones), h);
+    bones->turn = sn_scale(bound_turn(m, s, bones, find_turn(m, s, h, bones)), h);
     bones->rate = 1.0 / h;
 }
 

@@ -85,6 +85,14 @@ static void destroy_membranes(sn_model_muscle *m, sn_row_kind kind) {
     m->own[kind] = NULL;
 }
 
+/* What degenerate and carried triangles have left free. */
+static void fit_rows(membrane_rows *all) {
+    membrane_row *rows = sn_realloc(all->rows, (size_t)all->count, sizeof *rows);
+    sn_index *index = sn_realloc(all->index, 3 * (size_t)all->count, sizeof *index);
+    if (rows != NULL) all->rows = rows;
+    if (index != NULL) all->index = index;
+}
+
 static sn_status build_membranes(const sn_build *build, sn_row_kind kind, sn_error *error) {
     sn_model_muscle *m = build->model;
     sn_plan_group *group = &build->plan->groups[kind];
@@ -103,6 +111,7 @@ static sn_status build_membranes(const sn_build *build, sn_row_kind kind, sn_err
             add_triangle(build, all, v);
     }
     group->rows = all->count;
+    fit_rows(all);
     return SN_OK;
 }
 
@@ -291,12 +300,18 @@ static size_t bytes_of_row(const sn_model_muscle *m) {
     return sizeof(membrane_row) + 3 * sizeof(sn_index) + GOALS * sizeof(double);
 }
 
+static size_t own_bytes(const sn_model_muscle *m, sn_row_kind kind) {
+    size_t row = sizeof(membrane_row) + 3 * sizeof(sn_index);
+    return m->own[kind] != NULL ? sizeof(membrane_rows) + row * (size_t)count_rows(m, kind) : 0;
+}
+
 static size_t own_numbers(const sn_model_muscle *m, sn_row_kind kind) { return GOALS * (size_t)count_rows(m, kind); }
 
 const sn_row_ops sn_rows_membrane = {.info = {"membrane", "strain of the membrane", "no strain", 3, .inside = false},
                                      .reason = reason_of,
                                      .build = build_membranes,
                                      .destroy = destroy_membranes,
+                                     .own_bytes = own_bytes,
                                      .count = count_rows,
                                      .points = points_of,
                                      .bytes = bytes_of_row,

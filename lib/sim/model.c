@@ -110,6 +110,15 @@ static sn_status make_stiffness_curve(const sn_build *build, sn_error *error) {
     return status;
 }
 
+/* Builders allocate for as many rows as there may be; what none of them took goes back. */
+static void fit_arrays(sn_model_muscle *m) {
+    void *fitted;
+#define FIT(type, name, count, nullable, fits)                                                                                             \
+    if (m->name != NULL && (fitted = sn_realloc(m->name, (size_t)(count), sizeof(type))) != NULL) m->name = fitted;
+    SN_MODEL_ARRAYS(FIT)
+#undef FIT
+}
+
 static sn_status build_muscle(sn_build *build, sn_error *error) {
     sn_model_muscle *m = build->model;
     const sn_scheme_rules *rules = sn_scheme_rules_of(&build->scene->solver);
@@ -139,6 +148,7 @@ static sn_status build_muscle(sn_build *build, sn_error *error) {
     m->corotated = m->quasi_newton && m->kinematic_count > 0 && build->scene->solver.preconditioner == SN_PRECONDITION_COROTATED;
     m->two_level = m->quasi_newton && m->kinematic_count > 0 && build->scene->solver.preconditioner == SN_PRECONDITION_TWO_LEVEL;
     if ((status = sn_rows_build(build, error)) != SN_OK) return status;
+    fit_arrays(m);
     sn_plan_count(build);
     return SN_OK;
 }
@@ -202,28 +212,10 @@ sn_status sn_model_create(const sn_scene *scene, sn_model **out, sn_error *error
 }
 
 static void free_muscle(sn_model_muscle *m) {
-    free(m->samples);
-    free(m->rest);
-    free(m->inverse_mass);
-    free(m->triangles);
-    free(m->rest_area);
-    free(m->kinematic_points);
-    free(m->kinematic_mass);
-    free(m->sites);
-    free(m->distances);
-    free(m->distance_terms);
-    free(m->distance_softness);
-    free(m->distance_gain);
-    free(m->distance_share);
-    free(m->hinges);
-    free(m->hinge_angles);
-    free(m->hinge_softness);
-    free(m->areas);
-    free(m->area_scales);
+#define FREE(type, name, count, nullable, fitted) free(m->name);
+    SN_MODEL_ARRAYS(FREE)
+#undef FREE
     sn_rows_destroy(m);
-    for (int kind = 0; kind < SN_DISTANCE_KINDS; kind++) free(m->distance_pairs[kind]);
-    free(m->hinge_pairs);
-    free(m->area_pairs);
     sn_curve_destroy(m->stiffness_curve);
     sn_curve_destroy(m->volume_ratio);
 }

@@ -34,11 +34,6 @@ const char *sn_left_out_text(sn_left_out reason) {
     return "";
 }
 
-const char *sn_fiber_law_name(sn_fiber_law law) {
-    static const char *const NAMES[] = {"projected", "paper", "isochoric"};
-    return NAMES[law];
-}
-
 void sn_plan_decide(const sn_build *build) {
     const sn_scene_muscle *source = build->source;
     bool projects = build->scene->solver.method == SN_SOLVER_XPBD;
@@ -57,19 +52,24 @@ static size_t state_bytes(const sn_model_muscle *m) {
 #define ADD(type, name, count, kept) bytes += (size_t)(count) * sizeof(type);
     SN_STATE_ARRAYS(ADD)
 #undef ADD
+    for (int kind = 0; kind < SN_ROW_KINDS; kind++) {
+        const sn_row_ops *ops = sn_row_ops_of((sn_row_kind)kind);
+        if (ops->own != NULL) bytes += ops->own(m, (sn_row_kind)kind) * sizeof(double);
+    }
     return bytes;
 }
 
-static size_t model_bytes(const sn_build *build) {
-    const sn_model_muscle *m = build->model;
-    size_t points = (size_t)m->point_count * (sizeof(sn_vec3) + sizeof(double));
-    size_t triangles = (size_t)m->triangle_count * (sizeof(sn_triangle) + sizeof(double));
-    size_t sites = (size_t)m->site_count * sizeof(sn_site) + (size_t)m->kinematic_count * (sizeof(sn_index) + sizeof(double)), rows = 0;
-    for (int kind = 0; kind < SN_ROW_KINDS; kind++)
-        rows += (size_t)build->plan->groups[kind].rows * sn_row_ops_of((sn_row_kind)kind)->bytes(m);
-    if (m->single) rows += (size_t)(m->hinge_batched + m->area_batched) / 4;
-    for (int kind = 0; m->single && kind < SN_DISTANCE_KINDS; kind++) rows += (size_t)m->distance_batched[kind] / 4;
-    return sizeof(*m) + points + triangles + rows + sites;
+/* And of a model, without the curves. */
+static size_t model_bytes(const sn_model_muscle *m) {
+    size_t bytes = sizeof(*m);
+#define ADD(type, name, count, nullable, fitted) bytes += nullable && m->name == NULL ? 0 : (size_t)(count) * sizeof(type);
+    SN_MODEL_ARRAYS(ADD)
+#undef ADD
+    for (int kind = 0; kind < SN_ROW_KINDS; kind++) {
+        const sn_row_ops *ops = sn_row_ops_of((sn_row_kind)kind);
+        if (ops->own_bytes != NULL) bytes += ops->own_bytes(m, (sn_row_kind)kind);
+    }
+    return bytes;
 }
 
 /* XPBD feels a stiffness only where k h^2 w is not far above 1 (numerics.md 1). */
@@ -92,6 +92,6 @@ void sn_plan_count(const sn_build *build) {
         group->bytes = (size_t)group->rows * ops->bytes(m);
         if (ops->info.spring && group->rows > 0) measure_rigidity(build, (sn_row_kind)kind);
     }
-    build->plan->model_bytes = model_bytes(build);
+    build->plan->model_bytes = model_bytes(m);
     build->plan->state_bytes = state_bytes(m);
 }

@@ -7,7 +7,7 @@
  *   two-level  A^-1 + 0.8 Z (ZT H Z)^-1 ZT with the scalar A: rigid motions of sections are solved for where the muscle is (two_level.c)
  *
  * One factor for a group of muscles that are solved together, a muscle alone being a group of one: their points are numbered one member
- * after the other, and rows between members (couplings) are in the matrix.
+ * after the other.
  *
  * Which of them a substep goes by is decided at its start; a matrix that is never asked for is never made.
  */
@@ -24,12 +24,11 @@ enum { SECTIONS = 24 };
 
 /* The matrix of one kind. A column of free_count + c couples a free point with the carried point c. */
 typedef struct rest_matrix {
-    sn_blocks blocks, couplings; /* of the members, over their stiffness; of rows between them (none: empty) */
-    sn_entry *entries;           /* both, where there are couplings */
-    sn_sparse *factor;           /* NULL = none yet */
-    double factor_h;             /* 0 = none that holds */
-    bool elsewhere;              /* the blocks are those of another shape than the rest shape */
-    double *factor_stiffness;    /* (count) */
+    sn_blocks blocks;         /* of the members, over their stiffness */
+    sn_sparse *factor;        /* NULL = none yet */
+    double factor_h;          /* 0 = none that holds */
+    bool elsewhere;           /* the blocks are those of another shape than the rest shape */
+    double *factor_stiffness; /* (count) */
 } rest_matrix;
 
 struct sn_preconditioner {
@@ -40,9 +39,6 @@ struct sn_preconditioner {
     sn_index *number_of; /* (point_count) free points from 0, then the carried ones */
     sn_index *point_of;  /* (point_count) the reverse */
     double *mass;        /* (free_count) kg / h^2 of the last factor */
-    sn_index coupling_count;
-    sn_rest_row *couplings;    /* (coupling_count) */
-    sn_index *coupling_points; /* (4 x coupling_count) theirs */
     rest_matrix scalar, corotated;
     sn_frames *frames;        /* (count) none until they are asked for */
     sn_quat *turns;           /* (point_count) frames of the points; NULL = this substep goes by the scalar matrix */
@@ -121,21 +117,9 @@ static bool build_members(sn_preconditioner *p, sn_blocks *blocks, int size) {
     return sn_blocks_create(blocks, size, p->free_count) && add_members(p, blocks, NULL) && sn_blocks_close(blocks);
 }
 
-static bool build_couplings(sn_preconditioner *p, rest_matrix *matrix, int size) {
-    builder to = {p, &matrix->couplings, 0};
-    if (p->coupling_count == 0) return true;
-    bool made = sn_blocks_create(to.blocks, size, p->free_count);
-    for (sn_index i = 0; i < p->coupling_count && made; i++) made = add_row(&to, &p->couplings[i]);
-    if (!made || !sn_blocks_close(to.blocks) || matrix->blocks.entry_count > SN_INDEX_MAX - to.blocks->entry_count) return false;
-    matrix->entries = SN_NEW(sn_entry, matrix->blocks.entry_count + to.blocks->entry_count);
-    return matrix->entries != NULL;
-}
-
 static void free_matrix(rest_matrix *matrix) {
     sn_blocks_free(&matrix->blocks);
-    sn_blocks_free(&matrix->couplings);
     sn_sparse_destroy(matrix->factor);
-    free(matrix->entries);
     free(matrix->factor_stiffness);
     *matrix = (rest_matrix){.factor = NULL};
 }
@@ -143,7 +127,7 @@ static void free_matrix(rest_matrix *matrix) {
 static bool build_matrix(sn_preconditioner *p, rest_matrix *matrix, int size) {
     if (matrix->blocks.last != NULL) return !matrix->elsewhere || move_matrix(p, matrix, NULL);
     matrix->factor_stiffness = SN_NEW(double, p->count);
-    bool made = matrix->factor_stiffness != NULL && build_members(p, &matrix->blocks, size) && build_couplings(p, matrix, size);
+    bool made = matrix->factor_stiffness != NULL && build_members(p, &matrix->blocks, size);
     if (!made) free_matrix(matrix);
     return made;
 }
@@ -153,29 +137,15 @@ static bool is_factored_for(const sn_preconditioner *p, const rest_matrix *matri
     return memcmp(matrix->factor_stiffness, stiffness, (size_t)p->count * sizeof *stiffness) == 0;
 }
 
-/* Entries of the whole matrix. */
-static const sn_entry *make_entries(sn_preconditioner *p, rest_matrix *matrix, const double *stiffness, sn_index *count) {
-    static const double ONE = 1.0;
-    const sn_index whole[2] = {0, p->free_count};
-    sn_blocks *own = &matrix->blocks, *joint = &matrix->couplings;
-    sn_blocks_entries(own, p->count, p->first_free, stiffness, p->mass);
-    *count = own->entry_count + joint->entry_count;
-    if (p->coupling_count == 0) return own->entries;
-    sn_blocks_entries(joint, 1, whole, &ONE, NULL);
-    memcpy(matrix->entries, own->entries, (size_t)own->entry_count * sizeof *own->entries);
-    memcpy(matrix->entries + own->entry_count, joint->entries, (size_t)joint->entry_count * sizeof *joint->entries);
-    return matrix->entries;
-}
-
 static bool factor(sn_preconditioner *p, rest_matrix *matrix, double h, const double *stiffness) {
     if (is_factored_for(p, matrix, h, stiffness)) return true;
     for (sn_index k = 0; k < p->count; k++)
         for (sn_index i = p->first_free[k]; i < p->first_free[k + 1]; i++)
             p->mass[i] = 1.0 / (p->members[k]->inverse_mass[p->point_of[i] - p->first[k]] * h * h);
-    sn_index count;
-    const sn_entry *entries = make_entries(p, matrix, stiffness, &count);
-    sn_status status = matrix->factor == NULL ? sn_sparse_factor(matrix->blocks.size * p->free_count, count, entries, &matrix->factor, NULL)
-                                              : sn_sparse_refactor(matrix->factor, entries, NULL);
+    sn_blocks *b = &matrix->blocks;
+    sn_blocks_entries(b, p->count, p->first_free, stiffness, p->mass);
+    sn_status status = matrix->factor == NULL ? sn_sparse_factor(b->size * p->free_count, b->entry_count, b->entries, &matrix->factor, NULL)
+                                              : sn_sparse_refactor(matrix->factor, b->entries, NULL);
     matrix->factor_h = status == SN_OK ? h : 0.0;
     memcpy(matrix->factor_stiffness, stiffness, (size_t)p->count * sizeof *stiffness);
     return status == SN_OK;
@@ -251,27 +221,6 @@ sn_status sn_preconditioner_create(sn_index count, const sn_model_muscle *const 
     return SN_OK;
 }
 
-bool sn_preconditioner_couple(sn_preconditioner *p, sn_index count, const sn_rest_row *rows) {
-    sn_rest_row *copy = sn_alloc((size_t)count, sizeof *copy);
-    sn_index *points = sn_alloc((size_t)count, 4 * sizeof *points);
-    if (copy == NULL || points == NULL) {
-        free(copy);
-        free(points);
-        return false;
-    }
-    for (sn_index i = 0; i < count; i++) {
-        memcpy(points + 4 * (size_t)i, rows[i].point, (size_t)rows[i].count * sizeof *points);
-        copy[i] = rows[i];
-        copy[i].point = points + 4 * (size_t)i;
-    }
-    free(p->couplings);
-    free(p->coupling_points);
-    free_matrix(&p->scalar);
-    free_matrix(&p->corotated);
-    p->couplings = copy, p->coupling_points = points, p->coupling_count = count;
-    return true;
-}
-
 void sn_preconditioner_destroy(sn_preconditioner *p) {
     if (p == NULL) return;
     free_matrix(&p->scalar);
@@ -283,8 +232,6 @@ void sn_preconditioner_destroy(sn_preconditioner *p) {
     free(p->members);
     free(p->first);
     free(p->first_free);
-    free(p->couplings);
-    free(p->coupling_points);
     free(p->number_of);
     free(p->point_of);
     free(p->positions);
@@ -491,13 +438,14 @@ static sn_vec3 block_times(const sn_preconditioner *p, const sn_block *block, sn
     return sn_quat_rotate(p->turns[p->point_of[block->row]], v);
 }
 
-/* in += the columns of carried points times their jump; stiffness (members), NULL = 1. */
-static void add_carried(const sn_preconditioner *p, const sn_blocks *blocks, const double *stiffness, const sn_vec3 *jump, sn_vec3 *in) {
+/* in += the columns of carried points times their jump. */
+static void add_carried(const sn_preconditioner *p, const rest_matrix *matrix, const sn_vec3 *jump, sn_vec3 *in) {
+    const sn_blocks *blocks = &matrix->blocks;
     for (sn_index i = p->free_count; i < blocks->count; i++) {
         const sn_block *block = &blocks->blocks[i];
         if (block->column < p->free_count) continue;
         sn_index to = p->point_of[block->row];
-        double k = stiffness != NULL ? sn_blocks_stiffness(p->count, p->first_free, stiffness, block->row) : 1.0;
+        double k = sn_blocks_stiffness(p->count, p->first_free, matrix->factor_stiffness, block->row);
         in[to] = sn_add_scaled(in[to], block_times(p, block, jump[p->point_of[block->column]]), k);
     }
 }
@@ -516,8 +464,7 @@ static void add_volume_jump(const sn_preconditioner *p, sn_index member, const s
 void sn_preconditioner_add_jump(const sn_preconditioner *p, const sn_vec3 *jump, const sn_vec3 *volume_gradient,
                                 const double *volume_stiffness, sn_vec3 *in) {
     const rest_matrix *matrix = p->turns != NULL ? &p->corotated : &p->scalar;
-    add_carried(p, &matrix->blocks, matrix->factor_stiffness, jump, in);
-    if (p->coupling_count > 0) add_carried(p, &matrix->couplings, NULL, jump, in);
+    add_carried(p, matrix, jump, in);
     for (sn_index k = 0; k < p->count; k++)
         if (volume_stiffness[k] > 0.0) add_volume_jump(p, k, jump, volume_gradient, volume_stiffness[k], in);
 }

@@ -29,7 +29,7 @@ static const double FAST_EDGES = 4.0, FAST_STRETCHED = 1.0;
  * the strain of the first rings takes longer to spread: 20 iterations for what else takes 10. */
 static const double ABRUPT_EDGES = 2.0;
 enum { ABRUPT_EFFORT = 2 };
-/* A bone that moves a point farther than this share of the diagonal in one substep has jumped. */
+/* A bone that moves a point by this share of the diagonal more or less than in the substep before has jumped. */
 static const double FAR = 0.2;
 /* No triangle shrinks below this share of its area in one step: hinges have no barrier against collapse. */
 static const double AREA_LIMIT = 0.3;
@@ -426,8 +426,8 @@ static bool is_torn(const sn_model_muscle *m, const sn_muscle_state *s, bool fas
 }
 
 /* Is the muscle torn at its start, or has a bone jumped? Then other starts are tried. */
-static bool mend_start(const sn_model_muscle *m, sn_muscle_state *s, double h, double jump, bool fast) {
-    bool jumped = jump > FAR * m->diagonal, torn = is_torn(m, s, fast);
+static bool mend_start(const sn_model_muscle *m, sn_muscle_state *s, double h, double change, bool fast) {
+    bool jumped = change > FAR * m->diagonal, torn = is_torn(m, s, fast);
     if (torn || jumped) try_staying(m, s, h);
     if (jumped) try_carried(m, s, h);
     return jumped || (torn && is_torn(m, s, fast));
@@ -497,8 +497,8 @@ static bool begin(const sn_model_muscle *m, sn_muscle_state *s, const sn_substep
     bool predicted = pushed && s->stopped != SN_STOP_FAILED && predict(m, s, h, weight, change <= m->mean_edge);
     choose_start(m, s, h, predicted);
     s->abrupt = change > ABRUPT_EDGES * m->mean_edge;
-    s->torn = mend_start(m, s, h, jump, fast);
-    bool far = jump > FAR * m->diagonal && s->stretch_before < INFINITY;
+    s->torn = mend_start(m, s, h, change, fast);
+    bool far = change > FAR * m->diagonal && s->stretch_before < INFINITY;
     if (s->torn && substep->may_halve && jump <= m->diagonal && (far || tears(m, s))) return false;
     s->turned = s->turned && !s->torn;
     sn_preconditioner_turn(s->qn->preconditioner, s->points);

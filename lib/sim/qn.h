@@ -32,10 +32,6 @@ typedef struct sn_preconditioner sn_preconditioner;
  * after the other, and what is given by member is (count). */
 SN_MUST_CHECK sn_status sn_preconditioner_create(sn_index count, const sn_model_muscle *const *members, sn_preconditioner **out,
                                                  sn_error *error);
-/* Rows between members (or within one), in the group's points; copied, in place of those before. scale is their whole stiffness (k = 1),
- * and the gradients are in the rest frames of their points. Matrices are made and factored anew by the next update. They are in the factor,
- * not in the coarse spaces. false: no memory, and nothing has changed. */
-SN_MUST_CHECK bool sn_preconditioner_couple(sn_preconditioner *p, sn_index count, const sn_rest_row *rows);
 void sn_preconditioner_destroy(sn_preconditioner *p); /* NULL is fine */
 /* stiffness and factored_for by member. Go by the corotated matrix, its frames in turns (point_count; sn_preconditioner_turn writes them),
  * or by the scalar one (turns NULL), factored for (h, k), unless *factored_for, the k of the factor that the run goes by (NaN = none), is

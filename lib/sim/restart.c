@@ -104,17 +104,21 @@ static void pass_muscle(cursor *c, const sn_model_muscle *m, sn_muscle_state *s)
 #undef PASS_ARRAY
 }
 
-/* What a state fits: the rest shapes and the rows. */
+/* What a state fits: the rest shapes and the rows, by the list of the model's arrays. */
+#define COUNT_FITTED(type, name, count, nullable, fitted) +(fitted)
+enum { FITTED_ARRAYS = 0 SN_MODEL_ARRAYS(COUNT_FITTED) };
+#undef COUNT_FITTED
+
 static sn_status fingerprint(const sn_model *model, char out[SN_HASH_LENGTH], sn_error *error) {
-    size_t size = (size_t)model->muscle_count * 4 * SN_HASH_LENGTH;
+    size_t size = (size_t)model->muscle_count * FITTED_ARRAYS * SN_HASH_LENGTH;
     char *hashes = sn_alloc(size + 1, 1), *next = hashes;
     if (hashes == NULL) return sn_fail_memory(error, "the state");
-    for (sn_index i = 0; i < model->muscle_count; i++, next += 4 * SN_HASH_LENGTH) {
+    for (sn_index i = 0; i < model->muscle_count; i++) {
         const sn_model_muscle *m = &model->muscles[i];
-        sn_hash(m->rest, (size_t)m->point_count * sizeof *m->rest, next);
-        sn_hash(m->inverse_mass, (size_t)m->point_count * sizeof *m->inverse_mass, next + SN_HASH_LENGTH);
-        sn_hash(m->distances, (size_t)m->distance_start[SN_DISTANCE_KINDS] * sizeof *m->distances, next + 2 * SN_HASH_LENGTH);
-        sn_hash(m->hinges, (size_t)m->hinge_count * sizeof *m->hinges, next + 3 * SN_HASH_LENGTH);
+#define HASH(type, name, count, nullable, fitted)                                                                                          \
+    if (fitted) sn_hash(m->name, (size_t)(count) * sizeof(type), next), next += SN_HASH_LENGTH;
+        SN_MODEL_ARRAYS(HASH)
+#undef HASH
     }
     sn_hash(hashes, size, out);
     free(hashes);

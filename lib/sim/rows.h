@@ -108,8 +108,8 @@ void sn_plan_count(const sn_build *build);
 /* An order of rows of `size` points each, points (count x size): the first *batched rows come in fours that share no point. */
 SN_MUST_CHECK sn_status sn_batch_order(sn_index count, sn_index size, const sn_index *points, sn_index point_count, sn_index *order,
                                        sn_index *batched, sn_error *error);
-/* For rows in that order: *pairs (batched / 4, made), true where a four and the next one share no point either. */
-SN_MUST_CHECK sn_status sn_batch_pair(sn_index batched, sn_index size, const sn_index *points, bool **pairs, sn_error *error);
+/* For rows in that order: pairs (batched / 4), true where a four and the next one share no point either. */
+void sn_batch_pair(sn_index batched, sn_index size, const sn_index *points, bool *pairs);
 /* Put an array (count) of elements of `size` bytes into that order; NULL is fine. */
 SN_MUST_CHECK sn_status sn_batch_sort(void *array, sn_index count, size_t size, const sn_index *order, sn_error *error);
 
@@ -176,7 +176,8 @@ typedef struct sn_row_ops {
     /* Build the rows of this kind; NULL: the kind before it has built them too. Not called with `reason` other than SN_RUNS where it is
      * alone. */
     sn_status (*build)(const sn_build *build, sn_row_kind kind, sn_error *error);
-    void (*destroy)(sn_model_muscle *m, sn_row_kind kind); /* what is in m->own */
+    void (*destroy)(sn_model_muscle *m, sn_row_kind kind);           /* what is in m->own */
+    size_t (*own_bytes)(const sn_model_muscle *m, sn_row_kind kind); /* of that */
     sn_index (*count)(const sn_model_muscle *m, sn_row_kind kind);
     const sn_index *(*points)(const sn_model_muscle *m, sn_row_kind kind, sn_index row); /* (info.points) */
     size_t (*bytes)(const sn_model_muscle *m);                                           /* of one row in model and state */

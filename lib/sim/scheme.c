@@ -59,8 +59,3 @@ int sn_scheme_sweeps(const sn_solver_settings *solver, sn_row_kind kind) {
     for (int i = 0; i < count; i++) sweeps += order[i] == kind;
     return sweeps;
 }
-
-const char *sn_scheme_name(sn_scheme scheme) {
-    static const char *const NAMES[] = {"guarded", "romeo", "kohout"};
-    return NAMES[scheme];
-}

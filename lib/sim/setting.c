@@ -23,20 +23,14 @@ typedef struct setting_key {
 
 #define SOLVER(member) offsetof(sn_solver_settings, member)
 
-static const char *const METHODS[] = {"xpbd", "qn", NULL}; /* in the order of sn_solver_method */
-static const char *const SCHEMES[] = {"guarded", "romeo", "kohout", NULL};
-static const char *const HINGES[] = {"scheme", "published", "printed", NULL};            /* in the order of sn_hinge_rule */
-static const char *const PRECISIONS[] = {"double", "single", NULL};                      /* in the order of sn_precision */
-static const char *const PRECONDITIONERS[] = {"scalar", "corotated", "two-level", NULL}; /* in the order of sn_preconditioning */
-
 static const setting_key KEYS[] = {
     {"substeps", XPBD | QN, AUTO, 1, 1e6, NULL, SOLVER(substeps)},
     {"iterations", XPBD | QN, WHOLE, 1, 1e6, NULL, SOLVER(iterations)},
     {"tolerance", QN, NUMBER, 0, 1, NULL, SOLVER(tolerance)},
-    {"scheme", XPBD, WORD, 0, 0, SCHEMES, SOLVER(scheme)},
-    {"hinges", XPBD, WORD, 0, 0, HINGES, SOLVER(hinges)},
-    {"precision", XPBD, WORD, 0, 0, PRECISIONS, SOLVER(precision)},
-    {"preconditioner", QN, WORD, 0, 0, PRECONDITIONERS, SOLVER(preconditioner)},
+    {"scheme", XPBD, WORD, 0, 0, sn_scheme_names, SOLVER(scheme)},
+    {"hinges", XPBD, WORD, 0, 0, sn_hinge_rule_names, SOLVER(hinges)},
+    {"precision", XPBD, WORD, 0, 0, sn_precision_names, SOLVER(precision)},
+    {"preconditioner", QN, WORD, 0, 0, sn_preconditioning_names, SOLVER(preconditioner)},
 };
 enum { KEY_COUNT = sizeof KEYS / sizeof *KEYS };
 
@@ -74,7 +68,8 @@ static sn_status unknown_key(sn_solver_method method, const char *text, size_t l
     for (int i = 0; i < KEY_COUNT; i++)
         if (KEYS[i].methods & (1U << method)) names[count++] = KEYS[i].name;
     list_words(names, list, sizeof list);
-    return sn_fail(error, SN_ERROR_INPUT, "%s has no \"%.*s\"; it has %s", METHODS[method], (int)(length < 64 ? length : 64), text, list);
+    return sn_fail(error, SN_ERROR_INPUT, "%s has no \"%.*s\"; it has %s", sn_solver_method_names[method], (int)(length < 64 ? length : 64),
+                   text, list);
 }
 
 static sn_status parse_word(const setting_key *key, const char *text, size_t length, double *out, sn_error *error) {
@@ -116,7 +111,7 @@ static sn_status parse_item(const char *text, size_t length, sn_setting *out, sn
 }
 
 static sn_status parse_method(const char *text, size_t length, sn_setting *out, sn_error *error) {
-    int place = find_word(METHODS, text, length);
+    int place = find_word(sn_solver_method_names, text, length);
     if (place < 0)
         return sn_fail(error, SN_ERROR_INPUT, "a setting begins with its method, xpbd or qn, not with \"%.*s\"",
                        (int)(length < 64 ? length : 64), text);
@@ -191,7 +186,7 @@ static void format_key(int i, double value, char *out, size_t size) {
 }
 
 static void format_keys(const sn_setting *setting, bool family, char out[SN_SETTING_LENGTH]) {
-    size_t used = (size_t)snprintf(out, SN_SETTING_LENGTH, "%s", METHODS[setting->method]);
+    size_t used = (size_t)snprintf(out, SN_SETTING_LENGTH, "%s", sn_solver_method_names[setting->method]);
     for (int i = 0; i < KEY_COUNT && used < SN_SETTING_LENGTH; i++) {
         if (!(setting->given & (1U << i))) continue;
         if (family && (KEYS[i].kind != WORD || setting->values[i] == 0.0)) continue;

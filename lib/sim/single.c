@@ -183,9 +183,9 @@ static sn_sweep in_floats(const sn_model_muscle *m, const sn_sweep *in_double) {
 
 void sn_single_distance_sweep(const sn_model_muscle *m, sn_muscle_state *s, sn_row_kind kind, const sn_sweep *in_double) {
     const sn_sweep sweep = in_floats(m, in_double);
-    const distance_rows in = {s->single_points,   m->distances->point,    s->goals, m->distance_softness, m->distance_gain,
-                              s->distance_lambda, m->distance_pairs[kind]};
     sn_index begin = m->distance_start[kind], end = m->distance_start[kind + 1];
+    const distance_rows in = {s->single_points,   m->distances->point,          s->goals, m->distance_softness, m->distance_gain,
+                              s->distance_lambda, m->distance_pairs + begin / 4};
     s->statistics.skipped_edges += sweep_distances(&in, begin, begin + m->distance_batched[kind], end, &sweep);
 }
 

@@ -175,3 +175,17 @@ END
     for plan in plan again; do grep -v millisecondsPerFrame $plan.json > $plan.unmeasured; done
     cmp plan.unmeasured again.unmeasured
 }
+
+# One table of names in the library stands behind documents and options; the schema is written by hand.
+@test "the schema names the choices that the tools name, in their order" {
+    [ -x "$BIN/simulate" ] || skip "there is no simulate"
+    for option in law stretch anisotropy scheme hinges solver precision preconditioner; do
+        run -2 "$BIN/simulate" "--$option" what-nobody-names
+        names=${output#*not one of } names=${names%%;*}
+        member=$option; [ "$option" = solver ] && member=method
+        grep -qF "\"$member\": { \"enum\": [\"${names//, /\", \"}\"]" "$schemas/scene.schema.json" || {
+            echo "$member: the tools know $names"
+            false
+        }
+    done
+}

@@ -182,7 +182,8 @@ static void stiffness_and_step(void) {
             scene.rate = 1.0 / (steps[j] * sn_solver_substeps(&scene.solver));
             if (stiffness[i] == 0.0) scene.gravity = sn_v3(0.1, -0.2, 0.3), scene.muscles[0].damping = 0.0; /* its bones move */
             simulation s = start(&scene);
-            double far = run(&s, 20), flight = stiffness[i] == 0.0 ? flight_error(&s, scene.gravity, 20 * sn_solver_substeps(&scene.solver)) : 0.0;
+            double far = run(&s, 20),
+                   flight = stiffness[i] == 0.0 ? flight_error(&s, scene.gravity, 20 * sn_solver_substeps(&scene.solver)) : 0.0;
             snprintf(name, sizeof name, "stiffness %g N/m, step %.3g s", stiffness[i], steps[j]);
             verdict(name, flight < 1e-9 && far < (stiffness[i] == 0.0 ? INFINITY : 2.0), far, flight,
                     stiffness[i] == 0.0 ? "error: against free flight" : "");
@@ -205,7 +206,7 @@ static void activations(void) {
                 set_keys(&scene.muscles[0].activation, 0.0, levels[j] / 0.99, 0.5, levels[i] / 0.99);
                 simulation s = start(&scene);
                 double far = run(&s, 24);
-                snprintf(name, sizeof name, "a %g from a0 %g, law %s", levels[i], levels[j], sn_fiber_law_name(scene.muscles[0].law));
+                snprintf(name, sizeof name, "a %g from a0 %g, law %s", levels[i], levels[j], sn_fiber_law_names[scene.muscles[0].law]);
                 double longer = (1.0 - levels[i]) / (1.0 - levels[j]); /* a muscle at rest at a0 = 0.99 wants to be 100 times as long */
                 if (scene.muscles[0].law == SN_LAW_ISOCHORIC) longer = fmax(longer, sqrt(1.0 / longer)); /* or ten times as wide */
                 verdict(name, far < 2.0 * fmax(1.0, longer), far, 0.0, "");

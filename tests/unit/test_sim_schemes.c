@@ -1,6 +1,10 @@
 /* test_sim_schemes.c -- the schemes, the forms of anisotropy, maps and curves, least areas; restart; what is off is absent. */
 #include "sim_scene.h"
 
+#include "../../lib/sim/rows.h"
+
+#include <malloc.h>
+
 static const sn_statistics *statistics(const simulation *s) { return &s->state->muscles[0].statistics; }
 
 /* One free triangle: the smallest scene that has a row. */
@@ -207,6 +211,47 @@ static void off_equals_absent(void **state) {
     for (int k = 0; k < 2; k++) finish(&runs[k]);
 }
 
+/* Every array of a model is there unless it may be left out, and as long as its count says: the allocator, which rounds a block up by
+ * less than 48 bytes, holds no more of it. Returns the bytes of all. */
+static size_t check_arrays(const sn_model_muscle *m) {
+    size_t bytes = sizeof *m;
+#define CHECK(type, name, count, nullable, fitted)                                                                                         \
+    if (!(nullable) && (count) > 0) assert_non_null(m->name);                                                                              \
+    if (m->name != NULL) {                                                                                                                 \
+        size_t size = (size_t)(count) * sizeof(type), held = malloc_usable_size(m->name);                                                  \
+        assert_true(held >= size && held < size + 48);                                                                                     \
+        bytes += size;                                                                                                                     \
+    }
+    SN_MODEL_ARRAYS(CHECK)
+#undef CHECK
+    return bytes;
+}
+
+/* The plan's bytes are those that were allocated, under every option that adds an array or leaves one out. */
+static void the_plan_counts_what_is_allocated(void **state) {
+    (void)state;
+    fusiform bare = FUSIFORM;
+    bare.structure = false, bare.pinned = 0.0;
+    for (int k = 0; k < 5; k++) {
+        sn_scene scene;
+        make_scene(&scene, k == 1 ? &bare : &FUSIFORM);
+        paint(&scene, "map", 0.5, 0.5);
+        scene.solver = sn_solver_defaults(k < 4 ? SN_SOLVER_XPBD : SN_SOLVER_QN);
+        if (k == 1) scene.muscles[0].activation_map = sn_strdup("map"), scene.muscles[0].anisotropy = SN_ANISOTROPY_PBD;
+        if (k == 2) scene.solver.precision = SN_PRECISION_SINGLE;
+        if (k == 3) scene.solver.scheme = SN_SCHEME_KOHOUT;
+        if (k == 4) scene.muscles[0].stretch = SN_STRETCH_MEMBRANE, scene.muscles[0].stiffness_map = sn_strdup("map");
+        simulation s = start(&scene);
+        const sn_model_muscle *m = &s.model->muscles[0];
+        assert_true((m->distance_gain != NULL) == (k == 1 || k == 3) && (m->distance_share != NULL) == (k == 1));
+        assert_true((m->area_pairs != NULL) == (k == 2) && (m->own[SN_ROWS_MEMBRANE] != NULL) == (k == 4));
+        size_t own = sn_rows_membrane.own_bytes(m, SN_ROWS_MEMBRANE);
+        assert_true((own > 0) == (k == 4));
+        assert_int_equal(s.model->plan.muscles[0].model_bytes, check_arrays(m) + own);
+        finish(&s);
+    }
+}
+
 /* Every number of a packed state comes back; a flipped bit, a missing byte and another model are found. */
 static void a_state_survives_and_damage_is_found(void **state) {
     (void)state;
@@ -252,6 +297,7 @@ int main(void) {
         cmocka_unit_test(a_map_scales_the_stiffness),
         cmocka_unit_test(a_curve_of_stiffness_passes_through_its_knots),
         cmocka_unit_test(off_equals_absent),
+        cmocka_unit_test(the_plan_counts_what_is_allocated),
         cmocka_unit_test(a_state_survives_and_damage_is_found),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
