@@ -305,21 +305,25 @@ END
     for iteration in -1 110 2147483647; do told iteration 168,i,$iteration; done
     for muscles in 0 2 -1; do told muscles 172,i,$muscles; done
     told statistics.skipped_edges 176,q,9223372036854775807
-    told volume_lambda 248,d,nan
-    told activation 256,d,7
-    told stiffness 272,d,-1
-    told factor_stiffness 296,d,inf
-    told still 312,i,-1
-    for count in -1 9 2147483647; do told pair_count 316,i,$count; done
-    told pair_next 316,i,8 320,i,-2147483648
-    told stopped 324,i,77
-    told turned 328,B,2
-    told torn 329,B,200
-    told points 330,d,nan
-    told points 354,d,12345
+    told volume_lambda 272,d,nan
+    told activation 280,d,7
+    told stiffness 296,d,-1
+    told factor_stiffness 320,d,inf
+    told progress 336,i,9
+    told bones 352,d,nan
+    told stretch_before 432,d,-1
+    told abrupt 440,B,2
+    told still 441,i,-1
+    for count in -1 9 2147483647; do told pair_count 445,i,$count; done
+    told pair_next 445,i,8 449,i,-2147483648
+    told stopped 453,i,77
+    told turned 457,B,2
+    told torn 458,B,200
+    told points 459,d,nan
+    told points 483,d,12345
     refute [ -e forged.png ]
     for far in 1e3 1e38 1e160 1e300; do # a place that no muscle comes to, and still a place
-        forge good.state forged.state "$(((330 + 32 * 200))),d,$far"
+        forge good.state forged.state "$(((459 + 32 * 200))),d,$far"
         for tool in "simulate one.scene.json --from" "rig-view one.scene.json -o forged.png --state"; do
             code=0
             $tool forged.state > out 2> err || code=$?
