@@ -578,8 +578,7 @@ static sn_status add_states(album *a, sn_scene *scene, sn_error *error) {
     return status;
 }
 
-/* ---- scenes ----------------------------------------------------------------------------------------------------------------------------
- */
+/* ---- scenes -------------------------------------------------------------------------------------------------------------- */
 
 static sn_status add_frames(album *a, const sn_scene *scene, const char *path, sn_error *error) {
     caches k = {0};
@@ -617,8 +616,7 @@ static sn_status add_input(album *a, const char *path, sn_error *error) {
     return status;
 }
 
-/* ---- cameras ---------------------------------------------------------------------------------------------------------------------------
- */
+/* ---- cameras ------------------------------------------------------------------------------------------------------------- */
 
 /* Stages of one muscle belong together: their extents are nearly the same. */
 static bool same_place(const sn_camera *a, const sn_camera *b) {
@@ -648,8 +646,7 @@ static sn_camera camera_for(const album *a, sn_index group, const look *l, const
     return camera;
 }
 
-/* ---- the sheet
- * ---------------------------------------------------------------------------------------------------------------------------- */
+/* ---- the sheet ----------------------------------------------------------------------------------------------------------- */
 
 static const char *common_text(const album *a, bool title) {
     const char *first = title ? a->items[0].view.title : a->items[0].view.subtitle;

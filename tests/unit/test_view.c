@@ -86,11 +86,18 @@ static sn_view_options small_options(void) {
     return o;
 }
 
+/* The view alone, without any text. */
+static sn_status draw(const sn_view *view, const sn_camera *camera, sn_view_options o, sn_image *out, sn_error *error) {
+    const sn_tile tile = {view, camera, NULL};
+    o.legend = false;
+    return sn_sheet_render(1, &tile, NULL, NULL, &o, out, error);
+}
+
 static sn_image render(const sn_view *view, sn_camera camera, sn_view_options o) {
     sn_image image;
     sn_error error = {0};
     sn_camera_include(&camera, view);
-    assert_int_equal(sn_view_render(view, &camera, &o, &image, &error), SN_OK);
+    assert_int_equal(draw(view, &camera, o, &image, &error), SN_OK);
     return image;
 }
 
@@ -219,8 +226,7 @@ static void the_long_axis_lies_along_the_picture(void **state) {
     sn_view_free(&view);
 }
 
-/* ---- the same picture every time ------------------------------------------------------------------------------------------------------
- */
+/* ---- the same picture every time ----------------------------------------------------------------------------------------- */
 
 static void any_number_of_threads_gives_the_same_bytes(void **state) {
     (void)state;
@@ -241,8 +247,7 @@ static void any_number_of_threads_gives_the_same_bytes(void **state) {
     sn_muscle_free(&m);
 }
 
-/* ---- words and files
- * --------------------------------------------------------------------------------------------------------------------- */
+/* ---- words and files ----------------------------------------------------------------------------------------------------- */
 
 static sn_index ink(const sn_image *image) {
     sn_index count = 0;
@@ -441,7 +446,7 @@ static void vertex_colours_are_drawn(void **state) {
     sn_camera_include(&camera, &view);
     sn_view_options o = small_options();
     sn_image image;
-    assert_int_equal(sn_view_render(&view, &camera, &o, &image, NULL), SN_OK);
+    assert_int_equal(draw(&view, &camera, o, &image, NULL), SN_OK);
     const uint8_t *low = pixel(&image, 2 * image.width / 5, image.height / 2), *high = pixel(&image, 3 * image.width / 5, image.height / 2);
     assert_true(low[2] > low[0]);                        /* blue */
     assert_true(high[0] > high[1] && high[2] > high[1]); /* purple */
@@ -470,8 +475,7 @@ static void libpng_reads_back_the_same_pixels(void **state) {
     sn_image_free(&image);
 }
 
-/* ---- partial, odd and bad input
- * ------------------------------------------------------------------------------------------------------------- */
+/* ---- partial, odd and bad input ------------------------------------------------------------------------------------------ */
 
 static void draw_whole(const sn_muscle *m, unsigned show) {
     sn_view view = {0};
@@ -540,13 +544,13 @@ static void what_cannot_be_drawn_is_refused(void **state) {
     sn_camera camera = sn_camera_from(30, 30);
     sn_camera_include(&camera, &view);
     sn_view_options o = small_options();
-    assert_int_equal(sn_view_render(&view, &camera, &o, &image, &error), SN_ERROR_INPUT);
+    assert_int_equal(draw(&view, &camera, o, &image, &error), SN_ERROR_INPUT);
     assert_non_null(strstr(error.text, "too large"));
     o.width = 0;
-    assert_int_equal(sn_view_render(&view, &camera, &o, &image, &error), SN_ERROR_USAGE);
+    assert_int_equal(draw(&view, &camera, o, &image, &error), SN_ERROR_USAGE);
     o = small_options();
     o.samples = 9;
-    assert_int_equal(sn_view_render(&view, &camera, &o, &image, &error), SN_ERROR_USAGE);
+    assert_int_equal(draw(&view, &camera, o, &image, &error), SN_ERROR_USAGE);
     sn_view nothing = {0};
     sn_tile tile = {&nothing, &camera, NULL};
     o.samples = 1;
@@ -555,8 +559,7 @@ static void what_cannot_be_drawn_is_refused(void **state) {
     sn_view_free(&view);
 }
 
-/* ---- scenes
- * ------------------------------------------------------------------------------------------------------------------------------------ */
+/* ---- scenes -------------------------------------------------------------------------------------------------------------- */
 
 static void scenes_pose_bones_and_deform_muscles(void **state) {
     (void)state;
