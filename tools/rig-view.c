@@ -694,7 +694,8 @@ static sn_status draw(const album *a, const looks *views, sn_view_options *o, sn
     if (!status && count > 1 && !given.size) o->height = tile_height(count, cameras, o->width);
     if (!o->columns && a->count > 1 && views->count > 1) o->columns = views->count;
     const char *title = given.title ? given.title : common_text(a, true);
-    if (!status) status = sn_sheet_render((sn_index)count, tiles, title, common_text(a, false), o, image, error);
+    const sn_sheet sheet = {(sn_index)count, tiles, title, common_text(a, false)};
+    if (!status) status = sn_sheet_render(&sheet, o, image, error);
     free(tiles);
     free(cameras);
     free(captions);

@@ -178,9 +178,15 @@ typedef struct sn_tile {
     const char *caption; /* nullable */
 } sn_tile;
 
+/* What a picture shows. */
+typedef struct sn_sheet {
+    sn_index tile_count;
+    const sn_tile *tiles;         /* (tile_count) */
+    const char *title, *subtitle; /* nullable */
+} sn_sheet;
+
 /* One picture of the options' size, or a contact sheet: tiles of that size in rows, each with its caption and scale bar, one title and
- * one legend. title and subtitle are nullable. SN_ERROR_INPUT where all views are empty. */
-SN_MUST_CHECK sn_status sn_sheet_render(sn_index tile_count, const sn_tile *tiles, const char *title, const char *subtitle,
-                                        const sn_view_options *options, sn_image *out, sn_error *error);
+ * one legend. SN_ERROR_INPUT where all views are empty. */
+SN_MUST_CHECK sn_status sn_sheet_render(const sn_sheet *sheet, const sn_view_options *options, sn_image *out, sn_error *error);
 
 #endif

@@ -90,7 +90,7 @@ static sn_view_options small_options(void) {
 static sn_status draw(const sn_view *view, const sn_camera *camera, sn_view_options o, sn_image *out, sn_error *error) {
     const sn_tile tile = {view, camera, NULL};
     o.legend = false;
-    return sn_sheet_render(1, &tile, NULL, NULL, &o, out, error);
+    return sn_sheet_render(&(sn_sheet){1, &tile, NULL, NULL}, &o, out, error);
 }
 
 static sn_image render(const sn_view *view, sn_camera camera, sn_view_options o) {
@@ -297,7 +297,7 @@ static void the_legend_names_what_is_drawn(void **state) {
     for (int legend = 0; legend < 2; legend++) {
         o.legend = legend == 1;
         sn_image image;
-        assert_int_equal(sn_sheet_render(1, &tile, view.title, view.subtitle, &o, &image, NULL), SN_OK);
+        assert_int_equal(sn_sheet_render(&(sn_sheet){1, &tile, view.title, view.subtitle}, &o, &image, NULL), SN_OK);
         assert_int_equal(image.width, 800);
         assert_int_equal(image.height, 600);
         int purple = 0, dark = 0; /* the roots' dot in the lower left, the title in the upper left */
@@ -328,7 +328,7 @@ static void a_sheet_holds_all_its_tiles(void **state) {
     o.legend = false;
     o.columns = 2;
     sn_image image;
-    assert_int_equal(sn_sheet_render(3, tiles, NULL, NULL, &o, &image, NULL), SN_OK);
+    assert_int_equal(sn_sheet_render(&(sn_sheet){3, tiles, NULL, NULL}, &o, &image, NULL), SN_OK);
     assert_in_range(image.width, 400, 412);
     assert_in_range(image.height, 300, 312);
     assert_true(pixel(&image, 100, 75)[0] > 120 && pixel(&image, 300, 75)[2] > 120 && pixel(&image, 100, 230)[0] > 120);
@@ -351,7 +351,7 @@ static sn_image captioned_sheet(sn_index count, const char *const *captions, con
     sn_view_options o = small_options();
     o.columns = 4;
     sn_image image;
-    assert_int_equal(sn_sheet_render(count, tiles, NULL, NULL, &o, &image, NULL), SN_OK);
+    assert_int_equal(sn_sheet_render(&(sn_sheet){count, tiles, NULL, NULL}, &o, &image, NULL), SN_OK);
     for (sn_index i = 0; i < count; i++) sn_view_free(&views[i]);
     return image;
 }
@@ -413,7 +413,7 @@ static void details_that_differ_are_left_out_of_a_sheet(void **state) {
         }
         sn_camera_include(&camera, &views[0]);
         sn_view_options o = small_options();
-        assert_int_equal(sn_sheet_render(2, tiles, NULL, NULL, &o, &images[k], NULL), SN_OK);
+        assert_int_equal(sn_sheet_render(&(sn_sheet){2, tiles, NULL, NULL}, &o, &images[k], NULL), SN_OK);
         for (int i = 0; i < 2; i++) sn_view_free(&views[i]);
     }
     assert_true(same_images(&images[0], &images[1]));
@@ -554,7 +554,7 @@ static void what_cannot_be_drawn_is_refused(void **state) {
     sn_view nothing = {0};
     sn_tile tile = {&nothing, &camera, NULL};
     o.samples = 1;
-    assert_int_equal(sn_sheet_render(1, &tile, NULL, NULL, &o, &image, &error), SN_ERROR_INPUT);
+    assert_int_equal(sn_sheet_render(&(sn_sheet){1, &tile, NULL, NULL}, &o, &image, &error), SN_ERROR_INPUT);
     sn_mesh_free(&mesh);
     sn_view_free(&view);
 }
