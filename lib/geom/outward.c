@@ -26,8 +26,7 @@ static void parts_free(parts *p) {
 }
 
 static sn_mesh part_mesh(const parts *p, sn_index c) {
-    return (sn_mesh){
-        .triangle_count = p->start[c + 1] - p->start[c], .triangles = p->triangles + p->start[c], .positions = p->positions};
+    return (sn_mesh){.triangle_count = p->start[c + 1] - p->start[c], .triangles = p->triangles + p->start[c], .positions = p->positions};
 }
 
 static sn_box part_box(const parts *p, sn_index c) {

@@ -70,7 +70,7 @@ END
         for muscle in biceps brachialis triceps; do cmp a/$muscle.pc2 $other/$muscle.pc2; done
     done
     [ "$(grep -c '"stage":"iteration"' steps.jsonl)" -eq "$(wc -l < steps.jsonl)" ]
-    each=$(simulate --plan arm.scene.json | python3 -c 'import json,sys; s=json.load(sys.stdin)["scene"]["solver"]; print(s["substeps"]*s["iterations"])')
+    each=$(simulate --plan arm.scene.json | python3 -c 'import json,sys; s=json.load(sys.stdin)["scene"]["solver"]; print((1 if s["substeps"] == "auto" else s["substeps"])*s["iterations"])')
     [ "$(wc -l < steps.jsonl)" -eq $((3 * 3 * each)) ]
 }
 

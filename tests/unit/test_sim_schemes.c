@@ -217,7 +217,7 @@ static size_t check_arrays(const sn_model_muscle *m) {
     if (!(nullable) && (count) > 0) assert_non_null(m->name);                                                                              \
     if (m->name != NULL) {                                                                                                                 \
         size_t size = (size_t)(count) * sizeof(type), held = malloc_usable_size(m->name);                                                  \
-        assert_true(held >= size && held < size + 48);                                                                                    \
+        assert_true(held >= size && held < size + 48);                                                                                     \
         bytes += size;                                                                                                                     \
     }
     SN_MODEL_ARRAYS(CHECK)
