@@ -15,7 +15,7 @@ DATA ?= ../shared/data
 VERSION := $(shell sed -n 's/^\#define SN_VERSION "\(.*\)"/\1/p' include/sinew/base.h)
 
 # ---- flags ----------------------------------------------------------------------------------------------------------------
-WARN := -Wall -Wextra -Wshadow -Wconversion -Wmissing-prototypes -Wstrict-prototypes -Wno-psabi
+WARN := -Wall -Wextra -Wshadow -Wconversion -Wmissing-prototypes -Wstrict-prototypes -Wcast-qual -Wno-psabi
 WERROR ?=
 FLAGS_release  := -O2 -g -DNDEBUG
 FLAGS_debug    := -O0 -g3

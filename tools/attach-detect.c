@@ -83,32 +83,35 @@ static bool wants_neighbours(void) { return glue_files.count > 0 || skeleton_fil
 
 typedef struct pin_list {
     int count;
-    sn_attach_pin *pins; /* (count) what the library sees; bone is owned here */
+    char **bones;        /* (count) their names */
+    sn_attach_pin *pins; /* (count) what the library sees */
     selector *selectors; /* (count) */
 } pin_list;
 
 static void free_pins(pin_list *list) {
     for (int i = 0; i < list->count; i++) {
-        free((char *)list->pins[i].bone);
+        free(list->bones[i]);
         selector_free(&list->selectors[i]);
     }
+    free(list->bones);
     free(list->pins);
     free(list->selectors);
 }
 
 static sn_status parse_pins(const cli *c, pin_list *list, sn_error *error) {
+    list->bones = SN_NEW(char *, pin_texts.count);
     list->pins = SN_NEW(sn_attach_pin, pin_texts.count);
     list->selectors = SN_NEW(selector, pin_texts.count);
-    if (list->pins == NULL || list->selectors == NULL) return sn_fail_memory(error, "the pins");
+    if (list->bones == NULL || list->pins == NULL || list->selectors == NULL) return sn_fail_memory(error, "the pins");
     for (int i = 0; i < pin_texts.count; i++) {
-        char *name = NULL;
+        char **name = &list->bones[i];
         const char *text = NULL;
         sn_error reason = {0};
-        if (!cli_split(pin_texts.items[i], &name, &text)) cli_usage_error(c, "--pin %s: write NAME=SELECTOR", pin_texts.items[i]);
+        if (!cli_split(pin_texts.items[i], name, &text)) cli_usage_error(c, "--pin %s: write NAME=SELECTOR", pin_texts.items[i]);
         sn_status status = selector_parse(text, &list->selectors[i], &reason);
-        list->pins[i] = (sn_attach_pin){.bone = name, .selector = list->selectors[i].rule};
+        list->pins[i] = (sn_attach_pin){.bone = *name, .selector = list->selectors[i].rule};
         list->count++;
-        if (status == SN_ERROR_USAGE) cli_usage_error(c, "--pin %s: %s", name, reason.text);
+        if (status == SN_ERROR_USAGE) cli_usage_error(c, "--pin %s: %s", *name, reason.text);
         if (status != SN_OK) return sn_fail_memory(error, "the pins");
     }
     return SN_OK;

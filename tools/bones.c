@@ -113,7 +113,7 @@ static void load_range(void *user, sn_index begin, sn_index end, sn_index chunk)
     for (sn_index i = begin; i < end; i++) {
         bone *b = &list->items[i];
         sn_mesh_frame frame;
-        b->status = sn_mesh_read_frame(b->file, &b->mesh, &frame, &b->error);
+        b->status = sn_mesh_read(b->file, &b->mesh, &frame, &b->error);
         if (b->status == SN_OK) b->status = sn_mesh_validate(&b->mesh, &b->error);
         if (b->status == SN_OK)
             convert(list, b, frame);

@@ -31,14 +31,15 @@ static bool find_script(const char *script, char path[PATH_MAX + 128]) {
 }
 
 /* Start it with its standard output and error going to `out`. */
-static int start(char *const *argv, int out, pid_t *child) {
+static int start(const char *const *argv, int out, pid_t *child) {
     posix_spawn_file_actions_t actions;
     int failed = posix_spawn_file_actions_init(&actions);
     if (failed != 0) return failed;
     failed = posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
     if (failed == 0) failed = posix_spawn_file_actions_adddup2(&actions, out, STDOUT_FILENO);
     if (failed == 0) failed = posix_spawn_file_actions_adddup2(&actions, out, STDERR_FILENO);
-    if (failed == 0) failed = posix_spawnp(child, argv[0], &actions, NULL, argv, environ);
+    /* POSIX leaves the const out for old programs; arguments are only read */
+    if (failed == 0) failed = posix_spawnp(child, argv[0], &actions, NULL, (char *const *)(uintptr_t)argv, environ);
     posix_spawn_file_actions_destroy(&actions);
     return failed;
 }
@@ -70,10 +71,10 @@ static const char *last_line(char *message) {
 
 bool chart_draw(cli *c, const char *script, const char *const *arguments) {
     char path[PATH_MAX + 128], message[MESSAGE_SIZE];
-    char *argv[MOST_ARGUMENTS + 4] = {"gnuplot", "-c", path};
+    const char *argv[MOST_ARGUMENTS + 4] = {"gnuplot", "-c", path};
     int ends[2], count = 3, failed;
     pid_t child;
-    while (*arguments != NULL && count < MOST_ARGUMENTS + 3) argv[count++] = (char *)*arguments++;
+    while (*arguments != NULL && count < MOST_ARGUMENTS + 3) argv[count++] = *arguments++;
     if (!find_script(script, path)) {
         cli_shortfall(c, "no chart: share/plots/%s is not there", script);
         return false;

@@ -578,8 +578,7 @@ static sn_status add_states(album *a, sn_scene *scene, sn_error *error) {
     return status;
 }
 
-/* ---- scenes ----------------------------------------------------------------------------------------------------------------------------
- */
+/* ---- scenes -------------------------------------------------------------------------------------------------------------- */
 
 static sn_status add_frames(album *a, const sn_scene *scene, const char *path, sn_error *error) {
     caches k = {0};
@@ -617,8 +616,7 @@ static sn_status add_input(album *a, const char *path, sn_error *error) {
     return status;
 }
 
-/* ---- cameras ---------------------------------------------------------------------------------------------------------------------------
- */
+/* ---- cameras ------------------------------------------------------------------------------------------------------------- */
 
 /* Stages of one muscle belong together: their extents are nearly the same. */
 static bool same_place(const sn_camera *a, const sn_camera *b) {
@@ -648,8 +646,7 @@ static sn_camera camera_for(const album *a, sn_index group, const look *l, const
     return camera;
 }
 
-/* ---- the sheet
- * ---------------------------------------------------------------------------------------------------------------------------- */
+/* ---- the sheet ----------------------------------------------------------------------------------------------------------- */
 
 static const char *common_text(const album *a, bool title) {
     const char *first = title ? a->items[0].view.title : a->items[0].view.subtitle;
@@ -697,7 +694,8 @@ static sn_status draw(const album *a, const looks *views, sn_view_options *o, sn
     if (!status && count > 1 && !given.size) o->height = tile_height(count, cameras, o->width);
     if (!o->columns && a->count > 1 && views->count > 1) o->columns = views->count;
     const char *title = given.title ? given.title : common_text(a, true);
-    if (!status) status = sn_sheet_render((sn_index)count, tiles, title, common_text(a, false), o, image, error);
+    const sn_sheet sheet = {(sn_index)count, tiles, title, common_text(a, false)};
+    if (!status) status = sn_sheet_render(&sheet, o, image, error);
     free(tiles);
     free(cameras);
     free(captions);

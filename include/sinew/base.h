@@ -83,16 +83,6 @@ char *sn_strdup(const char *text);
 char *sn_strndup(const char *text, size_t length);
 #define SN_NEW(type, count) ((type *)sn_alloc((size_t)(count), sizeof(type)))
 
-/* Scratch memory: blocks are taken in order and given back all at once, to a mark. Never shrinks until destroyed. */
-typedef struct sn_arena sn_arena;
-typedef struct sn_arena_mark { void *block; size_t used; } sn_arena_mark;
-sn_arena *sn_arena_create(size_t first_block_bytes);
-void sn_arena_destroy(sn_arena *arena);                               /* NULL is fine */
-void *sn_arena_take(sn_arena *arena, size_t count, size_t size);      /* zeroed, 64-byte aligned; NULL = out of memory */
-sn_arena_mark sn_arena_here(const sn_arena *arena);
-void sn_arena_release(sn_arena *arena, sn_arena_mark mark);
-size_t sn_arena_peak(const sn_arena *arena);                          /* most bytes ever in use */
-
 /* ---- numbers in text: strict, whole string, independent of the locale --------------------------------------------- */
 
 /* A length as a user writes it: "6mm", "0.5cm", "0.006m", or "6" in the document's unit. */

@@ -73,16 +73,13 @@ SN_MUST_CHECK sn_status sn_remove_self_intersections(sn_mesh *mesh, double secon
 SN_MUST_CHECK sn_status sn_lost_area(const sn_mesh *from, const sn_mesh *to, double reach, double *out, sn_error *error);
 /* Greatest distance of a sample of `from` (vertices and triangle centres) to the surface of `to`, exact closest points. */
 SN_MUST_CHECK sn_status sn_one_sided_distance(const sn_mesh *from, const sn_mesh *to, double *out, sn_error *error);
-/* Greatest distance from a surface sample of one mesh to the other surface, both ways: vertices and triangle centres, exact closest
- * points: a lower bound that is within half the longest edge of the Hausdorff distance. */
-SN_MUST_CHECK sn_status sn_hausdorff(const sn_mesh *a, const sn_mesh *b, double *out, sn_error *error);
 
 /* ---- surface queries (lib/geom/embree.c) ---------------------------------------------------------------------------- */
 
 typedef struct sn_surface sn_surface;
 
 typedef struct sn_closest {
-    sn_index triangle;      /* SN_NONE = nothing within reach */
+    sn_index triangle; /* SN_NONE = nothing within reach */
     double barycentric[3];
     sn_vec3 point;
     double distance;
@@ -105,7 +102,6 @@ sn_closest sn_surface_closest(const sn_surface *surface, sn_vec3 point, double m
 /* Signed distance, negative inside: angle-weighted pseudonormals on closed pieces (Baerentzen & Aanaes 2005), winding number on open ones
  * and on those that cross themselves. Overlapping pieces are one body; inside out counts as right side out. Thread safe. */
 double sn_surface_signed_distance(const sn_surface *surface, sn_vec3 point, sn_closest *closest /* nullable */);
-bool sn_surface_closed(const sn_surface *surface); /* no edge is a border, non-manifold or badly wound */
 /* First hit with near < t < far, in double; ties go to the lowest triangle, and no ray slips through between two that share an edge. Thread
  * safe. */
 sn_ray_hit sn_surface_ray(const sn_surface *surface, sn_vec3 origin, sn_vec3 direction, double near, double far);
@@ -117,7 +113,7 @@ double sn_winding_number(const sn_mesh *mesh, sn_vec3 point);
 /* Closest point on a triangle. */
 sn_vec3 sn_closest_on_triangle(sn_vec3 point, sn_vec3 a, sn_vec3 b, sn_vec3 c, double barycentric[3]);
 
-/* ---- fields on a surface (lib/geom/field.c eigen.c distance.c geodesic.c) -------------------------------------------------------------- */
+/* ---- fields on a surface (lib/geom/field.c eigen.c distance.c geodesic.c) ------------------------------------------------ */
 
 /* Harmonic field u (vertex_count) with u = value at the fixed vertices: cotangent Laplacian, weights clamped below at 1e-3.
  * Vertices of components without a fixed vertex get NaN. */
@@ -130,8 +126,8 @@ SN_MUST_CHECK sn_status sn_fiedler_field(const sn_mesh *mesh, const sn_topology 
 SN_MUST_CHECK sn_status sn_edge_distance(const sn_mesh *mesh, const sn_topology *topology, sn_index source_count, const sn_index *sources,
                                          double *distance, sn_index *from, sn_error *error);
 /* Distance along the surface from a set of source vertices by fast marching (Kimmel, Sethian 1998): exact on flat pieces from a straight
- * line of sources; unlike edge distance it hardly depends on the mesh. distance (vertex_count), unreached = INFINITY. No vertex but a source
- * lies lower than all its neighbours. */
+ * line of sources; unlike edge distance it hardly depends on the mesh. distance (vertex_count), unreached = INFINITY. No vertex but a
+ * source lies lower than all its neighbours. */
 SN_MUST_CHECK sn_status sn_geodesic_distance(const sn_mesh *mesh, const sn_topology *topology, sn_index source_count,
                                              const sn_index *sources, double *distance, sn_error *error);
 

@@ -69,7 +69,6 @@ bool sn_mesh_format_has_attributes(sn_mesh_format format);           /* any: PLY
 /* Parse any known format; *out is a mesh with indices in range (polygons fanned); coordinates may be non-finite only if
  * allow_nonfinite. Errors name line (text) or byte offset (binary). */
 SN_MUST_CHECK sn_status sn_mesh_parse(const sn_blob *blob, bool allow_nonfinite, sn_mesh *out, sn_error *error);
-SN_MUST_CHECK sn_status sn_mesh_read(const char *path, sn_mesh *out, sn_error *error); /* finite only */
 
 /* What a file says of its own coordinates: glTF, FBX and Collada do, most formats say nothing. */
 typedef enum sn_up { SN_UP_UNKNOWN, SN_UP_Y, SN_UP_Z } sn_up;
@@ -77,10 +76,11 @@ typedef struct sn_mesh_frame {
     double meters_per_unit; /* 0 = not said */
     sn_up up;
 } sn_mesh_frame;
-/* As sn_mesh_parse and sn_mesh_read, and what the file says of unit and axis; coordinates stay as they are in the file. */
+/* As sn_mesh_parse, and what the file says of unit and axis; coordinates stay as they are in the file. */
 SN_MUST_CHECK sn_status sn_mesh_parse_frame(const sn_blob *blob, bool allow_nonfinite, sn_mesh *out, sn_mesh_frame *frame,
                                             sn_error *error);
-SN_MUST_CHECK sn_status sn_mesh_read_frame(const char *path, sn_mesh *out, sn_mesh_frame *frame, sn_error *error);
+/* A file; finite coordinates only. frame is nullable. */
+SN_MUST_CHECK sn_status sn_mesh_read(const char *path, sn_mesh *out, sn_mesh_frame *frame, sn_error *error);
 /* Turn y up to z up, where up_y: (x, y, z) becomes (x, -z, y); and scale. */
 void sn_mesh_convert(sn_mesh *mesh, double scale, bool up_y);
 

@@ -45,7 +45,6 @@ typedef struct sn_motion {
 } sn_motion;
 
 double sn_channel_at(const sn_channel *channel, double time);
-bool sn_channel_constant(const sn_channel *channel); /* same value at all times */
 /* World pose of one joint at `time`, where others are not wanted; to rounding that of sn_motion_poses. */
 sn_rigid sn_motion_pose(const sn_motion *motion, sn_index joint, double time);
 /* World pose of every joint at `time`: poses (joint_count). */

@@ -45,6 +45,7 @@ typedef enum sn_row_kind {
 } sn_row_kind;
 #define SN_DISTANCE_KINDS 3 /* the first three are distances */
 
+/* Why a group of rows does not run. */
 typedef enum sn_left_out {
     SN_RUNS,             /* not left out */
     SN_OUT_NO_STIFFNESS, /* its stiffness is 0 at every activation */
@@ -57,8 +58,9 @@ typedef enum sn_left_out {
     SN_OUT_NOTHING       /* no row is left: every point is carried by a bone, or degenerate at rest */
 } sn_left_out;
 
+/* One group of rows of one muscle. */
 typedef struct sn_plan_group {
-    sn_left_out reason;
+    sn_left_out reason;  /* SN_RUNS, or why it does not */
     sn_index rows;       /* that run */
     int sweeps;          /* over them in an iteration */
     sn_index kinematic;  /* rows left out because every point of theirs is carried by a bone */
@@ -67,18 +69,20 @@ typedef struct sn_plan_group {
     double rigidity[2];  /* distances: k h^2 w relaxed and active, w of the mean point; far above 1 the rows are rigid, whatever k is */
 } sn_plan_group;
 
+/* One muscle of the scene. */
 typedef struct sn_plan_muscle {
-    const char *name; /* the scene's */
-    bool enabled;     /* false: nothing of it is in the model */
-    bool fibers;      /* false: no fibre directions, so that it does not contract */
-    sn_index vertices, samples, triangles;
-    sn_index bare_samples; /* of the structure, left out: no vertex hangs on them */
-    sn_index kinematic;    /* vertices carried by bones */
-    sn_index iterations;   /* per substep */
-    sn_plan_group groups[SN_ROW_KINDS];
-    size_t model_bytes, state_bytes; /* of its arrays and its struct; without the curves' knots and the back end's own scratch */
+    const char *name;                      /* the scene's */
+    bool enabled;                          /* false: nothing of it is in the model */
+    bool fibers;                           /* false: no fibre directions, so that it does not contract */
+    sn_index vertices, samples, triangles; /* that are in the model; samples: those on which a vertex hangs */
+    sn_index bare_samples;                 /* of the structure, left out: no vertex hangs on them */
+    sn_index kinematic;                    /* vertices carried by bones */
+    sn_index iterations;                   /* per substep */
+    sn_plan_group groups[SN_ROW_KINDS];    /* by sn_row_kind */
+    size_t model_bytes, state_bytes;       /* of its arrays and its struct; without the curves' knots and the back end's own scratch */
 } sn_plan_muscle;
 
+/* What a scene comes to; owned by the model. */
 typedef struct sn_plan {
     sn_index muscle_count;
     sn_plan_muscle *muscles; /* (muscle_count) one per muscle of the scene, disabled ones too */
@@ -99,7 +103,7 @@ const char *sn_left_out_text(sn_left_out reason); /* half a sentence; "" for SN_
 
 /* ---- the constraint table --------------------------------------------------------------------------------------------- */
 
-/* C = |x0 - x1| - sigma. */
+/* Two points: C = |x0 - x1| - sigma. */
 typedef struct sn_distance_row {
     sn_index point[2];
 } sn_distance_row;
@@ -109,7 +113,7 @@ typedef struct sn_hinge_row {
     sn_index point[4];
 } sn_hinge_row;
 
-/* J = |n| / (2 A0) >= the scene's least area. */
+/* A triangle: J = |n| / (2 A0) >= the scene's least area. */
 typedef struct sn_area_row {
     sn_index point[3];
 } sn_area_row;
@@ -119,9 +123,9 @@ typedef struct sn_area_row {
 
 /* Surface vertices that move with one bone: kinematic_points[begin .. end - 1]. */
 typedef struct sn_site {
-    sn_index joint; /* SN_NONE = the bone never moves */
-    sn_index begin, end;
-    sn_vec3 centre; /* mean rest position, m */
+    sn_index joint;      /* SN_NONE = the bone never moves */
+    sn_index begin, end; /* of kinematic_points */
+    sn_vec3 centre;      /* mean rest position, m */
 } sn_site;
 
 /* The terms of one row's goal length, m^2. */
@@ -162,26 +166,26 @@ enum { SN_UNFITTED = false, SN_FITTED = true };
 
 /* One muscle, immutable. Points are the surface vertices in document order, then the samples on which a vertex hangs. */
 typedef struct sn_model_muscle {
-    const sn_scene_muscle *source;
+    const sn_scene_muscle *source; /* in the scene */
 #define SN_MODEL_MEMBER(type, name, count, nullable, fitted) type *name;
     SN_MODEL_ARRAYS(SN_MODEL_MEMBER)
 #undef SN_MODEL_MEMBER
-    sn_index vertex_count, point_count, triangle_count;
-    sn_index kinematic_count, site_count;
-    sn_index distance_start[SN_DISTANCE_KINDS + 1]; /* rows of kind k are distance_start[k] .. distance_start[k + 1] - 1 */
-    sn_index distance_batched[SN_DISTANCE_KINDS];   /* so many of each kind come first, in fours that share no point */
-    sn_index hinge_count, hinge_batched;            /* rows; those that come first, in fours */
-    sn_index area_count, area_batched;              /* the same */
-    void *own[SN_ROW_KINDS];                        /* rows that only their own kind reads */
-    bool keeps_volume;                              /* the volume row runs */
-    double rest_volume;                             /* V0, m^3; NaN for an open or flat surface */
-    sn_curve *stiffness_curve;                      /* ln k over activation; NULL = straight from relaxed to active */
-    sn_curve *volume_ratio;                         /* g(activation); NULL = 1 */
-    double rest_ratio;                              /* g(rest activation) */
-    double mass;                                    /* kg, all points together */
-    double mean_edge, diagonal;                     /* m */
-    sn_index iterations;                            /* per substep */
-    bool contracts;                                 /* activation is felt: not under the scheme `kohout` */
+    sn_index vertex_count, point_count, triangle_count; /* of the surface; with the samples */
+    sn_index kinematic_count, site_count;               /* points that bones carry, and by how many attachments */
+    sn_index distance_start[SN_DISTANCE_KINDS + 1];     /* rows of kind k are distance_start[k] .. distance_start[k + 1] - 1 */
+    sn_index distance_batched[SN_DISTANCE_KINDS];       /* so many of each kind come first, in fours that share no point */
+    sn_index hinge_count, hinge_batched;                /* rows; those that come first, in fours */
+    sn_index area_count, area_batched;                  /* the same */
+    void *own[SN_ROW_KINDS];                            /* rows that only their own kind reads */
+    bool keeps_volume;                                  /* the volume row runs */
+    double rest_volume;                                 /* V0, m^3; NaN for an open or flat surface */
+    sn_curve *stiffness_curve;                          /* ln k over activation; NULL = straight from relaxed to active */
+    sn_curve *volume_ratio;                             /* g(activation); NULL = 1 */
+    double rest_ratio;                                  /* g(rest activation) */
+    double mass;                                        /* kg, all points together */
+    double mean_edge, diagonal;                         /* m */
+    sn_index iterations;                                /* per substep */
+    bool contracts;                                     /* activation is felt: not under the scheme `kohout` */
     bool single;       /* projected in single precision; then, and only then, pairs: this four of rows and the next share no point */
     bool quasi_newton; /* the back end is `qn` */
     bool corotated;    /* qn: by the rest shape's Hessian, turned with the muscle, where the shape allows it */
@@ -189,9 +193,10 @@ typedef struct sn_model_muscle {
     double tolerance;  /* qn: stop when a whole step moves no point by more than this share of the diagonal */
 } sn_model_muscle;
 
+/* What a scene is made into once; a run never changes it. */
 typedef struct sn_model {
-    const sn_scene *scene;
-    sn_plan plan;
+    const sn_scene *scene; /* the caller's */
+    sn_plan plan;          /* of all of its muscles */
     sn_index muscle_count;
     sn_model_muscle *muscles; /* (muscle_count) the enabled ones, in the scene's order */
     double frame_duration;    /* s */
@@ -207,8 +212,8 @@ void sn_model_destroy(sn_model *model); /* NULL is fine */
 
 /* Of |C| over the rows of one kind. */
 typedef struct sn_residual {
-    double rms, max;
-    sn_index worst; /* row of its kind; SN_NONE = there is none */
+    double rms, max; /* root mean square, greatest */
+    sn_index worst;  /* row of its kind; SN_NONE = there is none */
 } sn_residual;
 
 /* Why a substep of back end `qn` ended. */
@@ -222,31 +227,31 @@ const char *sn_stop_reason_name(sn_stop_reason reason); /* "iterations", "tolera
 
 /* Of one muscle at one moment. Errors of lengths are over the mean edge, of angles in radians, of the volume over V0. */
 typedef struct sn_statistics {
-    double activation, contraction; /* the input in [0,1]; a = contraction x activation */
-    double stiffness;               /* k, N/m */
-    double volume_ratio;            /* V / V0; NaN for an open surface */
-    double volume_goal;             /* g(a) / g(a0) */
-    double volume_error;            /* V / (goal V0) - 1 */
-    sn_residual residuals[SN_ROW_KINDS];
-    double smallest_triangle;         /* least area over rest area; NaN where no triangle has a rest area */
-    sn_index smallest_triangle_index; /* SN_NONE = none */
-    double largest_edge_ratio;        /* greatest length over goal length of an edge of the surface, see SN_LEAST_GOAL; NaN = no edge */
-    sn_index largest_edge[2];         /* its vertices, of equal ones the first; SN_NONE = none */
-    bool torn;                        /* far from any shape of rest (SN_FAR_...) now or, under qn, where a substep of the frame began */
-    double residual;                  /* |dPhi/dx| / (k L) of the last substep, Phi = |x - y|^2_M / (2 h^2) + E; NaN inside a substep */
-    double kinetic_energy;            /* J */
-    double elastic_energy;            /* J: sum of k C^2 / 2 over the rows, as if none were rigid */
-    sn_index nan_points, first_nan;   /* points whose position is not finite; the first of them or SN_NONE */
-    bool asleep;                      /* at rest, with inputs that keep still: it was not stepped */
+    double activation, contraction;      /* the input in [0,1]; a = contraction x activation */
+    double stiffness;                    /* k, N/m */
+    double volume_ratio;                 /* V / V0; NaN for an open surface */
+    double volume_goal;                  /* g(a) / g(a0) */
+    double volume_error;                 /* V / (goal V0) - 1 */
+    sn_residual residuals[SN_ROW_KINDS]; /* by sn_row_kind */
+    double smallest_triangle;            /* least area over rest area; NaN where no triangle has a rest area */
+    sn_index smallest_triangle_index;    /* SN_NONE = none */
+    double largest_edge_ratio;           /* greatest length over goal length of an edge of the surface, see SN_LEAST_GOAL; NaN = no edge */
+    sn_index largest_edge[2];            /* its vertices, of equal ones the first; SN_NONE = none */
+    bool torn;                           /* far from any shape of rest (SN_FAR_...) now or, under qn, where a substep of the frame began */
+    double residual;                     /* |dPhi/dx| / (k L) of the last substep, Phi = |x - y|^2_M / (2 h^2) + E; NaN inside a substep */
+    double kinetic_energy;               /* J */
+    double elastic_energy;               /* J: sum of k C^2 / 2 over the rows, as if none were rigid */
+    sn_index nan_points, first_nan;      /* points whose position is not finite; the first of them or SN_NONE */
+    bool asleep;                         /* at rest, with inputs that keep still: it was not stepped */
     int64_t skipped_edges, skipped_hinges; /* projections in the last frame that a guard left out */
     int64_t clamped_hinges;                /* and that the dihedral clamp limited */
     int64_t held_triangles;                /* projections of triangles below their least area */
     int64_t skipped_triangles;             /* and those of triangles without a plane, which a guard left out */
     /* back end `qn`, over the last frame; zero under xpbd */
-    int64_t iterations, rejected_steps, refactorisations;
-    int64_t steps;              /* under xpbd too: substeps, or the parts in which they were taken */
-    int64_t halvings;           /* steps that were too long, and were given up for two of half the length */
-    int64_t torn_substeps;      /* that began torn */
+    int64_t iterations, rejected_steps, refactorisations; /* steps: those that would have raised the energy */
+    int64_t steps;                                        /* under xpbd too: substeps, or the parts in which they were taken */
+    int64_t halvings;                                     /* steps that were too long, and were given up for two of half the length */
+    int64_t torn_substeps;                                /* that began torn */
     int64_t restarts;           /* wrecked shapes that were given up for the rest pose, carried along with the bones */
     sn_stop_reason stop_reason; /* of the last substep */
 } sn_statistics;
@@ -270,20 +275,22 @@ typedef enum sn_explosion {
 } sn_explosion;
 #define SN_EXPLODED_VOLUME_ERROR 0.5
 #define SN_EXPLODED_EDGE_RATIO 10.0
+/* The bits of sn_explosion that hold; 0 = none. */
 unsigned sn_explosions(const sn_statistics *statistics);
 
 /* ---- the state ------------------------------------------------------------------------------------------------------------ */
 
 /* Position and inverse mass side by side: one record of 32 bytes is what a projection reads and writes. */
 typedef struct sn_point {
-    double x, y, z, w;
+    double x, y, z, w; /* m; 1/kg */
 } sn_point;
 
 /* The same in single precision, relative to the muscle's origin. */
 typedef struct sn_single_point {
-    float x, y, z, w;
+    float x, y, z, w; /* m; over the inverse mass of a mean point */
 } sn_single_point;
 
+/* Without its mass. */
 static inline sn_vec3 sn_point_position(const sn_point *p) { return sn_v3(p->x, p->y, p->z); }
 
 /* Is an array kept when a run is saved and continued? restart.c then holds its elements to what their type may be. */
@@ -318,6 +325,7 @@ enum {
     X(sn_vec3, origin, m->single ? 1 : 0, SN_KEPT)                                                                                         \
     X(sn_single_point, single_gradient, m->single && m->keeps_volume ? m->vertex_count : 0, SN_LEFT)
 
+/* Scratch of the back end `qn` (lib/sim/qn.h). */
 struct sn_qn;
 typedef struct sn_qn sn_qn;
 
@@ -342,13 +350,14 @@ typedef struct sn_progress {
     sn_index spent;     /* iterations of all steps of this substep, those that were given up among them */
 } sn_progress;
 
+/* One muscle of a run. */
 typedef struct sn_muscle_state {
 #define SN_STATE_MEMBER(type, name, count, kept) type *name;
     SN_STATE_ARRAYS(SN_STATE_MEMBER)
 #undef SN_STATE_MEMBER
-    double *own[SN_ROW_KINDS]; /* numbers that only their own kind reads, made anew from the inputs */
-    sn_progress progress;      /* in the substep at hand, or through with the last one */
-    double volume_lambda;
+    double *own[SN_ROW_KINDS];      /* numbers that only their own kind reads, made anew from the inputs */
+    sn_progress progress;           /* in the substep at hand, or through with the last one */
+    double volume_lambda;           /* of the volume row: xpbd */
     sn_bone_motion bones;           /* over the last step */
     sn_index pair_count, pair_next; /* qn: pairs at hand, and the slot of the next */
     sn_stop_reason stopped;         /* qn: why the substep needs no further iteration; SN_STOP_ITERATIONS = it may */
@@ -365,6 +374,7 @@ typedef struct sn_muscle_state {
     sn_statistics statistics;                               /* at the end of the last step */
 } sn_muscle_state;
 
+/* A run: of the model that it was made for, which is handed in beside it. */
 typedef struct sn_state {
     sn_index frame;           /* the frame that the state has reached, or is in the middle of */
     sn_index substep;         /* where it was stopped in the middle of `frame`: substeps done; 0 = all of them */
@@ -373,8 +383,9 @@ typedef struct sn_state {
     sn_rigid *poses;          /* (substeps x joints) of the frame being stepped */
 } sn_state;
 
-SN_MUST_CHECK sn_status sn_state_create(const sn_model *model, sn_state **out, sn_error *error); /* and reset */
-void sn_state_destroy(const sn_model *model, sn_state *state);                                   /* NULL is fine */
+/* Arrays for every muscle of the model, put at the first frame (sn_state_reset). */
+SN_MUST_CHECK sn_status sn_state_create(const sn_model *model, sn_state **out, sn_error *error);
+void sn_state_destroy(const sn_model *model, sn_state *state); /* NULL is fine */
 /* The first frame, before any pre-roll: at rest, carried along where the first frame's bones are away from their rest place (each
  * point by the poses of its muscle's bones, weighted by the inverse square of its distance to each bone's attachment). */
 void sn_state_reset(const sn_model *model, sn_state *state);
@@ -393,6 +404,7 @@ sn_index sn_state_next_frame(const sn_state *state);
 
 /* ---- stepping ------------------------------------------------------------------------------------------------------------- */
 
+/* How far to step, and who watches. */
 typedef struct sn_step_options {
     sn_pool *pool;           /* nullable: one thread */
     sn_trace *trace;         /* nullable: one step per substep and muscle, with its residuals */

@@ -10,7 +10,10 @@
 typedef struct sn_sparse sn_sparse;
 
 /* One entry of a symmetric matrix; give each off-diagonal pair once (row >= column or the reverse, either way); repeats add up. */
-typedef struct sn_entry { sn_index row, column; double value; } sn_entry;
+typedef struct sn_entry {
+    sn_index row, column;
+    double value;
+} sn_entry;
 
 /* Analyse and factor the n x n matrix. SN_ERROR_INPUT with the row in error->element where it is not positive definite. */
 SN_MUST_CHECK sn_status sn_sparse_factor(sn_index n, sn_index entry_count, const sn_entry *entries, sn_sparse **out, sn_error *error);
@@ -19,7 +22,6 @@ SN_MUST_CHECK sn_status sn_sparse_refactor(sn_sparse *factor, const sn_entry *en
 /* x = A^-1 b for `columns` right-hand sides, each n long, one after the other; x may be b. Three (points) are
  * solved together, and six in little more time than three. Not for two threads on one factor. */
 SN_MUST_CHECK sn_status sn_sparse_solve(sn_sparse *factor, sn_index columns, const double *b, double *x, sn_error *error);
-int64_t sn_sparse_entries(const sn_sparse *factor); /* entries of L */
-void sn_sparse_destroy(sn_sparse *factor);          /* NULL is fine */
+void sn_sparse_destroy(sn_sparse *factor); /* NULL is fine */
 
 #endif

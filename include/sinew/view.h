@@ -11,7 +11,9 @@
 #include "sinew/scene.h"
 #include "sinew/sim.h"
 
-typedef struct sn_color { double r, g, b; } sn_color; /* sRGB, each in [0,1] */
+typedef struct sn_color {
+    double r, g, b;
+} sn_color; /* sRGB, each in [0,1] */
 
 /* ---- images --------------------------------------------------------------------------------------------------------- */
 
@@ -38,8 +40,14 @@ double sn_text_width(double size, const char *text); /* pixels */
 
 /* Things that a muscle can show, as bits. */
 typedef enum sn_view_show {
-    SN_SHOW_SURFACE = 1, SN_SHOW_ROOTS = 2, SN_SHOW_STRUCTURE = 4, SN_SHOW_FIBERS = 8, SN_SHOW_ATTACHMENTS = 16, SN_SHOW_BONES = 32,
-    SN_SHOW_WIRE = 64, SN_SHOW_AUTO = 128 /* the sections that are there, drawn so that they can be told apart */
+    SN_SHOW_SURFACE = 1,
+    SN_SHOW_ROOTS = 2,
+    SN_SHOW_STRUCTURE = 4,
+    SN_SHOW_FIBERS = 8,
+    SN_SHOW_ATTACHMENTS = 16,
+    SN_SHOW_BONES = 32,
+    SN_SHOW_WIRE = 64,
+    SN_SHOW_AUTO = 128 /* the sections that are there, drawn so that they can be told apart */
 } sn_view_show;
 
 typedef struct sn_view_mesh {
@@ -47,13 +55,13 @@ typedef struct sn_view_mesh {
     sn_vec3 *positions;     /* (vertex_count) */
     sn_triangle *triangles; /* (triangle_count) */
     sn_color color;
-    double opacity;         /* in (0,1]: 1 = solid; else every layer of it is blended over what lies behind */
-    double gloss;           /* 0 = chalk, 1 = wet */
-    bool wire;              /* draw the edges of its triangles too */
+    double opacity; /* in (0,1]: 1 = solid; else every layer of it is blended over what lies behind */
+    double gloss;   /* 0 = chalk, 1 = wet */
+    bool wire;      /* draw the edges of its triangles too */
     sn_index paint_count;
-    sn_color *paints;       /* (paint_count) */
-    sn_index *paint;        /* (vertex_count) index of the vertex's paint, SN_NONE = plain; NULL = no paint */
-    sn_color *colors;       /* (vertex_count) a colour of each vertex, blended between them; NULL = none; they go before paint */
+    sn_color *paints; /* (paint_count) */
+    sn_index *paint;  /* (vertex_count) index of the vertex's paint, SN_NONE = plain; NULL = no paint */
+    sn_color *colors; /* (vertex_count) a colour of each vertex, blended between them; NULL = none; they go before paint */
 } sn_view_mesh;
 
 /* A capsule from a to b; a sphere where a equals b. */
@@ -107,7 +115,7 @@ SN_MUST_CHECK sn_status sn_view_add_ring(sn_view *view, sn_vec3 at, sn_error *er
 /* The colour of a scale at t: 0 = its start, 1 and above = its end; NaN = its end. */
 sn_color sn_scale_color(double t);
 
-/* ---- builders (lib/view/show_muscle.c, show_scene.c, show_state.c) --------------------------------------------------------------------- */
+/* ---- builders (lib/view/show_muscle.c, show_scene.c, show_state.c) ------------------------------------------------------- */
 
 /* A muscle document, also a partial one: surface, roots purple, branches green, connections blue ([R18] figure 2), fibre directions
  * as short lines along the surface, attachments in one colour per bone. `show` is bits of sn_view_show. Sets the title and the
@@ -164,19 +172,21 @@ typedef struct sn_view_options {
 
 sn_view_options sn_view_defaults(void);
 
-/* Render a view into a new image of width x height, without any text. SN_ERROR_INPUT where coordinates are too large to draw. */
-SN_MUST_CHECK sn_status sn_view_render(const sn_view *view, const sn_camera *camera, const sn_view_options *options, sn_image *out,
-                                       sn_error *error);
-
 typedef struct sn_tile {
     const sn_view *view;
     const sn_camera *camera;
     const char *caption; /* nullable */
 } sn_tile;
 
+/* What a picture shows. */
+typedef struct sn_sheet {
+    sn_index tile_count;
+    const sn_tile *tiles;         /* (tile_count) */
+    const char *title, *subtitle; /* nullable */
+} sn_sheet;
+
 /* One picture of the options' size, or a contact sheet: tiles of that size in rows, each with its caption and scale bar, one title and
- * one legend. title and subtitle are nullable. SN_ERROR_INPUT where all views are empty. */
-SN_MUST_CHECK sn_status sn_sheet_render(sn_index tile_count, const sn_tile *tiles, const char *title, const char *subtitle,
-                                        const sn_view_options *options, sn_image *out, sn_error *error);
+ * one legend. SN_ERROR_INPUT where all views are empty. */
+SN_MUST_CHECK sn_status sn_sheet_render(const sn_sheet *sheet, const sn_view_options *options, sn_image *out, sn_error *error);
 
 #endif

@@ -38,7 +38,6 @@ struct sn_surface {
     sn_box open_box;
     sn_winding_tree winding; /* of open */
     bool has_inside;         /* the fields above are filled: distances have a sign */
-    bool closed;             /* no edge is a border, non-manifold or badly wound */
     RTCDevice device;
     RTCScene scene;
 };
@@ -313,7 +312,6 @@ static sn_status find_parts(sn_surface *s, sn_error *error) {
     s->part_of = SN_NEW(sn_index, count);
     s->open = (sn_mesh){.vertex_count = s->mesh->vertex_count, .positions = s->mesh->positions, .triangles = SN_NEW(sn_triangle, count)};
     s->open_box = empty_box();
-    s->closed = true;
     if (label == NULL || piece == NULL || s->part_of == NULL || s->open.triangles == NULL) {
         status = sn_fail_memory(error, "a search structure");
         goto cleanup;
@@ -322,7 +320,6 @@ static sn_status find_parts(sn_surface *s, sn_error *error) {
     for (sn_index t = 0; t < count && status == SN_OK; t++) {
         if (label[t] != SN_NONE) continue;
         bool closed = flood(s, t, label, piece, &size);
-        s->closed = s->closed && closed;
         if (closed && !crosses_itself(s, label, piece, size))
             status = add_part(s, &capacity, piece, size, error);
         else
@@ -386,8 +383,6 @@ void sn_surface_destroy(sn_surface *surface) {
     sn_winding_tree_free(&surface->winding);
     free(surface);
 }
-
-bool sn_surface_closed(const sn_surface *surface) { return surface->closed; }
 
 /* ---- closest point ---------------------------------------------------------------------------------------------------------------- */
 
@@ -460,8 +455,7 @@ sn_closest sn_surface_closest(const sn_surface *surface, sn_vec3 point, double m
     return find_closest(surface, point, max_distance, SN_NONE);
 }
 
-/* ---- signed distance ------------------------------------------------------------------------------------------------------------------
- */
+/* ---- signed distance ----------------------------------------------------------------------------------------------------- */
 
 static sn_vec3 unit_normal(const sn_mesh *mesh, sn_index t) {
     const sn_index *v = mesh->triangles[t].v;
@@ -530,8 +524,7 @@ double sn_surface_signed_distance(const sn_surface *surface, sn_vec3 point, sn_c
     return is_inside(surface, point, &c) ? -c.distance : c.distance;
 }
 
-/* ---- rays
- * -------------------------------------------------------------------------------------------------------------------------------- */
+/* ---- rays ---------------------------------------------------------------------------------------------------------------- */
 
 typedef struct ray_search {
     struct RTCIntersectContext context; /* first: Embree hands out its address */

@@ -142,11 +142,3 @@ sn_status sn_lost_area(const sn_mesh *from, const sn_mesh *to, double reach, dou
     common_free(&c);
     return status;
 }
-
-sn_status sn_hausdorff(const sn_mesh *a, const sn_mesh *b, double *out, sn_error *error) {
-    double forth = 0.0, back = 0.0;
-    sn_status status = sn_one_sided_distance(a, b, &forth, error);
-    if (status == SN_OK) status = sn_one_sided_distance(b, a, &back, error);
-    *out = fmax(forth, back);
-    return status;
-}

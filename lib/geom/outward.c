@@ -11,7 +11,7 @@
 /* The mesh's triangles sorted by component, so that each component can be looked at as a mesh of its own. */
 typedef struct parts {
     sn_index count;
-    const sn_vec3 *positions;
+    sn_vec3 *positions;
     sn_index *start; /* (count + 1) into triangles */
     sn_triangle *triangles;
     sn_box *boxes;   /* (count) */
@@ -26,8 +26,7 @@ static void parts_free(parts *p) {
 }
 
 static sn_mesh part_mesh(const parts *p, sn_index c) {
-    return (sn_mesh){
-        .triangle_count = p->start[c + 1] - p->start[c], .triangles = p->triangles + p->start[c], .positions = (sn_vec3 *)p->positions};
+    return (sn_mesh){.triangle_count = p->start[c + 1] - p->start[c], .triangles = p->triangles + p->start[c], .positions = p->positions};
 }
 
 static sn_box part_box(const parts *p, sn_index c) {

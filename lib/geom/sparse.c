@@ -18,7 +18,7 @@ struct sn_sparse {
     cholmod_factor *factor;
     cholmod_dense *solution, *work_y, *work_e; /* kept between solves: a solve of the same width allocates nothing */
     double *inverses;                          /* (n) 1 / diagonal of L */
-    double *records; /* (n x 8) of a solve with three or six right-hand sides */
+    double *records;                           /* (n x 8) of a solve with three or six right-hand sides */
 };
 
 /* ---- the matrix ----------------------------------------------------------------------------------------------------- */
@@ -205,13 +205,6 @@ sn_status sn_sparse_solve(sn_sparse *factor, sn_index columns, const double *b, 
 }
 
 /* ---- the rest -------------------------------------------------------------------------------------------------------- */
-
-int64_t sn_sparse_entries(const sn_sparse *factor) {
-    const int *counts = factor->factor->ColCount;
-    int64_t sum = 0;
-    for (sn_index k = 0; k < factor->n; k++) sum += counts[k];
-    return sum;
-}
 
 void sn_sparse_destroy(sn_sparse *factor) {
     if (!factor) return;

@@ -264,8 +264,7 @@ sn_status sn_error_time_write(const sn_error_time *report, sn_output *output, sn
     return sn_json_end(json, error);
 }
 
-/* ---- reading it ------------------------------------------------------------------------------------------------------------------------
- */
+/* ---- reading it ---------------------------------------------------------------------------------------------------------- */
 
 static sn_status parse_muscles(const sn_json_value *muscles, sn_error_time *out, sn_error *error) {
     sn_status status = sn_json_require(muscles, "a list of muscles", error);

@@ -274,8 +274,11 @@ sn_index sn_json_length(const sn_json_value *array) {
     return length < SN_INDEX_MAX ? (sn_index)length : SN_INDEX_MAX;
 }
 
+/* jansson's iterators are not const; nothing is changed through them. */
+static json_t *iterable(const json_t *node) { return (json_t *)(uintptr_t)node; }
+
 bool sn_json_next(const sn_json_value *object, sn_json_value *member) {
-    json_t *node = (json_t *)object->node; /* jansson's iterators are not const */
+    json_t *node = iterable(object->node);
     void *at = member->key == NULL ? json_object_iter(node) : json_object_iter_next(node, json_object_key_to_iter(member->key));
     if (at == NULL) return false;
     *member = (sn_json_value){.tree = object->tree, .node = json_object_iter_value(at), .parent = object, .key = json_object_iter_key(at)};
@@ -657,8 +660,7 @@ sn_status sn_json_get_indices(const sn_json_value *value, sn_index multiple, sn_
     return SN_OK;
 }
 
-/* ---- passing on
- * ----------------------------------------------------------------------------------------------------------------------------- */
+/* ---- passing on ---------------------------------------------------------------------------------------------------------- */
 
 static bool holds_object(const json_t *node) {
     const char *key;
@@ -667,7 +669,7 @@ static bool holds_object(const json_t *node) {
     if (json_is_array(node)) {
         json_array_foreach(node, i, value) if (json_is_object(value) || holds_object(value)) return true;
     } else if (json_is_object(node)) {
-        json_object_foreach((json_t *)node, key, value) if (json_is_object(value) || holds_object(value)) return true;
+        json_object_foreach(iterable(node), key, value) if (json_is_object(value) || holds_object(value)) return true;
     }
     return false;
 }
@@ -680,7 +682,7 @@ static void pass_object(sn_json *json, const char *key, const sn_json_value *val
         sn_json_object_line(json, key);
     else
         sn_json_object(json, key);
-    json_object_foreach((json_t *)value->node, name, node) {
+    json_object_foreach(iterable(value->node), name, node) {
         sn_json_value member = {.tree = value->tree, .node = node, .parent = value, .key = name};
         sn_json_pass(json, name, &member);
     }

@@ -192,18 +192,13 @@ sn_status sn_mesh_parse_frame(const sn_blob *blob, bool allow_nonfinite, sn_mesh
                       "is in no known mesh format; OBJ, PLY, STL, OFF, VTK and VTP, glTF, FBX, Collada and 3DS are read");
 }
 
-sn_status sn_mesh_read(const char *path, sn_mesh *out, sn_error *error) {
-    sn_mesh_frame frame;
-    return sn_mesh_read_frame(path, out, &frame, error);
-}
-
-sn_status sn_mesh_read_frame(const char *path, sn_mesh *out, sn_mesh_frame *frame, sn_error *error) {
+sn_status sn_mesh_read(const char *path, sn_mesh *out, sn_mesh_frame *frame, sn_error *error) {
     *out = (sn_mesh){0};
-    *frame = (sn_mesh_frame){0};
-    sn_blob blob;
+    sn_mesh_frame own = {0};
+    sn_blob blob = {0};
     sn_status status = sn_blob_read(path, &blob, error);
-    if (status != SN_OK) return status;
-    status = sn_mesh_parse_frame(&blob, false, out, frame, error);
+    if (status == SN_OK) status = sn_mesh_parse_frame(&blob, false, out, &own, error);
+    if (frame != NULL) *frame = own;
     sn_blob_free(&blob);
     return status;
 }

@@ -370,8 +370,7 @@ sn_status sn_activation_parse(const sn_json_value *value, sn_clock clock, const 
     return status == SN_OK ? parse_keys(&keys, activation_kind, clock, out, error) : status;
 }
 
-/* ---- writing
- * -------------------------------------------------------------------------------------------------------------------------------- */
+/* ---- writing ------------------------------------------------------------------------------------------------------------- */
 
 static void write_keys(const sn_channel *channel, double scale, sn_json *json) {
     sn_json_array(json, "keys");

@@ -105,7 +105,7 @@ static sn_status load_bone(const sn_json_value *mesh, bool has_units, sn_scene_b
     char *path = sn_path_beside(sn_json_name(mesh->tree), out->uri);
     if (path == NULL) return sn_fail_memory(error, "a path");
     sn_mesh_frame frame;
-    sn_status status = sn_mesh_read_frame(path, &out->mesh, &frame, error);
+    sn_status status = sn_mesh_read(path, &out->mesh, &frame, error);
     free(path);
     if (status != SN_OK) return status;
     sn_mesh_convert(&out->mesh, 1.0, frame.up == SN_UP_Y);
@@ -329,8 +329,7 @@ static sn_status parse_muscles(const sn_json_value *value, const reader *in, sn_
     return status;
 }
 
-/* ---- reading: the document
- * --------------------------------------------------------------------------------------------------------------- */
+/* ---- reading: the document ----------------------------------------------------------------------------------------------- */
 
 static sn_status parse_scene(const sn_json_value *top, bool load_bones, sn_scene *scene, sn_error *error) {
     static const char *const known[] = {"format",  "version", "name",   "metersPerUnit", "rate",    "frames",  "preroll",
@@ -363,8 +362,7 @@ sn_status sn_scene_parse(const sn_blob *blob, bool load_bones, sn_scene *out, sn
     return status;
 }
 
-/* ---- writing
- * --------------------------------------------------------------------------------------------------------------------------------- */
+/* ---- writing ------------------------------------------------------------------------------------------------------------- */
 
 static void write_solver(const sn_solver_settings *solver, sn_json *json) {
     sn_json_object(json, "solver");

@@ -26,12 +26,6 @@ double sn_channel_at(const sn_channel *channel, double time) {
     return channel->values[low] + t * (channel->values[low + 1] - channel->values[low]);
 }
 
-bool sn_channel_constant(const sn_channel *channel) {
-    for (sn_index i = 1; i < channel->count; i++)
-        if (channel->values[i] != channel->values[0]) return false;
-    return true;
-}
-
 void sn_channel_free(sn_channel *channel) {
     if (channel == NULL) return;
     free(channel->times);

@@ -166,8 +166,7 @@ static void lead_fibers(void *user, sn_index begin, sn_index end, sn_index chunk
     for (sn_index i = begin; i < end; i++) lead_fiber(f, i);
 }
 
-/* ---- slices ----------------------------------------------------------------------------------------------------------------------------
- */
+/* ---- slices -------------------------------------------------------------------------------------------------------------- */
 
 static void build_slices(void *user, sn_index begin, sn_index end, sn_index chunk) {
     filling *f = user;
@@ -191,8 +190,7 @@ static sn_status map_slices(filling *f, sn_error *error) {
     return failed ? sn_fail_memory(error, "the slices of the muscle") : SN_OK;
 }
 
-/* ---- nothing outside -------------------------------------------------------------------------------------------------------------------
- */
+/* ---- nothing outside ----------------------------------------------------------------------------------------------------- */
 
 /* Inwards from the closest point of the surface, less and less deep until it is inside; in the end on the surface itself. */
 static sn_vec3 pulled(const filling *f, const sn_surface *surface, sn_vec3 p, const sn_closest *at) {
@@ -261,8 +259,7 @@ static sn_status keep_inside(const filling *f, sn_trace *trace, sn_fill_report *
     return status;
 }
 
-/* ---- measures ---------------------------------------------------------------------------------------------------------------------------
- */
+/* ---- measures ------------------------------------------------------------------------------------------------------------ */
 
 /* The direction of the line of slice centroids at z, over a few levels: single centroids jump where loops split. */
 static sn_vec3 action_at(const fill_levels *l, double z) {
@@ -328,8 +325,7 @@ static void summarise(const filling *f, sn_fill_report *r) {
     r->density = r->area > 0.0 ? (double)r->fibers / r->area : 0.0;
 }
 
-/* ---- the whole
- * ------------------------------------------------------------------------------------------------------------------------------ */
+/* ---- the whole ----------------------------------------------------------------------------------------------------------- */
 
 static sn_status filling_alloc(filling *f, sn_error *error) {
     sn_index fibers = f->params->fibers, points = f->params->segments + 1;

@@ -170,8 +170,7 @@ sn_status sn_reference_rest(sn_scene *scene, const sn_yardstick *yardstick, cons
     return status;
 }
 
-/* ---- converged solves of a setting's own steps ----------------------------------------------------------------------------------------
- */
+/* ---- converged solves of a setting's own steps --------------------------------------------------------------------------- */
 
 sn_status sn_reference_solve(sn_scene *scene, const sn_yardstick *yardstick, const sn_run_request *request,
                              const sn_reference_params *params, sn_index substeps, sn_reference *reference, const sn_rung **out,

@@ -19,18 +19,19 @@ enum { VERSION = 3, HEADER = sizeof MAGIC + sizeof(int32_t) + SN_HASH_LENGTH };
 /* ---- a cursor that counts, writes or reads ---------------------------------------------------------------------------------- */
 
 typedef struct cursor {
-    char *bytes; /* NULL = only count */
+    const char *from; /* what it reads */
+    char *to;         /* or writes; both NULL = it only counts */
     size_t at, size;
-    bool reading, short_of; /* short_of: fewer bytes than the state needs */
+    bool short_of; /* fewer bytes than the state needs */
 } cursor;
 
 static void pass(cursor *c, void *data, size_t size) {
-    if (c->bytes != NULL && (c->short_of || size > c->size - c->at)) {
+    if ((c->from != NULL || c->to != NULL) && (c->short_of || size > c->size - c->at)) {
         c->short_of = true;
         return;
     }
-    if (c->bytes != NULL && size > 0 && c->reading) memcpy(data, c->bytes + c->at, size);
-    if (c->bytes != NULL && size > 0 && !c->reading) memcpy(c->bytes + c->at, data, size);
+    if (c->from != NULL && size > 0) memcpy(data, c->from + c->at, size);
+    if (c->to != NULL && size > 0) memcpy(c->to + c->at, data, size);
     c->at += size;
 }
 
@@ -157,7 +158,7 @@ sn_status sn_state_pack(const sn_model *model, const sn_state *state, char **byt
     if (status == SN_OK) status = packed_size(model, hash, size, error);
     if (status != SN_OK) return status;
     if ((*bytes = sn_alloc(*size, 1)) == NULL) return sn_fail_memory(error, "the state");
-    cursor write = {.bytes = *bytes, .at = HEADER, .size = *size};
+    cursor write = {.to = *bytes, .at = HEADER, .size = *size};
     pass_state(&write, model, &copy, hash, &muscles);
     memcpy(*bytes, MAGIC, sizeof MAGIC);
     memcpy(*bytes + sizeof MAGIC, &version, sizeof version);
@@ -366,7 +367,7 @@ static sn_status read_state(const sn_model *model, const char *bytes, size_t siz
     bool made = (read->muscles = SN_NEW(sn_muscle_state, model->muscle_count)) != NULL;
     for (sn_index i = 0; made && i < model->muscle_count; i++) made = make_kept(&model->muscles[i], &read->muscles[i]);
     if (!made) return sn_fail_memory(error, "the state");
-    cursor c = {.bytes = (char *)bytes, .at = HEADER, .size = size, .reading = true};
+    cursor c = {.from = bytes, .at = HEADER, .size = size};
     pass_state(&c, model, read, hash, &muscles);
     sn_status status = check_moment(model, read, muscles, error);
     return status == SN_OK ? check_numbers(model, read, error) : status;

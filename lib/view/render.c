@@ -175,14 +175,3 @@ sn_status picture_render(const sn_view *view, const sn_camera *camera, const sn_
     free(p.tubes);
     return status;
 }
-
-sn_status sn_view_render(const sn_view *view, const sn_camera *camera, const sn_view_options *options, sn_image *out, sn_error *error) {
-    sn_status status = sn_image_alloc(out, options->width, options->height, options->background, error);
-    if (status) return status;
-    sn_pool *pool = sn_pool_create(options->threads);
-    status =
-        pool ? picture_render(view, camera, options, (inset){0, 0}, pool, out, error) : sn_fail_memory(error, "the renderer's threads");
-    sn_pool_destroy(pool);
-    if (status) sn_image_free(out);
-    return status;
-}

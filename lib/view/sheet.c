@@ -329,15 +329,16 @@ static sn_index automatic_columns(sn_index count, const sn_view_options *options
     return best;
 }
 
-sn_status sn_sheet_render(sn_index tile_count, const sn_tile *tiles, const char *title, const char *subtitle,
-                          const sn_view_options *options, sn_image *out, sn_error *error) {
+sn_status sn_sheet_render(const sn_sheet *sheet, const sn_view_options *options, sn_image *out, sn_error *error) {
+    const sn_tile *tiles = sheet->tiles;
+    sn_index tile_count = sheet->tile_count;
     *out = (sn_image){0};
     bool empty = true;
     for (sn_index i = 0; i < tile_count; i++) empty = empty && tiles[i].view->mesh_count == 0 && tiles[i].view->tube_count == 0;
     if (empty) return sn_fail(error, SN_ERROR_INPUT, "there is nothing to draw: the input holds none of what is to be shown");
     if (options->width < 1 || options->height < 1 || options->width > SN_IMAGE_SIDE_MAX || options->height > SN_IMAGE_SIDE_MAX)
         return sn_image_alloc(out, options->width, options->height, options->background, error);
-    page g = {.count = tile_count, .tiles = tiles, .title = title, .subtitle = subtitle, .options = options};
+    page g = {.count = tile_count, .tiles = tiles, .title = sheet->title, .subtitle = sheet->subtitle, .options = options};
     g.columns =
         options->columns > 0 ? (options->columns < tile_count ? options->columns : tile_count) : automatic_columns(tile_count, options);
     g.rows = (tile_count - 1) / g.columns + 1;

@@ -73,8 +73,7 @@ static sn_vec3 middle_of(const sn_model *model, const sn_state *state, sn_index 
     return sum;
 }
 
-/* ---- the range ------------------------------------------------------------------------------------------------------------------------
- */
+/* ---- the range ----------------------------------------------------------------------------------------------------------- */
 
 static int compare_numbers(const void *a, const void *b) {
     double x = *(const double *)a, y = *(const double *)b;
@@ -111,8 +110,7 @@ sn_status sn_view_state_range(const sn_model *model, const sn_state *state, sn_r
     return status;
 }
 
-/* ---- the surface ------------------------------------------------------------------------------------------------------------------------
- */
+/* ---- the surface --------------------------------------------------------------------------------------------------------- */
 
 /* At each vertex the greatest error of its rows; NaN, the colour of the scale's end, stays. */
 static void spread_errors(const sn_model *model, sn_index muscle, sn_row_kind kind, const field *f, double *at) {
@@ -152,8 +150,7 @@ static sn_status add_surface(sn_view *view, const sn_model *model, const sn_stat
     return status;
 }
 
-/* ---- the inside
- * -------------------------------------------------------------------------------------------------------------------------- */
+/* ---- the inside ---------------------------------------------------------------------------------------------------------- */
 
 /* Distance rows as lines: every `step`-th, and the worst. */
 static sn_status add_lines(sn_view *view, const sn_model *model, const sn_state *state, sn_index muscle, sn_row_kind kind, const field *f,
@@ -179,8 +176,7 @@ static sn_status add_internal(sn_view *view, const sn_model *model, const sn_sta
     return status;
 }
 
-/* ---- a muscle
- * ------------------------------------------------------------------------------------------------------------------------------ */
+/* ---- a muscle ------------------------------------------------------------------------------------------------------------ */
 
 typedef struct scene_view {
     sn_view *view;
@@ -225,8 +221,7 @@ static sn_status show_muscle_state(scene_view *s, sn_index muscle, sn_error *err
     return status;
 }
 
-/* ---- words
- * ----------------------------------------------------------------------------------------------------------------------------------- */
+/* ---- words --------------------------------------------------------------------------------------------------------------- */
 
 /* "vertices 3, 17", "samples 4, 5" or "sample 4, vertex 17": the points of the worst row. */
 static void worst_points(const scene_view *s, char *text, size_t room) {
@@ -278,8 +273,7 @@ static sn_status mark_worst(const scene_view *s, sn_error *error) {
                   : sn_view_add_entry(s->view, SN_MARK_RING, COLOR_WORST, "worst row; behind the muscle where the ring is empty", error);
 }
 
-/* ---- the whole
- * -------------------------------------------------------------------------------------------------------------------------------- */
+/* ---- the whole ----------------------------------------------------------------------------------------------------------- */
 
 /* A substep in which iterations are done has the inputs of its end. */
 double sn_view_state_frame(const sn_model *model, const sn_state *state) {

@@ -181,7 +181,7 @@ static void make_seeds(void) {
     sn_mesh cube;
     sn_error error = {0};
     path_of("cube.obj", path, sizeof path);
-    if (sn_mesh_read(path, &cube, &error) != SN_OK) give_up(error.text);
+    if (sn_mesh_read(path, &cube, NULL, &error) != SN_OK) give_up(error.text);
     add_cube(&cube, "cube-text.ply", SN_ENCODING_ASCII);
     add_cube(&cube, "cube-little.ply", SN_ENCODING_LITTLE);
     add_cube(&cube, "cube-big.ply", SN_ENCODING_BIG);
@@ -418,7 +418,8 @@ static const char *try_again(const sn_mesh *mesh, sn_error *error) {
         sn_output_abort(output);
         return "the mesh cannot be written";
     }
-    if (sn_output_commit(output, error) != SN_OK || sn_mesh_read(path, &back, error) != SN_OK) return "what is written cannot be read";
+    if (sn_output_commit(output, error) != SN_OK || sn_mesh_read(path, &back, NULL, error) != SN_OK)
+        return "what is written cannot be read";
     bool same = back.vertex_count == mesh->vertex_count && back.triangle_count == mesh->triangle_count &&
                 back.attribute_count == mesh->attribute_count;
     sn_mesh_free(&back);

@@ -94,7 +94,7 @@ static double mirror_deviation(const char *path, const sn_muscle *whole) {
     sn_structure_report structure;
     sn_error error = {0};
     double deviation = INFINITY;
-    sn_status status = sn_mesh_read(path, &m.mesh, &error);
+    sn_status status = sn_mesh_read(path, &m.mesh, NULL, &error);
     for (sn_index v = 0; !status && v < m.mesh.vertex_count; v++) m.mesh.positions[v].x = -m.mesh.positions[v].x;
     for (sn_index t = 0; !status && t < m.mesh.triangle_count; t++) {
         sn_index *v = m.mesh.triangles[t].v, second = v[1];
@@ -121,7 +121,7 @@ static sn_index leaves_at(const char *path, const sn_muscle *whole, int density,
     sn_muscle m = {.meters_per_unit = 1.0};
     sn_roots_report roots;
     sn_structure_report structure;
-    sn_status status = density == 1 ? subdivide(mesh, &m.mesh, error) : sn_mesh_read(path, &m.mesh, error);
+    sn_status status = density == 1 ? subdivide(mesh, &m.mesh, error) : sn_mesh_read(path, &m.mesh, NULL, error);
     if (!status && density > 1) status = sn_decimate(&m.mesh, mesh->triangle_count / (density == 2 ? 2 : 4), error);
     if (!status) status = grow(&m, &roots, &structure, error);
     if (!status) *apart = structure_distance(&m.structure, &whole->structure);
@@ -281,7 +281,7 @@ static sn_status measure(const char *path, const char *file, const sn_blob *site
     sn_flow_report flow;
     sn_flow_params fp = sn_flow_defaults();
     site_list sites;
-    sn_status status = sn_mesh_read(path, &m.mesh, error);
+    sn_status status = sn_mesh_read(path, &m.mesh, NULL, error);
     if (!status) status = grow(&m, &roots, &structure, error);
     if (!status) status = sn_flow_fibers(&m, &fp, NULL, &m.fibers, &flow, error);
     if (!status) {

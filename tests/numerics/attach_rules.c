@@ -78,7 +78,7 @@ static sn_mesh load(const char *data, const char *set, const char *file) {
     char path[4096];
     sn_mesh mesh;
     snprintf(path, sizeof path, "%s/%s/meshes/%s", data, set, file);
-    if (sn_mesh_read(path, &mesh, NULL) != SN_OK) die(path);
+    if (sn_mesh_read(path, &mesh, NULL, NULL) != SN_OK) die(path);
     return mesh;
 }
 

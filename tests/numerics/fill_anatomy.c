@@ -131,7 +131,7 @@ static void process(const char *path, totals *t) {
     sn_muscle m = {.meters_per_unit = 1.0};
     sn_error error = {0};
     outcome o = {0};
-    sn_status status = sn_mesh_read(path, &m.mesh, &error);
+    sn_status status = sn_mesh_read(path, &m.mesh, NULL, &error);
     if (status == SN_OK) status = fill_muscle(&m, &o, &error);
     if (status == SN_OK) status = count_outside(&m, &o.outside, &error);
     o.failure = status == SN_OK ? judge(&m, &o) : error.text;
@@ -227,7 +227,7 @@ static void process_embedding(const char *data, sn_index step, totals *t) {
     sn_error error = {0};
     outcome o = {0};
     snprintf(path, sizeof path, "%s/leg-vhf/meshes/VHF_Left_Muscle_PeroneusLongus_smooth.ply", data);
-    sn_status status = sn_mesh_read(path, &m.mesh, &error);
+    sn_status status = sn_mesh_read(path, &m.mesh, NULL, &error);
     if (status == SN_OK) status = fill_muscle(&m, &o, &error);
     if (status == SN_OK) status = bind(&m, step, t, &error);
     if (status != SN_OK) printf("embedding: %s\n", error.text);
@@ -235,8 +235,7 @@ static void process_embedding(const char *data, sn_index step, totals *t) {
     sn_muscle_free(&m);
 }
 
-/* ---- sets -----------------------------------------------------------------------------------------------------------------------------
- */
+/* ---- sets ---------------------------------------------------------------------------------------------------------------- */
 
 /* Arched sheets, several heads, many tendons. */
 static const char *const hard[] = {"VHF_Left_Muscle_GluteusMaximus_smooth.ply", "VHF_Left_Muscle_VastusIntermedius_smooth.ply",

@@ -196,8 +196,7 @@ static double objective(const problem *p, const sn_vec3 *x, sn_vec3 *g, sn_vec3 
     return energy;
 }
 
-/* ---- the Hessian -----------------------------------------------------------------------------------------------------------------------
- */
+/* ---- the Hessian --------------------------------------------------------------------------------------------------------- */
 
 static double *coordinate(sn_vec3 *v, int c) { return c == 0 ? &v->x : c == 1 ? &v->y : &v->z; }
 
@@ -288,8 +287,7 @@ static void solve(const double *a, size_t n, double *b) {
     }
 }
 
-/* ---- Newton
- * ------------------------------------------------------------------------------------------------------------------------------- */
+/* ---- Newton -------------------------------------------------------------------------------------------------------------- */
 
 /* The matrix, shifted as far as it takes to be positive definite, factored. */
 static void factor(double *matrix, double *kept, size_t n) {
@@ -336,8 +334,7 @@ static double minimise(problem *p) {
     return longest;
 }
 
-/* ---- steps
- * -------------------------------------------------------------------------------------------------------------------------------- */
+/* ---- steps --------------------------------------------------------------------------------------------------------------- */
 
 static problem make_problem(const simulation *s, bool barriers) {
     const sn_model_muscle *m = &s->model->muscles[0];
@@ -442,8 +439,7 @@ static double difference(const problem *p, const simulation *s) {
 
 static double motion(const simulation *s) { return greatest_move(s) / s->model->muscles[0].diagonal; }
 
-/* ---- gradients
- * ------------------------------------------------------------------------------------------------------------------------------ */
+/* ---- gradients ----------------------------------------------------------------------------------------------------------- */
 
 /* A muscle in the middle of a bend, shaken, with every kind of row at work. */
 static void make_shaken(sn_scene *scene) {
@@ -559,9 +555,7 @@ static void gradients(void) {
     finish(&s);
 }
 
-/* ---- qn
- * ----------------------------------------------------------------------------------------------------------------------------------------
- */
+/* ---- qn ------------------------------------------------------------------------------------------------------------------ */
 
 typedef struct scenario {
     const char *name;
@@ -616,8 +610,7 @@ static void qn_agrees(const scenario *by) {
     finish(&s);
 }
 
-/* ---- xpbd
- * -------------------------------------------------------------------------------------------------------------------------------------- */
+/* ---- xpbd ---------------------------------------------------------------------------------------------------------------- */
 
 /* One step in which the bone turns by turn x h, soft enough for xpbd to converge (k h^2 w of order 1); no barrier: no area row acts. */
 static double xpbd_floor(double h, double *moved) {

@@ -152,7 +152,7 @@ static void process(const char *path, totals *t) {
     sn_muscle m = {.meters_per_unit = 1.0};
     sn_error error = {0};
     outcome o = {0};
-    sn_status status = sn_mesh_read(path, &m.mesh, &error);
+    sn_status status = sn_mesh_read(path, &m.mesh, NULL, &error);
     if (status == SN_OK) status = run_chain(&m, &o, &error);
     if (status == SN_OK)
         judge(path, &m, &o);

@@ -56,8 +56,7 @@ static void pin(sn_muscle *muscle, int i, const char *bone, double low, double h
     }
 }
 
-/* ---- its motions ------------------------------------------------------------------------------------------------------------------------
- */
+/* ---- its motions --------------------------------------------------------------------------------------------------------- */
 
 typedef enum motion { SWING, SIDEWAYS, SLACKEN, FOLD } motion;
 
@@ -92,8 +91,7 @@ static void make_tendon(sn_scene *scene, motion kind, double speed, sn_index sub
     for (int f = 0; f <= FRAMES; f++) joint->keys[f] = (sn_pose_key){f / scene->rate, pose_at(kind, speed, f)};
 }
 
-/* ---- what a run costs -------------------------------------------------------------------------------------------------------------------
- */
+/* ---- what a run costs ---------------------------------------------------------------------------------------------------- */
 
 typedef struct cost {
     int64_t steps, work;

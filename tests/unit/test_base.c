@@ -45,28 +45,6 @@ static void allocation_refuses_overflow(void **state) {
     free(items);
 }
 
-static void arena_gives_back_to_a_mark(void **state) {
-    (void)state;
-    sn_arena *arena = sn_arena_create(256);
-    char *first = sn_arena_take(arena, 100, 1);
-    assert_int_equal((uintptr_t)first % 64, 0);
-    sn_arena_mark mark = sn_arena_here(arena);
-    for (int round = 0; round < 3; round++) {
-        for (size_t size = 1; size < 5000; size += 777) {
-            unsigned char *block = sn_arena_take(arena, size, 1);
-            for (size_t i = 0; i < size; i++) assert_int_equal(block[i], 0);
-            memset(block, 0xee, size);
-        }
-        sn_arena_release(arena, mark);
-    }
-    size_t peak = sn_arena_peak(arena);
-    assert_true(peak >= 128 + 7 * 777);
-    sn_arena_take(arena, 10, 1);
-    assert_int_equal(sn_arena_peak(arena), peak);
-    assert_null(sn_arena_take(arena, SIZE_MAX, 2));
-    sn_arena_destroy(arena);
-}
-
 /* Every number is read as strtod reads it: exact fast path, many digits, extreme exponents. */
 static void numbers_scan_like_strtod(void **state) {
     (void)state;
@@ -308,13 +286,19 @@ static void rigid_motions_invert(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(error_keeps_its_file),        cmocka_unit_test(allocation_refuses_overflow),
-        cmocka_unit_test(arena_gives_back_to_a_mark),  cmocka_unit_test(numbers_scan_like_strtod),
-        cmocka_unit_test(numbers_round_trip),          cmocka_unit_test(scanning_stops_at_the_end),
-        cmocka_unit_test(options_parse_strictly),      cmocka_unit_test(hash_is_sha256),
-        cmocka_unit_test(trace_stops_where_asked),     cmocka_unit_test(threads_do_not_change_bits),
-        cmocka_unit_test(curve_is_monotone),           cmocka_unit_test(eigenvectors_solve),
-        cmocka_unit_test(robust_fit_ignores_outliers), cmocka_unit_test(rigid_motions_invert),
+        cmocka_unit_test(error_keeps_its_file),
+        cmocka_unit_test(allocation_refuses_overflow),
+        cmocka_unit_test(numbers_scan_like_strtod),
+        cmocka_unit_test(numbers_round_trip),
+        cmocka_unit_test(scanning_stops_at_the_end),
+        cmocka_unit_test(options_parse_strictly),
+        cmocka_unit_test(hash_is_sha256),
+        cmocka_unit_test(trace_stops_where_asked),
+        cmocka_unit_test(threads_do_not_change_bits),
+        cmocka_unit_test(curve_is_monotone),
+        cmocka_unit_test(eigenvectors_solve),
+        cmocka_unit_test(robust_fit_ignores_outliers),
+        cmocka_unit_test(rigid_motions_invert),
     };
     return cmocka_run_group_tests_name("base", tests, NULL, NULL);
 }

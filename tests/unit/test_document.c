@@ -317,8 +317,7 @@ static void a_mesh_by_reference_stays_one(void **state) {
     let_go(&h);
 }
 
-/* ---- what is wrong
- * ----------------------------------------------------------------------------------------------------------------------- */
+/* ---- what is wrong ------------------------------------------------------------------------------------------------------- */
 
 static void expect_error(const char *name, const char *text, const char *part) {
     held h;

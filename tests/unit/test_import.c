@@ -16,7 +16,7 @@
 
 #include "sinew/io.h"
 
-static sn_blob blob_of(const char *data, size_t size) { return (sn_blob){(char *)"a.bin", (char *)data, size}; }
+static sn_blob blob_of(const char *data, size_t size) { return (sn_blob){(char *)"a.bin", (char *)(uintptr_t)data, size}; }
 
 static void expect_kind(const char *data, size_t size, const char *kind) {
     sn_blob blob = blob_of(data, size);
@@ -174,7 +174,7 @@ static void an_ignored_sigchld_is_no_matter(void **state) {
 static sn_mesh parts_mesh(void) {
     static const char text[] = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nv -1 0 0\nv 0 -1 0\nv 0 0 -1\n"
                                "g 2\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\ng b\nf 1 5 6\nf 1 7 5\nf 5 7 6\nf 6 7 1\ng\nf 2 3 5\n";
-    sn_blob blob = {(char *)"a.obj", (char *)text, sizeof text - 1};
+    sn_blob blob = {(char *)"a.obj", (char *)(uintptr_t)text, sizeof text - 1};
     sn_mesh mesh;
     assert_int_equal(sn_mesh_parse(&blob, false, &mesh, NULL), SN_OK);
     return mesh;

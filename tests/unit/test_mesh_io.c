@@ -15,7 +15,7 @@
 /* ---- helpers -------------------------------------------------------------------------------------------------------- */
 
 static sn_status parse_bytes(const char *name, const void *bytes, size_t size, bool nonfinite, sn_mesh *out, sn_error *error) {
-    sn_blob blob = {.name = (char *)name, .size = size};
+    sn_blob blob = {.name = (char *)(uintptr_t)name, .size = size};
     blob.data = malloc(size + 1); /* exactly as long as the file: a sanitizer sees the first byte too many */
     assert_non_null(blob.data);
     memcpy(blob.data, bytes, size);
@@ -522,7 +522,7 @@ static void the_format_is_found_from_content(void **state) {
         {"x", "hello", SN_MESH_UNKNOWN},         {"x.OBJ", "# nothing", SN_MESH_OBJ},        {"x", "", SN_MESH_UNKNOWN},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-        sn_blob blob = {(char *)cases[i].name, (char *)cases[i].text, strlen(cases[i].text)};
+        sn_blob blob = {(char *)(uintptr_t)cases[i].name, (char *)(uintptr_t)cases[i].text, strlen(cases[i].text)};
         assert_int_equal(sn_mesh_detect(&blob), cases[i].format);
     }
     refuse("x.txt", "hello", 0, "no known mesh format");
@@ -704,7 +704,7 @@ static void expect_manifest_counts(const char *data, const char *set) {
         snprintf(path, sizeof path, "%s/%s/meshes/%s", data, set, file);
         sn_mesh mesh;
         sn_error error = {0};
-        if (sn_mesh_read(path, &mesh, &error) != SN_OK) fail_msg("%s: %s", error.file, error.text);
+        if (sn_mesh_read(path, &mesh, NULL, &error) != SN_OK) fail_msg("%s: %s", error.file, error.text);
         if (mesh.triangle_count != triangles || mesh.vertex_count != vertices) {
             fail_msg("%s: %d vertices and %d triangles, not %d and %d", path, mesh.vertex_count, mesh.triangle_count, vertices, triangles);
         }

@@ -191,8 +191,7 @@ static void units_do_not_make_numbers_drift(void **state) {
     }
 }
 
-/* ---- what is wrong
- * ------------------------------------------------------------------------------------------------------------------------ */
+/* ---- what is wrong ------------------------------------------------------------------------------------------------------- */
 
 static void expect_error(const char *text, const char *file, int64_t line, const char *part) {
     sn_scene scene;

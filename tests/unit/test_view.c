@@ -86,11 +86,18 @@ static sn_view_options small_options(void) {
     return o;
 }
 
+/* The view alone, without any text. */
+static sn_status draw(const sn_view *view, const sn_camera *camera, sn_view_options o, sn_image *out, sn_error *error) {
+    const sn_tile tile = {view, camera, NULL};
+    o.legend = false;
+    return sn_sheet_render(&(sn_sheet){1, &tile, NULL, NULL}, &o, out, error);
+}
+
 static sn_image render(const sn_view *view, sn_camera camera, sn_view_options o) {
     sn_image image;
     sn_error error = {0};
     sn_camera_include(&camera, view);
-    assert_int_equal(sn_view_render(view, &camera, &o, &image, &error), SN_OK);
+    assert_int_equal(draw(view, &camera, o, &image, &error), SN_OK);
     return image;
 }
 
@@ -219,8 +226,7 @@ static void the_long_axis_lies_along_the_picture(void **state) {
     sn_view_free(&view);
 }
 
-/* ---- the same picture every time ------------------------------------------------------------------------------------------------------
- */
+/* ---- the same picture every time ----------------------------------------------------------------------------------------- */
 
 static void any_number_of_threads_gives_the_same_bytes(void **state) {
     (void)state;
@@ -241,8 +247,7 @@ static void any_number_of_threads_gives_the_same_bytes(void **state) {
     sn_muscle_free(&m);
 }
 
-/* ---- words and files
- * --------------------------------------------------------------------------------------------------------------------- */
+/* ---- words and files ----------------------------------------------------------------------------------------------------- */
 
 static sn_index ink(const sn_image *image) {
     sn_index count = 0;
@@ -292,7 +297,7 @@ static void the_legend_names_what_is_drawn(void **state) {
     for (int legend = 0; legend < 2; legend++) {
         o.legend = legend == 1;
         sn_image image;
-        assert_int_equal(sn_sheet_render(1, &tile, view.title, view.subtitle, &o, &image, NULL), SN_OK);
+        assert_int_equal(sn_sheet_render(&(sn_sheet){1, &tile, view.title, view.subtitle}, &o, &image, NULL), SN_OK);
         assert_int_equal(image.width, 800);
         assert_int_equal(image.height, 600);
         int purple = 0, dark = 0; /* the roots' dot in the lower left, the title in the upper left */
@@ -323,7 +328,7 @@ static void a_sheet_holds_all_its_tiles(void **state) {
     o.legend = false;
     o.columns = 2;
     sn_image image;
-    assert_int_equal(sn_sheet_render(3, tiles, NULL, NULL, &o, &image, NULL), SN_OK);
+    assert_int_equal(sn_sheet_render(&(sn_sheet){3, tiles, NULL, NULL}, &o, &image, NULL), SN_OK);
     assert_in_range(image.width, 400, 412);
     assert_in_range(image.height, 300, 312);
     assert_true(pixel(&image, 100, 75)[0] > 120 && pixel(&image, 300, 75)[2] > 120 && pixel(&image, 100, 230)[0] > 120);
@@ -346,7 +351,7 @@ static sn_image captioned_sheet(sn_index count, const char *const *captions, con
     sn_view_options o = small_options();
     o.columns = 4;
     sn_image image;
-    assert_int_equal(sn_sheet_render(count, tiles, NULL, NULL, &o, &image, NULL), SN_OK);
+    assert_int_equal(sn_sheet_render(&(sn_sheet){count, tiles, NULL, NULL}, &o, &image, NULL), SN_OK);
     for (sn_index i = 0; i < count; i++) sn_view_free(&views[i]);
     return image;
 }
@@ -408,7 +413,7 @@ static void details_that_differ_are_left_out_of_a_sheet(void **state) {
         }
         sn_camera_include(&camera, &views[0]);
         sn_view_options o = small_options();
-        assert_int_equal(sn_sheet_render(2, tiles, NULL, NULL, &o, &images[k], NULL), SN_OK);
+        assert_int_equal(sn_sheet_render(&(sn_sheet){2, tiles, NULL, NULL}, &o, &images[k], NULL), SN_OK);
         for (int i = 0; i < 2; i++) sn_view_free(&views[i]);
     }
     assert_true(same_images(&images[0], &images[1]));
@@ -441,7 +446,7 @@ static void vertex_colours_are_drawn(void **state) {
     sn_camera_include(&camera, &view);
     sn_view_options o = small_options();
     sn_image image;
-    assert_int_equal(sn_view_render(&view, &camera, &o, &image, NULL), SN_OK);
+    assert_int_equal(draw(&view, &camera, o, &image, NULL), SN_OK);
     const uint8_t *low = pixel(&image, 2 * image.width / 5, image.height / 2), *high = pixel(&image, 3 * image.width / 5, image.height / 2);
     assert_true(low[2] > low[0]);                        /* blue */
     assert_true(high[0] > high[1] && high[2] > high[1]); /* purple */
@@ -470,8 +475,7 @@ static void libpng_reads_back_the_same_pixels(void **state) {
     sn_image_free(&image);
 }
 
-/* ---- partial, odd and bad input
- * ------------------------------------------------------------------------------------------------------------- */
+/* ---- partial, odd and bad input ------------------------------------------------------------------------------------------ */
 
 static void draw_whole(const sn_muscle *m, unsigned show) {
     sn_view view = {0};
@@ -540,23 +544,22 @@ static void what_cannot_be_drawn_is_refused(void **state) {
     sn_camera camera = sn_camera_from(30, 30);
     sn_camera_include(&camera, &view);
     sn_view_options o = small_options();
-    assert_int_equal(sn_view_render(&view, &camera, &o, &image, &error), SN_ERROR_INPUT);
+    assert_int_equal(draw(&view, &camera, o, &image, &error), SN_ERROR_INPUT);
     assert_non_null(strstr(error.text, "too large"));
     o.width = 0;
-    assert_int_equal(sn_view_render(&view, &camera, &o, &image, &error), SN_ERROR_USAGE);
+    assert_int_equal(draw(&view, &camera, o, &image, &error), SN_ERROR_USAGE);
     o = small_options();
     o.samples = 9;
-    assert_int_equal(sn_view_render(&view, &camera, &o, &image, &error), SN_ERROR_USAGE);
+    assert_int_equal(draw(&view, &camera, o, &image, &error), SN_ERROR_USAGE);
     sn_view nothing = {0};
     sn_tile tile = {&nothing, &camera, NULL};
     o.samples = 1;
-    assert_int_equal(sn_sheet_render(1, &tile, NULL, NULL, &o, &image, &error), SN_ERROR_INPUT);
+    assert_int_equal(sn_sheet_render(&(sn_sheet){1, &tile, NULL, NULL}, &o, &image, &error), SN_ERROR_INPUT);
     sn_mesh_free(&mesh);
     sn_view_free(&view);
 }
 
-/* ---- scenes
- * ------------------------------------------------------------------------------------------------------------------------------------ */
+/* ---- scenes -------------------------------------------------------------------------------------------------------------- */
 
 static void scenes_pose_bones_and_deform_muscles(void **state) {
     (void)state;

@@ -288,7 +288,7 @@ static void write_file(const sn_mesh *mesh, const char *path, sn_mesh_format for
 static sn_mesh read_file(const char *path) {
     sn_mesh mesh;
     sn_error error = {0};
-    if (sn_mesh_read(path, &mesh, &error) != SN_OK) fail_msg("%s:%d: %s", error.file, (int)error.line, error.text);
+    if (sn_mesh_read(path, &mesh, NULL, &error) != SN_OK) fail_msg("%s:%d: %s", error.file, (int)error.line, error.text);
     return mesh;
 }
 
@@ -474,7 +474,7 @@ static void we_read_what_vtk_writes(void **state) {
         snprintf(path, sizeof path, "%s/%s", folder, entry->d_name);
         sn_mesh mesh;
         sn_error error = {0};
-        sn_status status = sn_mesh_read(path, &mesh, &error);
+        sn_status status = sn_mesh_read(path, &mesh, NULL, &error);
         if (strstr(entry->d_name, "lz4") != NULL && strncmp(entry->d_name, "ascii", 5) != 0) {
             assert_int_equal(status, SN_ERROR_INPUT);
             if (strstr(error.text, "vtkLZ4DataCompressor") == NULL) fail_msg("%s: %s", entry->d_name, error.text);

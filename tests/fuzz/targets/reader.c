@@ -102,7 +102,7 @@ static void demand_round_trip(const sn_mesh *mesh, sn_error *error) {
     snprintf(path, sizeof path, "/proc/self/fd/%d", fd);
     demand(fd >= 0 && sn_output_open(path, true, &output, error) == SN_OK, "no file in memory");
     demand(sn_mesh_write(mesh, SN_MESH_VTP, SN_ENCODING_DEFAULT, output, error) == SN_OK, "the mesh cannot be written");
-    demand(sn_output_commit(output, error) == SN_OK && sn_mesh_read(path, &back, error) == SN_OK, "what is written cannot be read");
+    demand(sn_output_commit(output, error) == SN_OK && sn_mesh_read(path, &back, NULL, error) == SN_OK, "what is written cannot be read");
     demand(back.vertex_count == mesh->vertex_count && back.triangle_count == mesh->triangle_count, "the mesh that comes back is another");
     demand(back.attribute_count == mesh->attribute_count, "the mesh comes back with other attributes");
     close(fd);
