@@ -20,12 +20,15 @@ typedef struct sn_channel {
 
 typedef enum sn_joint_kind { SN_JOINT_HINGE, SN_JOINT_POSE } sn_joint_kind;
 
-typedef struct sn_pose_key { double time; sn_rigid pose; } sn_pose_key;
+typedef struct sn_pose_key {
+    double time;
+    sn_rigid pose;
+} sn_pose_key;
 
 /* A joint moves the bones bound to it, and its child joints. HINGE: turn by `angle` about the axis through point; POSE: keys. */
 typedef struct sn_joint {
     char *name;
-    sn_index parent;   /* SN_NONE = the world */
+    sn_index parent; /* SN_NONE = the world */
     sn_joint_kind kind;
     sn_vec3 axis, point; /* HINGE: unit axis; in the rest pose's world frame */
     sn_channel angle;    /* HINGE: radians */
@@ -41,9 +44,9 @@ typedef struct sn_joint {
 
 /* A coordinate by which the source of a motion tells its joints: a hinge's angle, a channel. Sample k is at k / rate. */
 typedef struct sn_coordinate {
-    char *name;   /* owned */
-    char *unit;   /* owned: "rad", "m" or "" */
-    double rate;  /* samples a second */
+    char *name;  /* owned */
+    char *unit;  /* owned: "rad", "m" or "" */
+    double rate; /* samples a second */
     sn_index count;
     double *values; /* (count) owned */
 } sn_coordinate;

@@ -75,9 +75,8 @@ SN_MUST_CHECK sn_status sn_clip_jumps(const sn_clip *clip, sn_clip_jump **out, s
  * Hz is 1/sqrt 2 after both passes. Rotations (as quaternions on one hemisphere, normalised after), shifts of the joints' centres, and
  * coordinates (angles unwrapped). Beyond its ends a signal goes on as its point reflection. What lies between two jumps is filtered by
  * itself. Steps of the trace: "filter", one a joint, then one for the coordinates; where it stops, what follows is left as it was.
- * SN_ERROR_USAGE: cutoff is not within 0 and SN_CLIP_HIGHEST_CUTOFF of the rate.
+ * SN_ERROR_USAGE: the cutoff is not above 0 and below half of the rate.
  */
-#define SN_CLIP_HIGHEST_CUTOFF 0.44
 SN_MUST_CHECK sn_status sn_clip_filter(sn_clip *clip, double cutoff, sn_trace *trace, sn_error *error);
 
 /* At another rate, from the first frame to the last that is not beyond the end: slerp, and linear; next to a jump the nearer frame. */
@@ -88,7 +87,7 @@ SN_MUST_CHECK sn_status sn_clip_crop(sn_clip *clip, sn_index first, sn_index las
 
 /* As joints of a motion, a key a frame, with rest places and coordinates. */
 SN_MUST_CHECK sn_status sn_clip_to_motion(const sn_clip *clip, sn_motion *out, sn_error *error);
-/* A motion sampled at `rate` from time 0, or its first key if that is earlier or there is none at 0, to its last key. Joints without a
+/* A motion sampled at `rate` from time 0, or its first key where that is earlier, to its last key. Joints without a
  * rest place have it at a hinge's point, else at the origin. */
 SN_MUST_CHECK sn_status sn_clip_from_motion(const sn_motion *motion, double rate, sn_clip *out, sn_error *error);
 

@@ -91,7 +91,8 @@ double sn_quick_pow(double x, double y) { return sn_quick_exp(y * sn_quick_log(x
 
 /* ---- sine and cosine ---------------------------------------------------------------------------------------------------------------- */
 
-/* pi/2 in three pieces of 33, 33 and 53 bits: k times the first two is exact for |k| < 2^20 (Cody & Waite 1980; the pieces of fdlibm). */
+/* pi/2 in three pieces of 33, 33 and 53 bits: k times the first two is exact for |k| < 2^20, and what the third lacks shows beyond 1e5
+ * (Cody & Waite 1980; the pieces of fdlibm). */
 static const double HALF_PI_1 = 0x1.921fb544p+0, HALF_PI_2 = 0x1.0b4611a6p-34, HALF_PI_3 = 0x1.3198a2e037073p-69;
 
 /* a + b rounded, and what the rounding lost (Knuth 1969). */
@@ -120,7 +121,7 @@ static double cosine_near_zero(double r, double tail) {
 }
 
 void sn_quick_sincos(double x, double *sine, double *cosine) {
-    if (!(fabs(x) <= 1e6) || fabs(x) < 1e-8) { /* a small sine keeps the digits of x, also of a subnormal one */
+    if (!(fabs(x) <= 1e4) || fabs(x) < 1e-8) { /* a small sine keeps the digits of x, also of a subnormal one */
         sn_sincos(x, sine, cosine);
         return;
     }
