@@ -20,10 +20,7 @@ typedef struct sn_channel {
 
 typedef enum sn_joint_kind { SN_JOINT_HINGE, SN_JOINT_POSE } sn_joint_kind;
 
-typedef struct sn_pose_key {
-    double time;
-    sn_rigid pose;
-} sn_pose_key;
+typedef struct sn_pose_key { double time; sn_rigid pose; } sn_pose_key;
 
 /* A joint moves the bones bound to it, and its child joints. HINGE: turn by `angle` about the axis through point; POSE: keys. */
 typedef struct sn_joint {

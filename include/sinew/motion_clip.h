@@ -87,6 +87,8 @@ SN_MUST_CHECK sn_status sn_clip_crop(sn_clip *clip, sn_index first, sn_index las
 
 /* As joints of a motion, a key a frame, with rest places and coordinates. */
 SN_MUST_CHECK sn_status sn_clip_to_motion(const sn_clip *clip, sn_motion *out, sn_error *error);
+/* How many frames that would be: from time 0, or the first key where that is earlier, to the last key. */
+double sn_clip_frames_of(const sn_motion *motion, double rate);
 /* A motion sampled at `rate` from time 0, or its first key where that is earlier, to its last key. Joints without a
  * rest place have it at a hinge's point, else at the origin. */
 SN_MUST_CHECK sn_status sn_clip_from_motion(const sn_motion *motion, double rate, sn_clip *out, sn_error *error);

@@ -97,13 +97,24 @@ static sn_status fill_coordinate(const sn_coordinate *from, double begin, const 
     return to->name != NULL && to->unit != NULL ? SN_OK : sn_fail_memory(error, "a coordinate");
 }
 
-sn_status sn_clip_from_motion(const sn_motion *motion, double rate, sn_clip *out, sn_error *error) {
+/* The time of the first frame; *frames is how many there are. */
+static double span_of(const sn_motion *motion, double rate, double *frames) {
     double begin = 0.0, end = 0.0;
     for (sn_index j = 0; j < motion->joint_count; j++) extend_span(&motion->joints[j], &begin, &end);
-    double frames = floor((end - begin) * rate + 1e-6) + 1.0; /* times are multiples of 1/rate only to rounding */
+    *frames = floor((end - begin) * rate + 1e-6) + 1.0; /* times are multiples of 1/rate only to rounding */
+    return begin;
+}
+
+double sn_clip_frames_of(const sn_motion *motion, double rate) {
+    double frames;
+    span_of(motion, rate, &frames);
+    return frames;
+}
+
+sn_status sn_clip_from_motion(const sn_motion *motion, double rate, sn_clip *out, sn_error *error) {
+    double frames, begin = span_of(motion, rate, &frames);
     *out = (sn_clip){0};
-    if (!(frames < SN_INDEX_MAX / 2))
-        return sn_fail(error, SN_ERROR_INPUT, "the motion lasts %g s: too long to sample at %g Hz", end - begin, rate);
+    if (!(frames < SN_INDEX_MAX / 2)) return sn_fail(error, SN_ERROR_INPUT, "the motion is too long to sample at %g Hz", rate);
     sn_status status = sn_clip_create((sn_index)frames, motion->joint_count, motion->coordinate_count, out, error);
     out->rate = rate;
     for (sn_index j = 0; j < motion->joint_count && status == SN_OK; j++) status = fill_joint(&motion->joints[j], &out->joints[j], error);
