@@ -72,15 +72,18 @@ static sn_status read_vector(parser *p, const char *what, double out[3]) {
     return status;
 }
 
-/* "XYZ": axes in the order in which they are turned about. */
+/* "XYZ": axes in the order in which they are turned about; order is left alone where that is not what stands there. */
 static sn_status read_axes(parser *p, int order[3]) {
     sn_span word = sn_reader_word(&p->reader);
+    int read[3] = {-1, -1, -1};
     unsigned seen = 0;
     for (size_t i = 0; i < word.length && i < 3; i++) {
-        order[i] = (word.text[i] | 0x20) - 'x';
-        if (order[i] >= 0 && order[i] < 3) seen |= 1U << order[i];
+        read[i] = (word.text[i] | 0x20) - 'x';
+        if (read[i] >= 0 && read[i] < 3) seen |= 1U << read[i];
     }
-    return word.length == 3 && seen == 7 ? SN_OK : unexpected(p, word, "an order of axes such as XYZ");
+    if (word.length != 3 || seen != 7) return unexpected(p, word, "an order of axes such as XYZ");
+    memcpy(order, read, sizeof read);
+    return SN_OK;
 }
 
 /* Turn about the axes in their order, each by its own angle. */
@@ -147,9 +150,10 @@ static sn_status read_root(parser *p) {
         else
             status = unexpected(p, word, "order, axis, position or orientation");
     }
+    if (status != SN_OK) return status;
     root->axis = turn_in_order(orientation, axes, p->asf->angle);
     p->asf->position = sn_v3(position[0], position[1], position[2]);
-    return status;
+    return SN_OK;
 }
 
 /* ---- bones ----------------------------------------------------------------------------------------------------------------------------
