@@ -32,7 +32,7 @@ typedef struct sn_joint {
     sn_index key_count;  /* POSE: slerp and linear between keys (relative to the rest pose, in the parent's frame) */
     sn_pose_key *keys;   /* (key_count) owned */
     sn_interpolation interpolation;
-    /* What an imported motion tells beside; poses do not depend on it. */
+    /* What an imported motion tells beside. Between keys it is the centre `rest` that moves linearly; else nothing depends on these. */
     bool has_rest, has_end;
     sn_vec3 rest;          /* has_rest: place of the joint's centre in the rest pose, world */
     sn_quat rest_rotation; /* has_rest: of the joint's frame in the rest pose, world */

@@ -229,6 +229,27 @@ static void a_clip_becomes_joints_with_keys_and_comes_back(void **state) {
     sn_motion_free(&motion);
 }
 
+/* Between keys, too, no joint comes apart: the same as a clip at a higher rate. */
+static void joints_stay_together_between_keys(void **state) {
+    (void)state;
+    sn_clip clip = moving(41, 6.0), fine = moving(41, 6.0); /* up to 27 degrees a frame */
+    sn_motion motion;
+    sn_rigid poses[3];
+    assert_int_equal(sn_clip_to_motion(&clip, &motion, NULL), SN_OK);
+    assert_int_equal(sn_clip_resample(&fine, 8.0 * RATE, NULL), SN_OK);
+    for (sn_index f = 0; f < fine.frame_count; f++) {
+        sn_motion_poses(&motion, f / (8.0 * RATE), poses);
+        for (sn_index j = 0; j < 3; j++) {
+            sn_vec3 rest = clip.joints[j].rest, own = sn_rigid_apply(poses[j], rest);
+            assert_true(sn_distance(own, sn_rigid_apply(fine.joints[j].poses[f], rest)) < 1e-12);
+            if (j > 0) assert_true(sn_distance(own, sn_rigid_apply(poses[j - 1], rest)) < 1e-13);
+        }
+    }
+    sn_clip_free(&clip);
+    sn_clip_free(&fine);
+    sn_motion_free(&motion);
+}
+
 /* y up to z up: what was at (x, y, z) is at (x, -z, y), at rest and moved. */
 static void turning_up_turns_every_place(void **state) {
     (void)state;
@@ -284,6 +305,7 @@ int main(void) {
         cmocka_unit_test(resampling_keeps_what_falls_on_old_frames_and_slerps_between),
         cmocka_unit_test(cropping_keeps_the_frames_between),
         cmocka_unit_test(a_clip_becomes_joints_with_keys_and_comes_back),
+        cmocka_unit_test(joints_stay_together_between_keys),
         cmocka_unit_test(turning_up_turns_every_place),
         cmocka_unit_test(a_trace_stops_between_joints),
         cmocka_unit_test(what_is_not_sound_is_refused),
