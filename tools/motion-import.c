@@ -93,7 +93,8 @@ static sn_status load(job *j, sn_error *error) {
     if (status != SN_OK) return status;
     j->source_frames = j->clip.frame_count;
     j->source_rate = j->clip.rate;
-    if (j->clip.rate_assumed) cli_tell(&j->c, "%s tells no rate: taken as %g Hz; --source-rate tells another", j->motion.name, j->clip.rate);
+    if (j->clip.rate_assumed)
+        cli_tell(&j->c, "%s tells no rate: taken as %g Hz; --source-rate tells another", j->motion.name, j->clip.rate);
     return sn_clip_jumps(&j->clip, &j->jumps, &j->jump_count, error);
 }
 

@@ -82,7 +82,7 @@ static sn_status read_axes(parser *p, int order[3]) {
         if (read[i] >= 0 && read[i] < 3) seen |= 1U << read[i];
     }
     if (word.length != 3 || seen != 7) return unexpected(p, word, "an order of axes such as XYZ");
-    memcpy(order, read, sizeof read);
+    for (int k = 0; k < 3; k++) order[k] = read[k];
     return SN_OK;
 }
 
@@ -192,8 +192,8 @@ static sn_status read_bone_name(parser *p, sn_asf_bone *bone) {
 }
 
 static sn_status read_axis(parser *p, sn_asf_bone *bone) {
-    double angles[3];
-    int order[3];
+    double angles[3] = {0};
+    int order[3] = {0, 1, 2};
     sn_status status = read_vector(p, "an angle of the axis", angles);
     if (status == SN_OK) status = read_axes(p, order);
     if (status == SN_OK) bone->axis = turn_in_order(angles, order, p->asf->angle);
@@ -201,7 +201,7 @@ static sn_status read_axis(parser *p, sn_asf_bone *bone) {
 }
 
 static sn_status read_bone_member(parser *p, sn_span word, sn_asf_bone *bone) {
-    double direction[3];
+    double direction[3] = {0};
     sn_status status = SN_OK;
     if (sn_span_is_like(word, "name")) return read_bone_name(p, bone);
     if (sn_span_is_like(word, "length")) return sn_clip_number(&p->reader, "the bone's length", &bone->length);
@@ -217,20 +217,25 @@ static sn_status read_bone_member(parser *p, sn_span word, sn_asf_bone *bone) {
     return status;
 }
 
-static sn_status add_bone(parser *p, sn_asf_bone **out) {
+/* A new bone; NULL = *status tells why not. */
+static sn_asf_bone *add_bone(parser *p, sn_status *status) {
     sn_asf *asf = p->asf;
-    if (asf->count == SN_LIST_LIMIT) return sn_reader_fail(&p->reader, SN_NONE, "there are more than %d bones", SN_LIST_LIMIT);
-    if (!sn_grow((void **)&asf->bones, &asf->capacity, (size_t)asf->count + 1, sizeof *asf->bones))
-        return sn_fail_memory(p->reader.error, "bones");
-    *out = &asf->bones[asf->count++];
-    **out = (sn_asf_bone){.parent = SN_NONE, .axis = sn_quat_identity(), .line = p->reader.line};
-    return SN_OK;
+    *status = SN_OK;
+    if (asf->count == SN_LIST_LIMIT)
+        *status = sn_reader_fail(&p->reader, SN_NONE, "there are more than %d bones", SN_LIST_LIMIT);
+    else if (!sn_grow((void **)&asf->bones, &asf->capacity, (size_t)asf->count + 1, sizeof *asf->bones))
+        *status = sn_fail_memory(p->reader.error, "bones");
+    if (*status != SN_OK) return NULL;
+    sn_asf_bone *bone = &asf->bones[asf->count++];
+    *bone = (sn_asf_bone){.parent = SN_NONE, .axis = sn_quat_identity(), .line = p->reader.line};
+    return bone;
 }
 
 static sn_status read_bone(parser *p) {
-    sn_asf_bone *bone = NULL;
     sn_span word = {0};
-    sn_status status = add_bone(p, &bone);
+    sn_status status;
+    sn_asf_bone *bone = add_bone(p, &status);
+    if (bone == NULL) return status;
     while (status == SN_OK) {
         if (!section_word(p, &word)) return sn_reader_fail(&p->reader, SN_NONE, "a bone's 'begin' has no 'end'; the file is cut off");
         if (sn_span_is_like(word, "end")) break;
@@ -359,10 +364,11 @@ static sn_status read_section(parser *p, sn_span keyword, bool *hierarchy) {
 }
 
 static sn_status read_file(parser *p) {
-    sn_asf_bone *root = NULL;
     bool hierarchy = false;
-    sn_status status = add_bone(p, &root);
-    if (status == SN_OK && (root->name = sn_strdup("root")) == NULL) status = sn_fail_memory(p->reader.error, "a name");
+    sn_status status;
+    sn_asf_bone *root = add_bone(p, &status);
+    if (root == NULL) return status;
+    if ((root->name = sn_strdup("root")) == NULL) status = sn_fail_memory(p->reader.error, "a name");
     while (status == SN_OK) {
         sn_span word = sn_clip_word(&p->reader);
         if (word.length == 0) break;
