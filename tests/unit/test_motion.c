@@ -62,7 +62,7 @@ static void channel_finds_the_right_interval(void **state) {
 static void hinge_turns_about_its_point(void **state) {
     (void)state;
     sn_joint joint = hinge(SN_NONE, sn_v3(0, 0, 1), sn_v3(1, 0, 5), SN_PI / 2);
-    sn_motion motion = {1, &joint};
+    sn_motion motion = {.joint_count = 1, .joints = &joint};
     sn_rigid pose;
     sn_motion_poses(&motion, 0.0, &pose);
     NEAR_VECTOR(sn_rigid_apply(pose, sn_v3(2, 0, 0)), sn_v3(1, 1, 0));
@@ -72,7 +72,7 @@ static void hinge_turns_about_its_point(void **state) {
 static void hinge_at_angle_0_moves_nothing_at_all(void **state) {
     (void)state;
     sn_joint joint = hinge(SN_NONE, sn_v3(0.6, 0, 0.8), sn_v3(0.1, 1000.7, -3.3), 0.0);
-    sn_motion motion = {1, &joint};
+    sn_motion motion = {.joint_count = 1, .joints = &joint};
     sn_rigid pose;
     sn_motion_poses(&motion, 0.0, &pose);
     sn_vec3 p = sn_v3(0.1234567, -765.4321, 1e-9), q = sn_rigid_apply(pose, p);
@@ -83,7 +83,7 @@ static void hinge_at_angle_0_moves_nothing_at_all(void **state) {
 static void child_joint_is_carried_by_its_parent(void **state) {
     (void)state;
     sn_joint joints[] = {hinge(SN_NONE, sn_v3(0, 0, 1), sn_v3(0, 0, 0), SN_PI / 2), hinge(0, sn_v3(0, 0, 1), sn_v3(1, 0, 0), SN_PI / 2)};
-    sn_motion motion = {2, joints};
+    sn_motion motion = {.joint_count = 2, .joints = joints};
     sn_rigid poses[2];
     sn_motion_poses(&motion, 0.0, poses);
     NEAR_VECTOR(sn_rigid_apply(poses[1], sn_v3(1, 0, 0)), sn_v3(0, 1, 0));  /* the elbow, moved by the shoulder */
@@ -97,7 +97,7 @@ static void key_poses_are_interpolated_on_the_shorter_way(void **state) {
     for (int i = 0; i < 2; i++) {
         sn_pose_key keys[] = {{1.0, sn_rigid_identity()}, {3.0, {i == 0 ? quarter : negative, {4, 0, 0}}}};
         sn_joint joint = {.parent = SN_NONE, .kind = SN_JOINT_POSE, .key_count = 2, .keys = keys};
-        sn_motion motion = {1, &joint};
+        sn_motion motion = {.joint_count = 1, .joints = &joint};
         sn_rigid pose;
         sn_motion_poses(&motion, 2.0, &pose);
         NEAR_VECTOR(sn_rigid_apply(pose, sn_v3(1, 0, 0)), sn_v3(2 + sqrt(0.5), sqrt(0.5), 0));
@@ -107,7 +107,7 @@ static void key_poses_are_interpolated_on_the_shorter_way(void **state) {
 }
 
 static void refuse(sn_joint *joints, sn_index count, const char *word) {
-    sn_motion motion = {count, joints};
+    sn_motion motion = {.joint_count = count, .joints = joints};
     sn_error error = {0};
     assert_int_equal(sn_motion_validate(&motion, &error), SN_ERROR_INPUT);
     assert_non_null(strstr(error.text, word));
@@ -120,7 +120,7 @@ static void bad_joints_are_refused_by_name(void **state) {
     double times[] = {1.0, 1.0}, values[] = {0.0, 1.0};
     sn_joint good = hinge(SN_NONE, sn_v3(0, 1, 0), sn_v3(0, 0, 0), 1.0), bad;
     good.name = name;
-    sn_motion motion = {1, &good};
+    sn_motion motion = {.joint_count = 1, .joints = &good};
     assert_int_equal(sn_motion_validate(&motion, NULL), SN_OK);
     bad = good, bad.axis = sn_v3(0, 2, 0);
     refuse(&bad, 1, "unit vector");
