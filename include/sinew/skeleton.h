@@ -102,7 +102,8 @@ void sn_skeleton_rest(const sn_skeleton *skeleton, double *values);
 void sn_skeleton_couple(const sn_skeleton *skeleton, double *values);
 /* World frame of every body: frames (body_count). */
 void sn_skeleton_frames(const sn_skeleton *skeleton, const double *values, sn_rigid *frames);
-void sn_skeleton_free(sn_skeleton *skeleton); /* leaves all zeros */
+void sn_skeleton_free_body(sn_skeleton_body *body); /* leaves all zeros */
+void sn_skeleton_free(sn_skeleton *skeleton);       /* the same */
 
 /* ---- numbers over time, and what a skeleton makes of them (lib/motion/animate.c) --------------------------------------------------- */
 

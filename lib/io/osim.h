@@ -47,6 +47,8 @@ SN_MUST_CHECK sn_status sn_osim_vec3(const sn_osim *o, sn_index element, const c
 sn_quat sn_osim_rotation(sn_vec3 angles);
 /* The body or frame that a socket names, by its last part: "/bodyset/pelvis", "hip_offset", ".." . `from` is the element that has the socket. */
 SN_MUST_CHECK sn_status sn_osim_resolve(const sn_osim *o, sn_index from, sn_span socket, sn_osim_place *out);
+/* The last part of a path, which is taken off it with the slash before it. */
+sn_span sn_osim_last_part(sn_span *path);
 sn_index sn_osim_find_body(const sn_osim *o, sn_span name, bool *is_ground);
 
 /* Read one joint, with its coordinates, into joint->moves; its ends are known. parent_frame and child_frame: where the joint is on them. */

@@ -38,13 +38,13 @@ static sn_status read_knots(const sn_xml_tree *tree, sn_index element, sn_functi
                             sn_error *error) {
     sn_index x_count = 0, y_count = 0;
     double *x = NULL, *y = NULL;
-    sn_error said = {0};
+    sn_error said = {0}; /* knows no line */
     sn_status status = sn_xml_all_numbers(tree, element, "x", sn_xml_child_text(tree, element, "x"), &x_count, &x, error);
     if (status == SN_OK) status = sn_xml_all_numbers(tree, element, "y", sn_xml_child_text(tree, element, "y"), &y_count, &y, error);
     if (status == SN_OK && x_count != y_count)
         status = sn_xml_fail(tree, element, error, "the function has %d numbers x and %d numbers y", (int)x_count, (int)y_count);
-    if (status == SN_OK && (status = sn_function_create(kind, x_count, x, y, scale, out, &said)) == SN_ERROR_INPUT)
-        status = sn_xml_fail(tree, element, error, "%s", said.text);
+    if (status == SN_OK && (status = sn_function_create(kind, x_count, x, y, scale, out, &said)) != SN_OK)
+        status = status == SN_ERROR_INPUT ? sn_xml_fail(tree, element, error, "%s", said.text) : sn_fail_memory(error, "a function");
     free(x);
     free(y);
     return status;

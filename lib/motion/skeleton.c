@@ -28,14 +28,15 @@ void sn_skeleton_reverse_moves(sn_skeleton_body *body, sn_index first, sn_index 
     }
 }
 
-static void free_body(sn_skeleton_body *body) {
+void sn_skeleton_free_body(sn_skeleton_body *body) {
     for (sn_index i = 0; i < body->move_count; i++) sn_function_free(body->moves[i].function);
     free(body->moves);
     free(body->name);
+    *body = (sn_skeleton_body){0};
 }
 
 void sn_skeleton_free(sn_skeleton *s) {
-    for (sn_index i = 0; i < s->body_count; i++) free_body(&s->bodies[i]);
+    for (sn_index i = 0; i < s->body_count; i++) sn_skeleton_free_body(&s->bodies[i]);
     for (sn_index i = 0; i < s->coordinate_count; i++) {
         free(s->coordinates[i].name);
         free(s->coordinates[i].joint);
