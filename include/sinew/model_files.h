@@ -19,9 +19,9 @@ SN_MUST_CHECK sn_status sn_osim_parse(const sn_blob *blob, sn_skeleton *out, sn_
 
 /*
  * MuJoCo's models (lib/io/mjcf.c): the tree of bodies, joints (hinge, slide, ball, free), frames, default classes, angles and orientations
- * as the compiler section says, geoms that are meshes. Files to include are not read, said by a warning. A coordinate has its joint's name; a ball
- * joint has three, NAME_rx, NAME_ry, NAME_rz: its rotation vector away from rest; a free joint also NAME_tx, NAME_ty, NAME_tz: how far the
- * body has gone from its place, in the world's axes. Lengths are taken as metres.
+ * as the compiler section says, geoms that are meshes. Files to include are not read, said by a warning. A coordinate has its joint's name;
+ * a ball joint has three, NAME_rx, NAME_ry, NAME_rz: its rotation vector away from rest; a free joint also NAME_tx, NAME_ty, NAME_tz: how
+ * far the body has gone from its place, in the world's axes. Lengths are taken as metres.
  */
 bool sn_mjcf_detect(const sn_blob *blob);
 SN_MUST_CHECK sn_status sn_mjcf_parse(const sn_blob *blob, sn_skeleton *out, sn_error *error);

@@ -16,7 +16,10 @@ enum { MOST = 4096, MOST_CLASSES = 1024 };
 static const double RADIANS_PER_DEGREE = SN_PI / 180.0;
 
 /* An asset's mesh. */
-typedef struct mesh_asset { sn_span name; sn_index element; } mesh_asset;
+typedef struct mesh_asset {
+    sn_span name;
+    sn_index element;
+} mesh_asset;
 
 typedef struct mjcf {
     const sn_xml_tree *tree;
@@ -88,10 +91,12 @@ static sn_span look_up(const mjcf *m, sn_index element, sn_span childclass, cons
 static sn_status check_class(const mjcf *m, sn_index element, const char *attribute) {
     sn_span name = sn_xml_attribute_text(m->tree, element, attribute);
     if (name.text == NULL || sn_span_is(name, "main") || find_class(m, name) != SN_NONE) return SN_OK;
-    return sn_xml_fail(m->tree, element, m->error, "there is no default class \"%.*s\"", (int)(name.length < 60 ? name.length : 60), name.text);
+    return sn_xml_fail(m->tree, element, m->error, "there is no default class \"%.*s\"", (int)(name.length < 60 ? name.length : 60),
+                       name.text);
 }
 
-/* ---- places --------------------------------------------------------------------------------------------------------------------------- */
+/* ---- places ---------------------------------------------------------------------------------------------------------------------------
+ */
 
 static double angle(const mjcf *m, double value) { return m->degrees ? value * RADIANS_PER_DEGREE : value; }
 
@@ -122,7 +127,10 @@ static sn_quat from_axes(sn_vec3 x, sn_vec3 y) {
 }
 
 /* One of the ways to write an orientation: how many numbers it has. */
-typedef struct way { const char *name; sn_index count; } way;
+typedef struct way {
+    const char *name;
+    sn_index count;
+} way;
 static const way ways[] = {{"quat", 4}, {"axisangle", 4}, {"euler", 3}, {"xyaxes", 6}, {"zaxis", 3}};
 
 static bool make_rotation(const mjcf *m, size_t which, const double *n, sn_quat *out) {
@@ -168,7 +176,8 @@ static sn_status read_place(const mjcf *m, sn_index element, sn_span childclass,
     return status == SN_OK ? read_rotation(m, element, childclass, &out->rotation) : status;
 }
 
-/* ---- joints ------------------------------------------------------------------------------------------------------------------------------ */
+/* ---- joints
+ * ------------------------------------------------------------------------------------------------------------------------------ */
 
 /* A coordinate called NAME and ending. */
 static sn_status add_coordinate(mjcf *m, sn_index element, const char *ending, bool angular, sn_skeleton_coordinate **out) {
@@ -252,7 +261,8 @@ static sn_status add_axis(mjcf *m, sn_index element, sn_index body, const scope 
     sn_move move = {.kind = turns ? SN_MOVE_TURN : SN_MOVE_SHIFT, .coordinates = {m->out->coordinate_count}};
     sn_status status = add_coordinate(m, element, "", turns, &c);
     if (status == SN_OK) status = read_vec3(m, element, s->childclass, "axis", &axis);
-    if (status == SN_OK) status = sn_xml_numbers(m->tree, element, "ref", look_up(m, element, s->childclass, "ref"), 1, &reference, m->error);
+    if (status == SN_OK)
+        status = sn_xml_numbers(m->tree, element, "ref", look_up(m, element, s->childclass, "ref"), 1, &reference, m->error);
     if (status == SN_OK) status = read_range(m, element, s->childclass, c);
     if (status != SN_OK) return status;
     move.axis = sn_normalize(sn_quat_rotate(s->frame.rotation, axis));
@@ -281,7 +291,8 @@ static sn_status read_joint(mjcf *m, sn_index element, const scope *s) {
     return status == SN_OK ? add_shift(m, s->body, sn_neg(centre)) : status;
 }
 
-/* ---- meshes --------------------------------------------------------------------------------------------------------------------------------- */
+/* ---- meshes
+ * --------------------------------------------------------------------------------------------------------------------------------- */
 
 static sn_status read_assets(mjcf *m) {
     for (sn_index list = sn_xml_child(m->tree, 0, "asset"); list != SN_NONE; list = sn_xml_next(m->tree, list, "asset"))
@@ -344,7 +355,8 @@ static sn_status read_geom(mjcf *m, sn_index element, const scope *s) {
     return mesh.name != NULL && mesh.file != NULL ? SN_OK : sn_fail_memory(m->error, "a mesh");
 }
 
-/* ---- bodies ----------------------------------------------------------------------------------------------------------------------------------- */
+/* ---- bodies
+ * ----------------------------------------------------------------------------------------------------------------------------------- */
 
 static sn_status read_body(mjcf *m, sn_index element, scope outer);
 
@@ -378,7 +390,8 @@ static sn_status new_body(mjcf *m, sn_index element, sn_index parent) {
     sn_span name = sn_xml_attribute_text(m->tree, element, "name");
     char spare[32];
     if (m->out->body_count == MOST) return too_many(m, element, "bodies");
-    if (!sn_grow(&bodies, &m->body_capacity, (size_t)m->out->body_count + 1, sizeof *m->out->bodies)) return sn_fail_memory(m->error, "a body");
+    if (!sn_grow(&bodies, &m->body_capacity, (size_t)m->out->body_count + 1, sizeof *m->out->bodies))
+        return sn_fail_memory(m->error, "a body");
     m->out->bodies = bodies;
     snprintf(spare, sizeof spare, "body_%d", (int)m->out->body_count + 1);
     sn_skeleton_body *body = &m->out->bodies[m->out->body_count++];
@@ -398,7 +411,9 @@ static sn_status read_body(mjcf *m, sn_index element, scope outer) {
     return status == SN_OK ? read_children(m, element, s, false) : status;
 }
 
-/* ---- all ------------------------------------------------------------------------------------------------------------------------------------------ */
+/* ---- all
+ * ------------------------------------------------------------------------------------------------------------------------------------------
+ */
 
 static sn_status read_compiler(mjcf *m, sn_index element) {
     const sn_xml_tree *tree = m->tree;

@@ -7,7 +7,8 @@
 /* Frames fixed to frames. */
 enum { DEEPEST_FRAME = 32 };
 
-/* ---- places ------------------------------------------------------------------------------------------------------------------------------ */
+/* ---- places
+ * ------------------------------------------------------------------------------------------------------------------------------ */
 
 sn_status sn_osim_vec3(const sn_osim *o, sn_index element, const char *name, sn_vec3 *out) {
     double xyz[3] = {out->x, out->y, out->z};
@@ -33,7 +34,9 @@ static sn_status read_place(const sn_osim *o, sn_index element, const char *wher
     return status;
 }
 
-static bool same_span(sn_span a, sn_span b) { return a.text != NULL && b.text != NULL && a.length == b.length && memcmp(a.text, b.text, a.length) == 0; }
+static bool same_span(sn_span a, sn_span b) {
+    return a.text != NULL && b.text != NULL && a.length == b.length && memcmp(a.text, b.text, a.length) == 0;
+}
 
 sn_index sn_osim_find_body(const sn_osim *o, sn_span name, bool *is_ground) {
     *is_ground = sn_span_is(name, "ground");
@@ -114,7 +117,8 @@ sn_status sn_osim_resolve(const sn_osim *o, sn_index from, sn_span socket, sn_os
     return sn_xml_fail(o->tree, from, o->error, "frames are fixed to frames without an end");
 }
 
-/* ---- bodies and frames ----------------------------------------------------------------------------------------------------------------------- */
+/* ---- bodies and frames
+ * ----------------------------------------------------------------------------------------------------------------------- */
 
 static sn_status too_many(const sn_osim *o, sn_index element, const char *what) {
     return sn_xml_fail(o->tree, element, o->error, "there are more than %d %s", (int)SN_OSIM_MOST, what);
@@ -163,7 +167,8 @@ static sn_status read_frames(sn_osim *o) {
     return SN_OK;
 }
 
-/* ---- joints -------------------------------------------------------------------------------------------------------------------------------------- */
+/* ---- joints
+ * -------------------------------------------------------------------------------------------------------------------------------------- */
 
 static sn_status new_joint(sn_osim *o, sn_index element, sn_osim_joint **out) {
     void *joints = o->joints;
@@ -225,7 +230,8 @@ static sn_status read_joints(sn_osim *o) {
     return status;
 }
 
-/* ---- the tree -------------------------------------------------------------------------------------------------------------------------------------- */
+/* ---- the tree
+ * -------------------------------------------------------------------------------------------------------------------------------------- */
 
 typedef struct placing {
     sn_osim *o;
@@ -268,8 +274,8 @@ static sn_status place_all(placing *p) {
     place_reachable(p);
     for (sn_index body = 0; body < o->out->body_count; body++) {
         if (is_placed(p, body)) continue;
-        sn_log(SN_LOG_WARNING, "%s: body \"%s\" is on no joint that leads to the ground; it stays at the ground's origin", o->tree->blob->name,
-               o->out->bodies[body].name);
+        sn_log(SN_LOG_WARNING, "%s: body \"%s\" is on no joint that leads to the ground; it stays at the ground's origin",
+               o->tree->blob->name, o->out->bodies[body].name);
         place(p, body, SN_NONE, NULL);
         place_reachable(p);
     }
@@ -298,7 +304,9 @@ static sn_status order_bodies(sn_osim *o) {
     return status;
 }
 
-/* ---- meshes -------------------------------------------------------------------------------------------------------------------------------------------- */
+/* ---- meshes
+ * --------------------------------------------------------------------------------------------------------------------------------------------
+ */
 
 static sn_status add_mesh(sn_osim *o, sn_index element, sn_span file, sn_skeleton_mesh mesh) {
     void *meshes = o->out->meshes;
@@ -348,7 +356,8 @@ static sn_status read_meshes_3(sn_osim *o, sn_index element, sn_index body) {
     sn_rigid outer = sn_rigid_identity(), inner;
     sn_vec3 outer_scale = {1, 1, 1}, inner_scale;
     sn_status status = visible != SN_NONE ? read_transform_3(o, visible, &outer, &outer_scale) : SN_OK;
-    for (sn_index i = sn_xml_find(o->tree, visible, SN_NONE, kind); i != SN_NONE && status == SN_OK; i = sn_xml_find(o->tree, visible, i, kind)) {
+    for (sn_index i = sn_xml_find(o->tree, visible, SN_NONE, kind); i != SN_NONE && status == SN_OK;
+         i = sn_xml_find(o->tree, visible, i, kind)) {
         sn_span file = sn_xml_child_text(o->tree, i, "geometry_file");
         status = read_transform_3(o, i, &inner, &inner_scale);
         inner.translation = times(outer_scale, inner.translation);
@@ -369,7 +378,9 @@ static sn_status read_meshes(sn_osim *o) {
     return status;
 }
 
-/* ---- all -------------------------------------------------------------------------------------------------------------------------------------------------- */
+/* ---- all
+ * --------------------------------------------------------------------------------------------------------------------------------------------------
+ */
 
 static sn_status check_document(const sn_osim *o) {
     double version = 0.0;

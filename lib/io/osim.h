@@ -45,7 +45,8 @@ typedef struct sn_osim_place {
 SN_MUST_CHECK sn_status sn_osim_vec3(const sn_osim *o, sn_index element, const char *name, sn_vec3 *out);
 /* Rotations about x, y, z, each in the frame that the one before it has turned. */
 sn_quat sn_osim_rotation(sn_vec3 angles);
-/* The body or frame that a socket names, by its last part: "/bodyset/pelvis", "hip_offset", ".." . `from` is the element that has the socket. */
+/* The body or frame that a socket names, by its last part: "/bodyset/pelvis", "hip_offset", ".." . `from` is the element that has the
+ * socket. */
 SN_MUST_CHECK sn_status sn_osim_resolve(const sn_osim *o, sn_index from, sn_span socket, sn_osim_place *out);
 /* The last part of a path, which is taken off it with the slash before it. */
 sn_span sn_osim_last_part(sn_span *path);

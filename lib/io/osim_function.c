@@ -20,8 +20,7 @@ static sn_status read_polynomial(const sn_xml_tree *tree, sn_index element, cons
     static const double LINE[] = {1.0, 0.0}, NOTHING[] = {0.0};
     sn_index count = 0;
     double *numbers = NULL;
-    sn_status status =
-        sn_xml_all_numbers(tree, element, member, sn_xml_child_text(tree, element, member), &count, &numbers, error);
+    sn_status status = sn_xml_all_numbers(tree, element, member, sn_xml_child_text(tree, element, member), &count, &numbers, error);
     if (status != SN_OK) return status;
     bool line = sn_xml_is(tree, element, "LinearFunction"), constant = sn_xml_is(tree, element, "Constant");
     if (count == 0) /* OpenSim's defaults */

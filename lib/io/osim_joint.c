@@ -39,7 +39,10 @@ static sn_status make_coordinate(joint_reader *r, sn_span name, sn_index number,
 }
 
 static motion_type read_type(sn_span text) {
-    return sn_span_is_like(text, "rotational") ? ROTATIONAL : sn_span_is_like(text, "translational") ? TRANSLATIONAL : text.length > 0 ? COUPLED : NOT_SAID;
+    return sn_span_is_like(text, "rotational")      ? ROTATIONAL
+           : sn_span_is_like(text, "translational") ? TRANSLATIONAL
+           : text.length > 0                        ? COUPLED
+                                                    : NOT_SAID;
 }
 
 static sn_status read_coordinate(joint_reader *r, sn_index element) {
@@ -80,10 +83,14 @@ static void set_use(joint_reader *r, sn_index number, bool turns, bool whole) {
     c->degrees = c->degrees || said == ROTATIONAL || (turns && whole && said == NOT_SAID);
 }
 
-/* ---- joints of a fixed kind ------------------------------------------------------------------------------------------------------------ */
+/* ---- joints of a fixed kind ------------------------------------------------------------------------------------------------------------
+ */
 
 /* One step of a joint: coordinate `number` turns about an axis, or shifts along it. */
-typedef struct step { bool turns; int axis, number; } step;
+typedef struct step {
+    bool turns;
+    int axis, number;
+} step;
 typedef struct joint_kind {
     const char *name;
     int coordinate_count, step_count;
@@ -126,7 +133,8 @@ static sn_status add_steps(joint_reader *r, const joint_kind *kind) {
     return status;
 }
 
-/* ---- custom joints ------------------------------------------------------------------------------------------------------------------------ */
+/* ---- custom joints
+ * ------------------------------------------------------------------------------------------------------------------------ */
 
 static sn_status find_coordinate(const joint_reader *r, sn_index axis, sn_span name, sn_index *out) {
     const sn_skeleton *s = r->o->out;
@@ -200,13 +208,15 @@ static sn_status add_spatial_transform(joint_reader *r) {
     return status;
 }
 
-/* ---- any joint ------------------------------------------------------------------------------------------------------------------------------ */
+/* ---- any joint
+ * ------------------------------------------------------------------------------------------------------------------------------ */
 
 static sn_status add_rigid(const joint_reader *r, sn_rigid fixed) {
     return sn_skeleton_add_move(&r->joint->moves, (sn_move){.kind = SN_MOVE_FIXED, .fixed = fixed}, r->o->error);
 }
 
-/* In version 3 the coordinates of a reversed joint tell how its parent moves in its child; in version 4 only its place in the tree changes. */
+/* In version 3 the coordinates of a reversed joint tell how its parent moves in its child; in version 4 only its place in the tree changes.
+ */
 static sn_status reverse_if_asked(const joint_reader *r, sn_index first) {
     bool reverse = false;
     const sn_xml_tree *tree = r->o->tree;
@@ -222,9 +232,10 @@ sn_status sn_osim_read_joint(sn_osim *o, sn_osim_joint *joint, sn_rigid parent_f
     sn_span name = sn_xml_name(o->tree, joint->element);
     const joint_kind *kind = find_kind(name);
     if (kind == NULL && !sn_span_is(name, "CustomJoint"))
-        return sn_xml_fail(o->tree, joint->element, o->error,
-                           "a joint of the kind %.*s is not read; Pin, Slider, Weld, Ball, Free, Universal, Gimbal, Planar and CustomJoint are",
-                           (int)(name.length < 60 ? name.length : 60), name.text);
+        return sn_xml_fail(
+            o->tree, joint->element, o->error,
+            "a joint of the kind %.*s is not read; Pin, Slider, Weld, Ball, Free, Universal, Gimbal, Planar and CustomJoint are",
+            (int)(name.length < 60 ? name.length : 60), name.text);
     sn_status status = add_rigid(&r, parent_frame);
     sn_index first = joint->moves.move_count;
     if (status == SN_OK) status = read_coordinates(&r);
@@ -233,7 +244,8 @@ sn_status sn_osim_read_joint(sn_osim *o, sn_osim_joint *joint, sn_rigid parent_f
     return status == SN_OK ? add_rigid(&r, sn_rigid_inverse(child_frame)) : status;
 }
 
-/* ---- couplers ---------------------------------------------------------------------------------------------------------------------------------- */
+/* ---- couplers
+ * ---------------------------------------------------------------------------------------------------------------------------------- */
 
 static sn_status find_any_coordinate(const sn_osim *o, sn_index element, const char *member, sn_index *out) {
     sn_span names = sn_xml_child_text(o->tree, element, member), name = sn_xml_word(&names);
@@ -253,7 +265,8 @@ static sn_status read_coupler(sn_osim *o, sn_index element) {
     sn_skeleton_coupler coupler = {0};
     sn_index function = sn_osim_find_function(tree, element, "coupled_coordinates_function");
     sn_status status = sn_xml_bool(tree, element, "isEnforced", sn_xml_child_text(tree, element, "isEnforced"), &enforced, o->error);
-    if (status == SN_OK) status = sn_xml_bool(tree, element, "isDisabled", sn_xml_child_text(tree, element, "isDisabled"), &disabled, o->error);
+    if (status == SN_OK)
+        status = sn_xml_bool(tree, element, "isDisabled", sn_xml_child_text(tree, element, "isDisabled"), &disabled, o->error);
     if (status != SN_OK || !enforced || disabled) return status;
     if (function == SN_NONE) return sn_xml_fail(tree, element, o->error, "a coupler without a function");
     status = sn_xml_numbers(tree, element, "scale_factor", sn_xml_child_text(tree, element, "scale_factor"), 1, &scale, o->error);
@@ -274,8 +287,10 @@ static sn_status read_coupler(sn_osim *o, sn_index element) {
 sn_status sn_osim_read_couplers(sn_osim *o) {
     static const char kind[] = "CoordinateCouplerConstraint";
     sn_status status = SN_OK;
-    for (sn_index i = sn_xml_find(o->tree, o->model, SN_NONE, kind); i != SN_NONE && status == SN_OK; i = sn_xml_find(o->tree, o->model, i, kind)) {
-        if (o->out->coupler_count == SN_OSIM_MOST) return sn_xml_fail(o->tree, i, o->error, "there are more than %d couplers", SN_OSIM_MOST);
+    for (sn_index i = sn_xml_find(o->tree, o->model, SN_NONE, kind); i != SN_NONE && status == SN_OK;
+         i = sn_xml_find(o->tree, o->model, i, kind)) {
+        if (o->out->coupler_count == SN_OSIM_MOST)
+            return sn_xml_fail(o->tree, i, o->error, "there are more than %d couplers", SN_OSIM_MOST);
         status = read_coupler(o, i);
     }
     return status;

@@ -12,8 +12,8 @@ enum { MOST_COLUMNS = 65536, MOST_HEADER_LINES = 10000 };
 typedef struct storage {
     const sn_blob *blob;
     sn_error *error;
-    const char *at, *end; /* what is not read yet */
-    int64_t line;         /* of the line that was read last */
+    const char *at, *end;  /* what is not read yet */
+    int64_t line;          /* of the line that was read last */
     int64_t rows, columns; /* that the header promises; -1 = it does not say */
     bool degrees_given;
     bool tabs; /* names may have blanks in them */
@@ -139,7 +139,8 @@ static sn_status read_names(storage *s) {
     return status;
 }
 
-/* ---- rows ------------------------------------------------------------------------------------------------------------------------------ */
+/* ---- rows ------------------------------------------------------------------------------------------------------------------------------
+ */
 
 static const char *column_name(const storage *s, sn_index column) { return column == 0 ? "time" : s->out->names[column - 1]; }
 
@@ -194,7 +195,8 @@ static sn_status read_rows(storage *s) {
     return status == SN_OK && s->out->row_count == 0 ? fail_here(s, "there is no row") : status;
 }
 
-/* ---- all ---------------------------------------------------------------------------------------------------------------------------------- */
+/* ---- all
+ * ---------------------------------------------------------------------------------------------------------------------------------- */
 
 bool sn_storage_detect(const sn_blob *blob) {
     storage s = {.at = blob->data, .end = blob->data + blob->size};

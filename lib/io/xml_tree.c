@@ -6,7 +6,7 @@
 #include <string.h>
 
 /* Models have some ten thousand; this bounds memory where a file is nothing but tags. */
-enum { MOST_ELEMENTS = 1 << 19, MOST_LINES = INT32_MAX };
+enum { MOST_ELEMENTS = 1 << 19, MOST_LINES = INT32_MAX, MOST_NUMBERS = 1 << 18 };
 
 typedef struct builder {
     sn_xml_tree *tree;
@@ -193,7 +193,8 @@ sn_span sn_xml_word(sn_span *s) {
 static sn_status read_number(const sn_xml_tree *tree, sn_index element, const char *what, sn_span word, double *out, sn_error *error) {
     const char *next;
     if (sn_scan_number(word.text, word.text + word.length, &next, out) && next == word.text + word.length && isfinite(*out)) return SN_OK;
-    return sn_xml_fail(tree, element, error, "%s: \"%.*s\" is no finite number", what, (int)(word.length < 40 ? word.length : 40), word.text);
+    return sn_xml_fail(tree, element, error, "%s: \"%.*s\" is no finite number", what, (int)(word.length < 40 ? word.length : 40),
+                       word.text);
 }
 
 sn_status sn_xml_all_numbers(const sn_xml_tree *tree, sn_index element, const char *what, sn_span span, sn_index *count, double **out,
@@ -206,7 +207,9 @@ sn_status sn_xml_all_numbers(const sn_xml_tree *tree, sn_index element, const ch
     while (status == SN_OK) {
         sn_span word = sn_xml_word(&span);
         if (word.length == 0) break;
-        if (!sn_grow(&numbers, &capacity, (size_t)*count + 1, sizeof **out)) {
+        if (*count == MOST_NUMBERS) {
+            status = sn_xml_fail(tree, element, error, "%s: more than %d numbers", what, (int)MOST_NUMBERS);
+        } else if (!sn_grow(&numbers, &capacity, (size_t)*count + 1, sizeof **out)) {
             status = sn_fail_memory(error, "numbers of a model");
         } else {
             status = read_number(tree, element, what, word, (double *)numbers + *count, error);

@@ -49,8 +49,8 @@ char *sn_xml_copy(sn_span span);
 sn_span sn_xml_word(sn_span *span);
 
 /* Exactly `count` finite numbers of the span, which belongs to `element`; an empty span leaves out alone. `what` for messages. */
-SN_MUST_CHECK sn_status sn_xml_numbers(const sn_xml_tree *tree, sn_index element, const char *what, sn_span span, sn_index count, double *out,
-                                       sn_error *error);
+SN_MUST_CHECK sn_status sn_xml_numbers(const sn_xml_tree *tree, sn_index element, const char *what, sn_span span, sn_index count,
+                                       double *out, sn_error *error);
 /* As many as there are; *out is allocated. */
 SN_MUST_CHECK sn_status sn_xml_all_numbers(const sn_xml_tree *tree, sn_index element, const char *what, sn_span span, sn_index *count,
                                            double **out, sn_error *error);

@@ -13,11 +13,11 @@ static const double WHOLE_WITHIN = 1e-4;
 
 typedef struct animation {
     const sn_skeleton *skeleton;
-    const sn_columns *columns; /* nullable */
-    sn_index *source;          /* (coordinate_count) column of a coordinate; SN_NONE = it stays at rest */
-    double *rest, *values;     /* (coordinate_count) */
+    const sn_columns *columns;  /* nullable */
+    sn_index *source;           /* (coordinate_count) column of a coordinate; SN_NONE = it stays at rest */
+    double *rest, *values;      /* (coordinate_count) */
     sn_rigid *at_rest, *frames; /* (body_count) */
-    bool even;                 /* rows are the frames */
+    bool even;                  /* rows are the frames */
     double rate;
     int64_t clamped; /* values that were out of their range */
 } animation;
@@ -73,7 +73,8 @@ static sn_status find_sources(animation *a, sn_error *error) {
     return SN_OK;
 }
 
-/* ---- when ------------------------------------------------------------------------------------------------------------------------------ */
+/* ---- when ------------------------------------------------------------------------------------------------------------------------------
+ */
 
 static sn_status check_times(const sn_columns *c, sn_error *error) {
     if (c->row_count < 1) return fail_row(c, -1, error, "there is no row%s", "");
@@ -100,7 +101,8 @@ static sn_status find_rate(animation *a, sn_error *error) {
     return SN_OK;
 }
 
-/* ---- coordinates of a frame ------------------------------------------------------------------------------------------------------------ */
+/* ---- coordinates of a frame ------------------------------------------------------------------------------------------------------------
+ */
 
 /* The rows before and after the time of a frame, and how far it is between them. */
 typedef struct moment {
@@ -136,7 +138,8 @@ static sn_status set_coordinate(animation *a, sn_index i, moment m, sn_error *er
     return SN_OK;
 }
 
-/* ---- the clip ---------------------------------------------------------------------------------------------------------------------------- */
+/* ---- the clip
+ * ---------------------------------------------------------------------------------------------------------------------------- */
 
 /* Coordinates of the same name in two joints get the joint's before it. */
 static char *coordinate_name(const sn_skeleton *s, sn_index index) {

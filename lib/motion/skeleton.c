@@ -123,7 +123,8 @@ sn_status sn_skeleton_finish(sn_skeleton *s, sn_error *error) {
     return status == SN_OK ? order_couplers(s, error) : status;
 }
 
-/* ---- coordinates ---------------------------------------------------------------------------------------------------------------------- */
+/* ---- coordinates ----------------------------------------------------------------------------------------------------------------------
+ */
 
 /* The last but `back`-th part of a path; NULL = there is none. */
 static const char *path_part(const char *path, int back, size_t *length) {
@@ -170,7 +171,8 @@ void sn_skeleton_rest(const sn_skeleton *s, double *values) {
     sn_skeleton_couple(s, values);
 }
 
-/* ---- frames ------------------------------------------------------------------------------------------------------------------------------ */
+/* ---- frames
+ * ------------------------------------------------------------------------------------------------------------------------------ */
 
 static sn_rigid spin(const sn_move *move, const double *values) {
     sn_vec3 vector = sn_v3(values[move->coordinates[0]], values[move->coordinates[1]], values[move->coordinates[2]]);
