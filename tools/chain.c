@@ -144,17 +144,32 @@ static sn_status collect(const cli *c, canonical *args, sn_error *error) {
     return SN_OK;
 }
 
+sn_status cli_history_make(const cli *c, cli_history *out, sn_error *error) {
+    canonical args = {0};
+    *out = (cli_history){0};
+    sn_status status = collect(c, &args, error);
+    if (status != SN_OK) {
+        free_canonical(&args);
+        return status;
+    }
+    out->args = args.items;
+    out->entry = (sn_history_entry){
+        .tool = c->tool->name, .arg_count = (int)args.count, .args = (const char *const *)args.items, .input = c->input_hash};
+    return SN_OK;
+}
+
+void cli_history_free(cli_history *history) {
+    free_canonical(&(canonical){.items = history->args, .count = (size_t)history->entry.arg_count});
+    *history = (cli_history){0};
+}
+
 /* ---- saving ------------------------------------------------------------------------------------------------------------------- */
 
 static sn_status write_document(cli *c, const cli_muscle *muscle, unsigned changed, sn_output *output, sn_error *error) {
-    canonical args = {0};
-    sn_status status = c->history ? collect(c, &args, error) : SN_OK;
-    if (status == SN_OK) {
-        sn_history_entry entry = {
-            .tool = c->tool->name, .arg_count = (int)args.count, .args = (const char *const *)args.items, .input = c->input_hash};
-        status = sn_muscle_write(&muscle->muscle, muscle->document, changed, &entry, c->history, output, error);
-    }
-    free_canonical(&args);
+    cli_history history = {0};
+    sn_status status = c->history ? cli_history_make(c, &history, error) : SN_OK;
+    if (status == SN_OK) status = sn_muscle_write(&muscle->muscle, muscle->document, changed, &history.entry, c->history, output, error);
+    cli_history_free(&history);
     return status;
 }
 

@@ -131,6 +131,14 @@ void cli_free(cli_muscle *muscle);
  * Returns SN_STOPPED, as nothing is left to be done. */
 SN_MUST_CHECK sn_status cli_list_meshes(const sn_blob *blob, sn_error *error);
 
+/* This run's entry for a history: options that change the result in canonical form, files by their hash, c->input_hash. */
+typedef struct cli_history {
+    sn_history_entry entry;
+    char **args; /* (entry.arg_count) owned */
+} cli_history;
+SN_MUST_CHECK sn_status cli_history_make(const cli *c, cli_history *out, sn_error *error);
+void cli_history_free(cli_history *history); /* all zeros is fine */
+
 /* Write --report FILE, if asked: { "tool", "version", "seconds", ...members written by write(json, data) }. */
 typedef void (*cli_report_writer)(sn_json *json, const void *data);
 SN_MUST_CHECK sn_status cli_report(cli *c, cli_report_writer write, const void *data, sn_error *error);

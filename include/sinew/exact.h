@@ -45,5 +45,7 @@ double sn_quick_exp(double x);
 double sn_quick_log(double x);
 /* x^y for x >= 0 and y > 0, finite: within 2 + 3 |y ln x| units. */
 double sn_quick_pow(double x, double y);
+/* Within 1 unit each, for |x| <= 1e4; beyond that by sn_sincos. */
+void sn_quick_sincos(double x, double *sine, double *cosine);
 
 #endif

@@ -8,6 +8,7 @@
 #define SINEW_IO_H
 
 #include "sinew/embedding.h"
+#include "sinew/motion_clip.h"
 #include "sinew/muscle.h"
 #include "sinew/rig.h"
 #include "sinew/scene.h"
@@ -222,6 +223,33 @@ SN_MUST_CHECK sn_status sn_line_frames_append(sn_line_frames *frames, sn_index f
                                               const double *lengths, sn_error *error);
 SN_MUST_CHECK sn_status sn_line_frames_commit(sn_line_frames *frames, sn_error *error); /* frees frames */
 void sn_line_frames_abort(sn_line_frames *frames);                                      /* frees frames; NULL is fine */
+
+/* ---- motions as they were recorded (lib/io/clip_formats.c and one file per format) -------------------------------------------- */
+
+/* What position channels of a BVH are to the joint's OFFSET. AUTO: whatever moves the joint less in the first frame. */
+typedef enum sn_clip_positions { SN_POSITIONS_AUTO, SN_POSITIONS_ADD, SN_POSITIONS_REPLACE } sn_clip_positions;
+typedef struct sn_clip_options {
+    double meters_per_unit;      /* 0 = what the file or its format says: BVH centimetres; AMC inches over the skeleton's `length` */
+    sn_up up;                    /* SN_UP_UNKNOWN = what the format says: BVH and AMC y */
+    double rate;                 /* 0 = what the file says; AMC, which says nothing, 120 Hz */
+    sn_clip_positions positions; /* BVH alone */
+} sn_clip_options;
+
+/* Which of the motion formats this is ("BVH", "AMC", ...), from content alone; NULL = none. */
+const char *sn_clip_detect(const sn_blob *blob);
+/* Parse a motion file of any known format into a valid clip in metres, z up. skeleton: the file that tells the joints where the motion
+ * does not (AMC); else NULL. Errors name file and line. */
+SN_MUST_CHECK sn_status sn_clip_parse(const sn_blob *motion, const sn_blob *skeleton, const sn_clip_options *options, sn_clip *out,
+                                      sn_error *error);
+
+/* A motion document (lib/io/motion_document.c), in metres. A key at frame / rate tells its frame, any other its time. */
+typedef struct sn_motion_head {
+    const char *name;              /* nullable */
+    double rate;                   /* frames a second */
+    const sn_history_entry *entry; /* nullable; behind those of history_from */
+    const sn_blob *history_from;   /* nullable: the motion document that this one was made from */
+} sn_motion_head;
+SN_MUST_CHECK sn_status sn_motion_document_write(const sn_motion *motion, const sn_motion_head *head, sn_output *output, sn_error *error);
 
 /* Numbers over time (lib/io/table.c): a row of names, then rows of numbers, with tabs between them; a path that ends in .sto or .mot gets
  * OpenSim's storage header before them. Smoothing is [K21] 4.4's: `rounds` times x'_i = (x_{i-1} + 4 x_i + x_{i+1}) / 6 over the rows;

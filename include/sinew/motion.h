@@ -25,18 +25,34 @@ typedef struct sn_pose_key { double time; sn_rigid pose; } sn_pose_key;
 /* A joint moves the bones bound to it, and its child joints. HINGE: turn by `angle` about the axis through point; POSE: keys. */
 typedef struct sn_joint {
     char *name;
-    sn_index parent;   /* SN_NONE = the world */
+    sn_index parent; /* SN_NONE = the world */
     sn_joint_kind kind;
     sn_vec3 axis, point; /* HINGE: unit axis; in the rest pose's world frame */
     sn_channel angle;    /* HINGE: radians */
     sn_index key_count;  /* POSE: slerp and linear between keys (relative to the rest pose, in the parent's frame) */
     sn_pose_key *keys;   /* (key_count) owned */
     sn_interpolation interpolation;
+    /* What an imported motion tells beside; poses do not depend on it. */
+    bool has_rest, has_end;
+    sn_vec3 rest;          /* has_rest: place of the joint's centre in the rest pose, world */
+    sn_quat rest_rotation; /* has_rest: of the joint's frame in the rest pose, world */
+    sn_vec3 end;           /* has_end: end of the segment in the rest pose, world */
 } sn_joint;
+
+/* A coordinate by which the source of a motion tells its joints: a hinge's angle, a channel. Sample k is at k / rate. */
+typedef struct sn_coordinate {
+    char *name;  /* owned */
+    char *unit;  /* owned: "rad", "m" or "" */
+    double rate; /* samples a second */
+    sn_index count;
+    double *values; /* (count) owned */
+} sn_coordinate;
 
 typedef struct sn_motion {
     sn_index joint_count;
     sn_joint *joints; /* (joint_count) parents before children; owned */
+    sn_index coordinate_count;
+    sn_coordinate *coordinates; /* (coordinate_count) owned */
 } sn_motion;
 
 double sn_channel_at(const sn_channel *channel, double time);
@@ -45,6 +61,8 @@ bool sn_channel_constant(const sn_channel *channel); /* same value at all times 
 sn_rigid sn_motion_pose(const sn_motion *motion, sn_index joint, double time);
 /* World pose of every joint at `time`: poses (joint_count). */
 void sn_motion_poses(const sn_motion *motion, double time, sn_rigid *poses);
+/* Linear between samples; outside them the end values hold; 0 where there is none. */
+double sn_coordinate_at(const sn_coordinate *coordinate, double time);
 SN_MUST_CHECK sn_status sn_motion_validate(const sn_motion *motion, sn_error *error);
 void sn_channel_free(sn_channel *channel);
 void sn_motion_free(sn_motion *motion);

@@ -1,4 +1,5 @@
 /* detect.c -- which kind of document a JSON text is, without parsing it all: looks for the top-level members "format" and "asset". */
+#include "clip_reader.h"
 #include "import.h"
 
 #include <string.h>
@@ -66,13 +67,18 @@ static int find_member(scan *s, const sn_blob *blob, int count, const char *cons
     return -1;
 }
 
-bool sn_scene_detect(const sn_blob *blob) {
+/* Is the document's "format" this word, with its quotes? */
+static bool has_format(const sn_blob *blob, const char *quoted) {
     static const char *const wanted[] = {"\"format\""};
     scan s;
     if (find_member(&s, blob, 1, wanted) != 0 || s.at >= s.end || *s.at != '"') return false;
     const char *value = s.at;
-    return skip_string(&s) && equals(value, s.at, "\"sinew-scene\"");
+    return skip_string(&s) && equals(value, s.at, quoted);
 }
+
+bool sn_scene_detect(const sn_blob *blob) { return has_format(blob, "\"sinew-scene\""); }
+
+bool sn_motion_document_is(const sn_blob *blob) { return has_format(blob, "\"sinew-motion\""); }
 
 bool sn_gltf_detect(const sn_blob *blob) {
     static const char *const wanted[] = {"\"format\"", "\"asset\""};

@@ -670,7 +670,7 @@ static void write_history_entry(const sn_history_entry *entry, sn_json *json) {
     sn_json_close(json);
 }
 
-static void write_history(const sn_json_tree *tree, const sn_history_entry *entry, sn_json *json) {
+void sn_history_write(const sn_json_tree *tree, const sn_history_entry *entry, sn_json *json) {
     sn_json_value top = {0}, history = {0};
     if (tree != NULL) {
         top = sn_json_top(tree);
@@ -704,7 +704,7 @@ sn_status sn_muscle_write(const sn_muscle *muscle, const sn_document *document, 
     sn_json_number(json, "metersPerUnit", muscle->meters_per_unit);
     status = write_sections(muscle, tree, from_tree, from_muscle, json, error);
     pass_unknown_members(tree, json);
-    if (keep_history) write_history(tree, entry, json);
+    if (keep_history) sn_history_write(tree, entry, json);
     sn_status ended = sn_json_end(json, status == SN_OK ? error : NULL);
     return status != SN_OK ? status : ended;
 }

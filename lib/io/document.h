@@ -11,6 +11,8 @@ enum { SN_LIST_LIMIT = 4096 };
 char *sn_path_beside(const char *document, const char *uri);
 /* The file's name without folder and extension; NULL = out of memory, or a stream without a name. */
 char *sn_path_stem(const char *path);
+/* The member "history": the entries of tree (nullable), then entry (nullable); nothing where there is neither. */
+void sn_history_write(const sn_json_tree *tree, const sn_history_entry *entry, sn_json *json);
 /* The list of fibres of a document; an absent one leaves *out alone. */
 SN_MUST_CHECK sn_status sn_parse_polylines(const sn_json_value *value, sn_fibers *out, sn_error *error);
 

@@ -1,6 +1,8 @@
 /* motion_document.c -- joints and channels: read from scene, motion and activation documents, written into a scene. */
 #include "motion_document.h"
 
+#include "clip_reader.h"
+
 #include <stdlib.h>
 #include <string.h>
 
@@ -249,9 +251,24 @@ static sn_status parse_name_and_parent(const sn_json_value *joint, sn_motion *mo
     return status;
 }
 
+/* Places in the rest pose, which importers tell: "rest" and "restRotation" of the joint's frame, "end" of its segment. */
+static sn_status parse_rest(const sn_json_value *joint, sn_clock clock, sn_joint *out, sn_error *error) {
+    sn_json_value rest = sn_json_member(joint, "rest"), rotation = sn_json_member(joint, "restRotation"),
+                  end = sn_json_member(joint, "end");
+    out->has_rest = sn_json_has(&rest);
+    out->has_end = sn_json_has(&end);
+    out->rest_rotation = sn_quat_identity();
+    sn_status status = sn_json_get_vec3(&rest, &out->rest, error);
+    if (status == SN_OK) status = parse_rotation(&rotation, &out->rest_rotation, error);
+    if (status == SN_OK) status = sn_json_get_vec3(&end, &out->end, error);
+    out->rest = sn_scale(out->rest, clock.meters_per_unit);
+    out->end = sn_scale(out->end, clock.meters_per_unit);
+    return status;
+}
+
 static sn_status parse_joint(const sn_json_value *joint, sn_clock clock, sn_motion *motion, sn_error *error) {
-    static const char *const known[] = {"name", "parent",          "type",    "axis",          "point",
-                                        "keys", "degreesPerFrame", "degrees", "interpolation", NULL};
+    static const char *const known[] = {"name",    "parent",        "type", "axis",         "point", "keys", "degreesPerFrame",
+                                        "degrees", "interpolation", "rest", "restRotation", "end",   NULL};
     sn_joint *out = &motion->joints[joint->element];
     sn_json_value type = sn_json_member(joint, "type");
     int kind = SN_JOINT_HINGE;
@@ -262,6 +279,8 @@ static sn_status parse_joint(const sn_json_value *joint, sn_clock clock, sn_moti
     if (status != SN_OK) return status;
     sn_json_warn_unknown(joint, known);
     out->kind = (sn_joint_kind)kind;
+    status = parse_rest(joint, clock, out, error);
+    if (status != SN_OK) return status;
     return out->kind == SN_JOINT_HINGE ? parse_hinge(joint, clock, out, error) : parse_pose(joint, clock, out, error);
 }
 
@@ -279,6 +298,50 @@ static sn_status parse_joints(const sn_json_value *joints, sn_clock clock, sn_mo
     return status;
 }
 
+/* ---- coordinates ---------------------------------------------------------------------------------------------------------- */
+
+static const char *const coordinate_units[] = {"", "rad", "m", NULL};
+
+static sn_status parse_coordinate(const sn_json_value *value, sn_clock clock, sn_coordinate *out, sn_error *error) {
+    static const char *const known[] = {"name", "unit", "rate", "values", NULL};
+    sn_json_value name = sn_json_member(value, "name"), unit = sn_json_member(value, "unit"), rate = sn_json_member(value, "rate"),
+                  values = sn_json_member(value, "values");
+    int choice = 0;
+    out->rate = clock.rate;
+    sn_status status = sn_json_expect_object(value, error);
+    if (status == SN_OK) status = sn_json_require(&name, "the name of the coordinate", error);
+    if (status == SN_OK) status = sn_json_get_text(&name, &out->name, error);
+    if (status == SN_OK) status = sn_json_get_choice(&unit, coordinate_units, &choice, error);
+    if (status == SN_OK) status = sn_json_get_number(&rate, SN_JSON_POSITIVE, INFINITY, &out->rate, error);
+    if (status == SN_OK) status = sn_json_get_numbers(&values, 1, -1, &out->count, &out->values, error);
+    if (status == SN_OK && (out->unit = sn_strdup(coordinate_units[choice])) == NULL) status = sn_fail_memory(error, "a unit");
+    if (status == SN_OK) sn_json_warn_unknown(value, known);
+    return status;
+}
+
+static sn_status parse_coordinates(const sn_json_value *list, sn_clock clock, sn_motion *out, sn_error *error) {
+    enum { MOST_COORDINATES = 8 * SN_LIST_LIMIT };
+    if (!sn_json_has(list)) return SN_OK;
+    sn_index count;
+    sn_status status = sn_json_expect_list(list, MOST_COORDINATES, &count, error);
+    if (status != SN_OK) return status;
+    if ((out->coordinates = SN_NEW(sn_coordinate, count)) == NULL) return sn_fail_memory(error, "coordinates");
+    for (sn_index i = 0; i < count && status == SN_OK; i++) {
+        sn_json_value coordinate = sn_json_element(list, i);
+        out->coordinate_count = i + 1;
+        status = parse_coordinate(&coordinate, clock, &out->coordinates[i], error);
+    }
+    return status;
+}
+
+static sn_status parse_members(const sn_json_value *motion, sn_clock clock, sn_motion *out, sn_error *error) {
+    sn_json_value joints = sn_json_member(motion, "joints"), coordinates = sn_json_member(motion, "coordinates");
+    sn_status status = parse_joints(&joints, clock, out, error);
+    return status == SN_OK ? parse_coordinates(&coordinates, clock, out, error) : status;
+}
+
+/* ---- documents ------------------------------------------------------------------------------------------------------------ */
+
 /* A JSON document that another one names. */
 static sn_status read_beside(const sn_json_value *uri, sn_json_tree **out, sn_error *error) {
     char *text = NULL, *path = NULL;
@@ -294,24 +357,62 @@ static sn_status read_beside(const sn_json_value *uri, sn_json_tree **out, sn_er
     return status;
 }
 
-/* A motion document has a unit and a rate of its own, or those of the scene. */
-static sn_status parse_motion_document(const sn_json_tree *tree, sn_clock clock, sn_motion *out, sn_error *error) {
-    sn_json_value top = sn_json_top(tree), unit = sn_json_member(&top, "metersPerUnit"), rate = sn_json_member(&top, "rate"),
-                  joints = sn_json_member(&top, "joints");
+/* A motion document has a unit and a rate of its own, or those that *clock comes with. */
+static sn_status parse_motion_document(const sn_json_tree *tree, sn_clock *clock, sn_motion *out, sn_error *error) {
+    sn_json_value top = sn_json_top(tree), unit = sn_json_member(&top, "metersPerUnit"), rate = sn_json_member(&top, "rate");
     sn_status status = sn_json_expect_format(&top, "sinew-motion", 1, error);
-    if (status == SN_OK) status = sn_json_get_number(&unit, SN_JSON_POSITIVE, INFINITY, &clock.meters_per_unit, error);
-    if (status == SN_OK) status = sn_json_get_number(&rate, SN_JSON_POSITIVE, INFINITY, &clock.rate, error);
-    return status == SN_OK ? parse_joints(&joints, clock, out, error) : status;
+    if (status == SN_OK) status = sn_json_get_number(&unit, SN_JSON_POSITIVE, INFINITY, &clock->meters_per_unit, error);
+    if (status == SN_OK) status = sn_json_get_number(&rate, SN_JSON_POSITIVE, INFINITY, &clock->rate, error);
+    return status == SN_OK ? parse_members(&top, *clock, out, error) : status;
 }
 
 sn_status sn_motion_parse(const sn_json_value *value, sn_clock clock, sn_motion *out, sn_error *error) {
     if (!sn_json_has(value)) return SN_OK;
-    sn_json_value uri = sn_json_member(value, "uri"), joints = sn_json_member(value, "joints");
+    sn_json_value uri = sn_json_member(value, "uri");
     sn_status status = sn_json_expect_object(value, error);
-    if (status != SN_OK || !sn_json_has(&uri)) return status == SN_OK ? parse_joints(&joints, clock, out, error) : status;
+    if (status != SN_OK || !sn_json_has(&uri)) return status == SN_OK ? parse_members(value, clock, out, error) : status;
     sn_json_tree *tree;
     status = read_beside(&uri, &tree, error);
-    if (status == SN_OK) status = parse_motion_document(tree, clock, out, error);
+    if (status == SN_OK) status = parse_motion_document(tree, &clock, out, error);
+    sn_json_tree_free(tree);
+    return status;
+}
+
+/* A motion document as a clip: its joints at each frame of its rate. */
+static sn_status sample(const sn_clip_source *source, const sn_motion *motion, double rate, sn_clip *out, sn_error *error) {
+    sn_reader reader = sn_clip_open(source->motion, error);
+    sn_status status = sn_motion_validate(motion, error);
+    if (status != SN_OK) return status;
+    double frames = sn_clip_frames_of(motion, rate),
+           frame = (double)motion->joint_count * sizeof(sn_rigid) + (double)motion->coordinate_count * sizeof(double);
+    if (!(frames < SN_INDEX_MAX / 2) || !sn_reader_may_take(&reader, frames * frame))
+        return sn_fail_at(error, SN_ERROR_INPUT, source->motion->name, 0, "its last key is %g frames behind the first: too long to sample",
+                          frames);
+    return sn_clip_from_motion(motion, rate, out, error);
+}
+
+sn_status sn_motion_document_read(const sn_clip_source *source, sn_clip *out, sn_error *error) {
+    const double *unit = &source->options.meters_per_unit;
+    sn_clock clock = {.rate = 24.0, .meters_per_unit = *unit > 0.0 ? *unit : 1.0};
+    sn_motion motion = {0};
+    sn_json_tree *tree = NULL;
+    char *name = NULL;
+    *out = (sn_clip){0};
+    sn_status status = sn_json_parse(source->motion, &tree, error);
+    if (status == SN_OK) status = parse_motion_document(tree, &clock, &motion, error);
+    if (status == SN_OK) {
+        sn_json_value top = sn_json_top(tree), member = sn_json_member(&top, "name");
+        status = sn_json_get_text(&member, &name, error);
+    }
+    if (source->options.rate > 0.0) clock.rate = source->options.rate;
+    if (status == SN_OK) status = sample(source, &motion, clock.rate, out, error);
+    if (status == SN_OK) {
+        out->name = name;
+        out->meters_per_unit_of_source = clock.meters_per_unit;
+        name = NULL;
+    }
+    free(name);
+    sn_motion_free(&motion);
     sn_json_tree_free(tree);
     return status;
 }
@@ -405,13 +506,23 @@ static void write_hinge(const sn_joint *joint, double meters_per_unit, sn_json *
         sn_json_number(json, "degrees", sn_unscale(joint->angle.constant, RADIANS_PER_DEGREE));
 }
 
-static void write_pose(const sn_joint *joint, double meters_per_unit, sn_json *json) {
+/* The frame of a document's rate where that says the same time exactly. */
+static void write_time(double time, double rate, sn_json *json) {
+    double frame = floor(time * rate + 0.5);
+    if (rate > 0.0 && fabs(frame) < 1e9 && frame / rate == time)
+        sn_json_integer(json, "frame", (int64_t)frame);
+    else
+        sn_json_number(json, "time", time);
+}
+
+/* rate 0: keys tell their time. */
+static void write_pose(const sn_joint *joint, double meters_per_unit, double rate, sn_json *json) {
     sn_json_array(json, "keys");
     for (sn_index i = 0; i < joint->key_count; i++) {
         const sn_pose_key *key = &joint->keys[i];
         const sn_quat q = key->pose.rotation;
         sn_json_object_line(json, NULL);
-        sn_json_number(json, "time", key->time);
+        write_time(key->time, rate, json);
         sn_json_numbers(json, "rotation", (const double[4]){q.w, q.x, q.y, q.z}, 4);
         sn_json_vec3(json, "translation", unscale_point(key->pose.translation, meters_per_unit));
         sn_json_close(json);
@@ -420,8 +531,16 @@ static void write_pose(const sn_joint *joint, double meters_per_unit, sn_json *j
     sn_json_text(json, "interpolation", sn_interpolation_names[joint->interpolation]);
 }
 
-void sn_motion_write(const sn_motion *motion, double meters_per_unit, sn_json *json) {
-    sn_json_object(json, "motion");
+static void write_rest(const sn_joint *joint, double meters_per_unit, sn_json *json) {
+    const sn_quat q = joint->rest_rotation;
+    if (joint->has_rest) {
+        sn_json_vec3(json, "rest", unscale_point(joint->rest, meters_per_unit));
+        sn_json_numbers(json, "restRotation", (const double[4]){q.w, q.x, q.y, q.z}, 4);
+    }
+    if (joint->has_end) sn_json_vec3(json, "end", unscale_point(joint->end, meters_per_unit));
+}
+
+static void write_joints(const sn_motion *motion, double meters_per_unit, double rate, sn_json *json) {
     sn_json_array(json, "joints");
     for (sn_index i = 0; i < motion->joint_count; i++) {
         const sn_joint *joint = &motion->joints[i];
@@ -429,12 +548,60 @@ void sn_motion_write(const sn_motion *motion, double meters_per_unit, sn_json *j
         sn_json_text(json, "name", joint->name);
         if (joint->parent != SN_NONE) sn_json_text(json, "parent", motion->joints[joint->parent].name);
         sn_json_text(json, "type", joint_types[joint->kind]);
+        write_rest(joint, meters_per_unit, json);
         if (joint->kind == SN_JOINT_HINGE)
             write_hinge(joint, meters_per_unit, json);
         else
-            write_pose(joint, meters_per_unit, json);
+            write_pose(joint, meters_per_unit, rate, json);
         sn_json_close(json);
     }
     sn_json_close(json);
+}
+
+/* rate: of the document; coordinates of another one tell theirs. */
+static void write_coordinates(const sn_motion *motion, double rate, sn_json *json) {
+    if (motion->coordinate_count == 0) return;
+    sn_json_array(json, "coordinates");
+    for (sn_index i = 0; i < motion->coordinate_count; i++) {
+        const sn_coordinate *coordinate = &motion->coordinates[i];
+        sn_json_object(json, NULL);
+        sn_json_text(json, "name", coordinate->name);
+        sn_json_text(json, "unit", coordinate->unit);
+        if (coordinate->rate != rate) sn_json_number(json, "rate", coordinate->rate);
+        sn_json_numbers(json, "values", coordinate->values, (size_t)coordinate->count);
+        sn_json_close(json);
+    }
     sn_json_close(json);
+}
+
+void sn_motion_write(const sn_motion *motion, double meters_per_unit, sn_json *json) {
+    sn_json_object(json, "motion");
+    write_joints(motion, meters_per_unit, 0.0, json);
+    write_coordinates(motion, 0.0, json);
+    sn_json_close(json);
+}
+
+static sn_status write_document(const sn_motion *motion, const sn_motion_head *head, const sn_json_tree *before, sn_output *output,
+                                sn_error *error) {
+    sn_json *json = sn_json_begin(output, true);
+    if (json == NULL) return sn_fail_memory(error, "a motion document");
+    sn_json_object(json, NULL);
+    sn_json_text(json, "format", "sinew-motion");
+    sn_json_integer(json, "version", 1);
+    if (head->name != NULL) sn_json_text(json, "name", head->name);
+    sn_json_number(json, "metersPerUnit", 1.0);
+    sn_json_number(json, "rate", head->rate);
+    write_joints(motion, 1.0, head->rate, json);
+    write_coordinates(motion, head->rate, json);
+    sn_history_write(before, head->entry, json);
+    return sn_json_end(json, error);
+}
+
+sn_status sn_motion_document_write(const sn_motion *motion, const sn_motion_head *head, sn_output *output, sn_error *error) {
+    sn_json_tree *before = NULL;
+    sn_status status = sn_motion_validate(motion, error);
+    if (status == SN_OK && head->history_from != NULL) status = sn_json_parse(head->history_from, &before, error);
+    if (status == SN_OK) status = write_document(motion, head, before, output, error);
+    sn_json_tree_free(before);
+    return status;
 }

@@ -25,6 +25,16 @@ void sn_motion_poses(const sn_motion *motion, double time, sn_rigid *poses) {
     }
 }
 
+double sn_coordinate_at(const sn_coordinate *coordinate, double time) {
+    if (coordinate->count <= 0) return 0.0;
+    double last = (double)coordinate->count - 1.0, at = fmin(fmax(time * coordinate->rate, 0.0), last),
+           low = fmin(floor(at), fmax(last - 1.0, 0.0));
+    sn_index k = (sn_index)low;
+    if (last == 0.0 || at == low) return coordinate->values[k];
+    return at == low + 1.0 ? coordinate->values[k + 1]
+                           : coordinate->values[k] + (at - low) * (coordinate->values[k + 1] - coordinate->values[k]);
+}
+
 static const char *joint_name(const sn_joint *joint) { return joint->name != NULL ? joint->name : "(unnamed)"; }
 
 static sn_status check_angle(const sn_joint *joint, sn_error *error) {
@@ -66,6 +76,18 @@ static sn_status check_keys(const sn_joint *joint, sn_error *error) {
     return SN_OK;
 }
 
+static sn_status check_coordinates(const sn_motion *motion, sn_error *error) {
+    for (sn_index c = 0; c < motion->coordinate_count; c++) {
+        const sn_coordinate *coordinate = &motion->coordinates[c];
+        if (coordinate->name == NULL || coordinate->unit == NULL || !(coordinate->rate > 0.0))
+            return sn_fail(error, SN_ERROR_INPUT, "coordinate %d has no name, no unit or no rate", c + 1);
+        for (sn_index k = 0; k < coordinate->count; k++)
+            if (!isfinite(coordinate->values[k]))
+                return sn_fail(error, SN_ERROR_INPUT, "coordinate \"%s\": sample %d is not finite", coordinate->name, k);
+    }
+    return SN_OK;
+}
+
 sn_status sn_motion_validate(const sn_motion *motion, sn_error *error) {
     for (sn_index j = 0; j < motion->joint_count; j++) {
         const sn_joint *joint = &motion->joints[j];
@@ -73,8 +95,10 @@ sn_status sn_motion_validate(const sn_motion *motion, sn_error *error) {
             return sn_fail(error, SN_ERROR_INPUT, "joint \"%s\": its parent must come before it", joint_name(joint));
         sn_status status = joint->kind == SN_JOINT_HINGE ? check_hinge(joint, error) : check_keys(joint, error);
         if (status != SN_OK) return status;
+        if (joint->has_rest && !sn_finite3(joint->rest))
+            return sn_fail(error, SN_ERROR_INPUT, "joint \"%s\": its rest place is not finite", joint_name(joint));
     }
-    return SN_OK;
+    return check_coordinates(motion, error);
 }
 
 void sn_motion_free(sn_motion *motion) {
@@ -84,6 +108,12 @@ void sn_motion_free(sn_motion *motion) {
         sn_channel_free(&motion->joints[j].angle);
         free(motion->joints[j].keys);
     }
+    for (sn_index c = 0; c < motion->coordinate_count; c++) {
+        free(motion->coordinates[c].name);
+        free(motion->coordinates[c].unit);
+        free(motion->coordinates[c].values);
+    }
     free(motion->joints);
+    free(motion->coordinates);
     *motion = (sn_motion){0};
 }

@@ -733,7 +733,10 @@ static void try_large_files(void) {
         MODEL, "knots.osim",
         "<OpenSimDocument><Model><BodySet><objects><Body name='a'><Joint><CustomJoint><parent_body>ground</parent_body><SpatialTransform>"
         "<TransformAxis name='rotation1'><SimmSpline name='function'><x>",
-        "1 ", 4 * MANY, "", false);
+        "1 ", 4 * MANY,
+        "</x><y>1</y></SimmSpline></TransformAxis></SpatialTransform></CustomJoint></Joint></Body></objects></BodySet></Model></"
+        "OpenSimDocument>",
+        false);
     try_rows(STORAGE, "rows.mot", "x\nendheader\ntime other\n", "0 0\n", MANY, "", false);
     try_rows(STORAGE, "columns.mot", "x\nendheader\ntime", "\ta", MANY, "\n", false);
     try_block("corners.ply", bytes_ply, sizeof bytes_ply - 1, 0xff, BLOCK);
@@ -791,6 +794,9 @@ static void try_kept_files(void) {
                      : strstr(name, ".pc2")      ? CACHE
                      : strstr(name, ".report.")  ? REPORT
                      : strstr(name, ".settings") ? SETTINGS
+                     : strstr(name, ".osim")     ? MODEL
+                     : strstr(name, ".mjcf")     ? MODEL
+                     : strstr(name, ".mot")      ? STORAGE
                                                  : MESH;
             try_file(k, name, blob.data, blob.size, false);
             sn_blob_free(&blob);

@@ -172,6 +172,24 @@ static void quick_functions_keep_their_bounds(void **state) {
     assert_true(sn_quick_pow(0.0, 0.4) == 0.0 && sn_quick_pow(1.0, 7.0) == 1.0);
 }
 
+static void quick_sine_and_cosine_keep_their_bounds(void **state) {
+    (void)state;
+    uint64_t seed = 3;
+    double worst = 0.0, s, c;
+    for (int i = 0; i < 20 * SAMPLES; i++) {
+        double quarters = floor(between(&seed, -6000, 6000)) * 0.5 * 3.14159265358979323846; /* where digits are lost if any are */
+        double x = i % 4 == 0 ? of_any_size(&seed) : i % 4 == 1 ? quarters : i % 4 == 2 ? between(&seed, -7, 7) : between(&seed, -1e4, 1e4);
+        sn_quick_sincos(x, &s, &c);
+        worst = fmax(worst, fabs(x) <= 1e4 ? fmax(units(s, sinl((long double)x)), units(c, cosl((long double)x))) : 0.0);
+        if (!(worst < 1.0)) fail_msg("at %a: %g units", x, worst);
+    }
+    for (size_t i = 0; i < SPECIALS; i++) {
+        sn_quick_sincos(SPECIAL[i], &s, &c);
+        assert_like(s, sn_sin(SPECIAL[i]), "sn_quick_sincos", SPECIAL[i], 0.0);
+        assert_like(c, sn_cos(SPECIAL[i]), "sn_quick_sincos", SPECIAL[i], 1.0);
+    }
+}
+
 /* ---- threads --------------------------------------------------------------------------------------------------------------------- */
 
 static void fill(void *user, sn_index begin, sn_index end, sn_index chunk) {
@@ -193,11 +211,9 @@ static void threads_get_the_same(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(hard_cases_are_rounded_correctly),
-        cmocka_unit_test(special_values_are_those_of_c),
-        cmocka_unit_test(every_value_is_the_nearest_double),
-        cmocka_unit_test(quick_functions_keep_their_bounds),
-        cmocka_unit_test(threads_get_the_same),
+        cmocka_unit_test(hard_cases_are_rounded_correctly),        cmocka_unit_test(special_values_are_those_of_c),
+        cmocka_unit_test(every_value_is_the_nearest_double),       cmocka_unit_test(quick_functions_keep_their_bounds),
+        cmocka_unit_test(quick_sine_and_cosine_keep_their_bounds), cmocka_unit_test(threads_get_the_same),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
