@@ -45,21 +45,30 @@ static char *clean_name(const char *name, bool spaces, size_t spare) {
     return clean;
 }
 
-static bool is_taken(const sn_name_list *list, const char *name) {
+/* How many underscores behind `name` make it unlike all others, the fewest; one pass, as thousands may be alike. SIZE_MAX = out of memory.
+ */
+static size_t fewest_underscores(const sn_name_list *list, const char *name) {
+    size_t length = strlen(name), fewest = 0;
+    bool *taken = SN_NEW(bool, list->count + 1); /* so many are free that one of them is */
+    if (taken == NULL) return SIZE_MAX;
     for (size_t i = 0; i < list->count; i++) {
-        if (strcmp(list->items[i], name) == 0) return true;
+        if (strncmp(list->items[i], name, length) != 0) continue;
+        size_t more = strspn(list->items[i] + length, "_");
+        if (list->items[i][length + more] == '\0' && more < list->count) taken[more] = true;
     }
-    return false;
+    while (taken[fewest]) fewest++;
+    free(taken);
+    return fewest;
 }
 
 bool sn_name_list_add(sn_name_list *list, const char *name, bool spaces) {
     char *clean = clean_name(name, spaces, list->count + 1); /* so many underscores are needed at most */
-    if (clean == NULL || !sn_grow((void **)&list->items, &list->capacity, list->count + 1, sizeof *list->items)) {
+    size_t more = clean != NULL ? fewest_underscores(list, clean) : SIZE_MAX;
+    if (more == SIZE_MAX || !sn_grow((void **)&list->items, &list->capacity, list->count + 1, sizeof *list->items)) {
         free(clean);
         return false;
     }
-    size_t length = strlen(clean);
-    while (is_taken(list, clean)) clean[length++] = '_';
+    memset(clean + strlen(clean), '_', more);
     list->items[list->count++] = clean;
     return true;
 }

@@ -10,6 +10,8 @@ static const double RADIANS_PER_DEGREE = SN_PI / 180.0;
 static const double EVEN_WITHIN = 0.05;
 /* A rate this near to a whole number is that number: it comes from rounded times. */
 static const double WHOLE_WITHIN = 1e-4;
+/* Lengths and angles past this are none: products of some of them must stay finite. */
+static const double FARTHEST = 1e60;
 
 typedef struct animation {
     const sn_skeleton *skeleton;
@@ -32,7 +34,13 @@ void sn_columns_free(sn_columns *columns) {
 }
 
 static sn_status fail_row(const sn_columns *c, sn_index row, sn_error *error, const char *what, const char *name) {
-    int64_t line = c->first_line > 0 ? c->first_line + row : 0;
+    int64_t line = c->first_line > 0 && row >= 0 ? c->first_line + row : 0;
+    return sn_fail_at(error, SN_ERROR_INPUT, c->name != NULL ? c->name : "", line, what, name);
+}
+
+/* The row of names. */
+static sn_status fail_names(const sn_columns *c, sn_error *error, const char *what, const char *name) {
+    int64_t line = c->first_line > 1 ? c->first_line - 1 : 0;
     return sn_fail_at(error, SN_ERROR_INPUT, c->name != NULL ? c->name : "", line, what, name);
 }
 
@@ -60,13 +68,13 @@ static sn_status find_sources(animation *a, sn_error *error) {
         if (found == SN_NONE)
             leave_out(&left, c->names[k]);
         else if (a->source[found] != SN_NONE)
-            return fail_row(c, -1, error, "two columns speak of the coordinate \"%.100s\"; take one of them out",
-                            a->skeleton->coordinates[found].name);
+            return fail_names(c, error, "two columns speak of the coordinate \"%.100s\"; take one of them out",
+                              a->skeleton->coordinates[found].name);
         else
             a->source[found] = k;
     }
     if (c != NULL && left.count == c->column_count)
-        return fail_row(c, -1, error, "no column is a coordinate of the model (%.200s); is the model the right one?", left.names);
+        return fail_names(c, error, "no column is a coordinate of the model (%.200s); is the model the right one?", left.names);
     if (left.count > 0)
         sn_log(SN_LOG_WARNING, "%s: %lld of %d columns are no coordinates of the model and are left out: %s", c->name,
                (long long)left.count, (int)c->column_count, left.names);
@@ -176,6 +184,22 @@ static sn_rigid away_from(sn_rigid rest, sn_rigid now) {
     return pose;
 }
 
+static bool in_reach(double value) { return fabs(value) <= FARTHEST; }
+
+/* Coordinates and bodies of one row: what is too large cannot be reckoned with. */
+static sn_status check_sizes(const animation *a, const double *values, const sn_rigid *frames, sn_index row, sn_error *error) {
+    const sn_skeleton *s = a->skeleton;
+    const char *what = "\"%.100s\": its numbers are too large", *name = NULL;
+    for (sn_index i = 0; i < s->coordinate_count && name == NULL; i++)
+        if (!in_reach(values[i])) name = s->coordinates[i].name;
+    for (sn_index i = 0; i < s->body_count && name == NULL; i++) {
+        sn_vec3 t = frames[i].translation;
+        if (!in_reach(t.x) || !in_reach(t.y) || !in_reach(t.z) || !in_reach(frames[i].rotation.w)) name = s->bodies[i].name;
+    }
+    if (name == NULL) return SN_OK;
+    return a->columns != NULL ? fail_row(a->columns, row, error, what, name) : sn_fail(error, SN_ERROR_INPUT, what, name);
+}
+
 static sn_status fill_frames(animation *a, sn_clip *out, sn_error *error) {
     moment m = {0};
     for (sn_index frame = 0; frame < out->frame_count; frame++) {
@@ -186,6 +210,8 @@ static sn_status fill_frames(animation *a, sn_clip *out, sn_error *error) {
         }
         sn_skeleton_couple(a->skeleton, a->values);
         sn_skeleton_frames(a->skeleton, a->values, a->frames);
+        sn_status status = check_sizes(a, a->values, a->frames, m.row, error);
+        if (status != SN_OK) return status;
         for (sn_index i = 0; i < out->coordinate_count; i++) out->coordinates[i].values[frame] = a->values[i];
         for (sn_index i = 0; i < out->joint_count; i++) out->joints[i].poses[frame] = away_from(a->at_rest[i], a->frames[i]);
     }
@@ -203,7 +229,8 @@ static sn_status prepare(animation *a, sn_error *error) {
         return sn_fail_memory(error, "a motion");
     sn_skeleton_rest(s, a->rest);
     sn_skeleton_frames(s, a->rest, a->at_rest);
-    sn_status status = find_sources(a, error);
+    sn_status status = check_sizes(a, a->rest, a->at_rest, -1, error);
+    if (status == SN_OK) status = find_sources(a, error);
     return status == SN_OK ? find_rate(a, error) : status;
 }
 

@@ -151,10 +151,10 @@ void sn_clip_to_world(sn_clip *clip) {
 
 /* ---- the up axis ---------------------------------------------------------------------------------------------------------------- */
 
-static sn_vec3 turn_vector(sn_vec3 v) { return sn_v3(v.x, -v.z, v.y); }
+static sn_vec3 turn_vector(sn_vec3 v) { return sn_v3(v.x, 0.0 - v.z, v.y); } /* no -0, which would be written as 0 */
 
 /* The same rotation about the turned axis. */
-static sn_quat turn_rotation(sn_quat q) { return (sn_quat){q.w, q.x, -q.z, q.y}; }
+static sn_quat turn_rotation(sn_quat q) { return (sn_quat){q.w, q.x, 0.0 - q.z, q.y}; }
 
 void sn_clip_turn_y_up(sn_clip *clip) {
     static const double HALF_ROOT = 0.70710678118654752440;

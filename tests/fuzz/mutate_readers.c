@@ -26,7 +26,7 @@
 enum { SECONDS_UNTIL_HANGING = 30 };
 enum { SEED_LIMIT = 64, GROWTH = 4096 };
 
-typedef enum kind { MESH, MUSCLE, SCENE, CACHE, REPORT, SETTINGS, MODEL, STORAGE } kind;
+typedef enum kind { MESH, MUSCLE, SCENE, CACHE, REPORT, SETTINGS, MOTION, SKELETON, MODEL, STORAGE } kind;
 
 typedef struct bytes {
     char *data;
@@ -99,6 +99,26 @@ static const char settings_text[] =
     "# all keys\nxpbd substeps=4 iterations=2 scheme=romeo precision=single\n\nqn substeps=1\titerations=5 tolerance=1e-6 "
     "preconditioner=corotated # fast\r\nqn\n";
 
+static const char walk_bvh[] =
+    "HIERARCHY\r\nROOT hips {\r\n\tOFFSET 0 90.5 0\r\n\tCHANNELS 6 Xposition Yposition Zposition Zrotation Xrotation Yrotation\r\n"
+    "\tJOINT left leg\r\n\t{\r\n\t\tOFFSET 10 -5 0\r\n\t\tCHANNELS 3 Zrotation Xrotation Zrotation\r\n\t\tJOINT toe\r\n\t\t{\r\n"
+    "\t\t\tOFFSET 0 -80 1e1\r\n\t\t\tCHANNELS 0\r\n\t\t\tEnd Site\r\n\t\t\t{\r\n\t\t\t\tOFFSET 0 0 7\r\n\t\t\t}\r\n\t\t}\r\n\t}\r\n}\r\n"
+    "ROOT prop\r\n{\r\nOFFSET 1 2 3\r\nCHANNELS 1 Yrotation\r\n}\r\nMOTION\r\nFrames:\t3\r\nFrame Time: .0083333\r\n"
+    "0 90 0 1 2 3 4 5 6 7\r\n0 91 0 1 2 3 170 5 6 7\r\n1 92 0 1 2 3 -14 5 6 8\r\n";
+static const char bones_asf[] =
+    "# bones\n:version 1.10\n:name VICON\n:units\n mass 1.0\n length 0.45\n angle deg\n:documentation\n text\n:root\n order TX TY TZ RX "
+    "RY RZ\n axis XYZ\n position 0 1 0\n orientation 0 0 9\n:bonedata\n begin\n id 1\n name arm\n direction 1 0 0\n length 4\n axis 0 0 90 "
+    "XYZ\n dof rx tz\n limits (-10 10)\n   (-inf 20.0)\n end\n begin\n id 2\n name hand\n direction 0 1 0\n length 2\n axis 90 0 0 ZYX\n"
+    " dof rz\n end\n begin\n name nail\n end\n:hierarchy\n begin\n root arm\n arm hand\n hand nail\n end\n:skin\n x.skin\n";
+static const char wave_amc[] =
+    "#!OML:ASF x\n:FULLY-SPECIFIED\n:DEGREES\n1\nroot 1 2 3 4 5 6\narm 10 1\nhand 20\n2\nroot 1 2 3 4 5 6\narm 11 1\n"
+    "hand 21\nnail\n3\nroot 1 2 3 4 5 7\narm 190 1\nhand 2.2e1\n";
+static const char motion_json[] =
+    "{\"format\":\"sinew-motion\",\"version\":1,\"name\":\"m\",\"metersPerUnit\":0.01,\"rate\":25,\"joints\":[{\"name\":\"a\",\"type\":"
+    "\"pose\",\"rest\":[1,2,3],\"restRotation\":[1,0,0,0],\"end\":[1,2,9],\"keys\":[{\"frame\":0,\"rotation\":[1,0,0,0]},{\"frame\":4,"
+    "\"rotation\":[0,1,0,0],\"translation\":[1,2,3]}]},{\"name\":\"b\",\"parent\":\"a\",\"type\":\"hinge\",\"axis\":[0,0,1],\"point\":"
+    "[1,0,0],\"keys\":[[0,0],[0.1,90]]}],\"coordinates\":[{\"name\":\"a.x\",\"unit\":\"rad\",\"values\":[0,1,2,3,4]},{\"name\":\"a.y\","
+    "\"unit\":\"m\",\"rate\":50,\"values\":[0,1]}],\"history\":[]}\n";
 static const char joints_osim[] =
     "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<OpenSimDocument Version=\"40000\"><Model name=\"m\"><Ground "
     "name=\"ground\"/>\n<BodySet><objects>"
@@ -241,6 +261,10 @@ static void make_seeds(void) {
     add_text(SCENE, "arm.scene.json", scene_json);
     add_text(REPORT, "arm.report.json", report_json);
     add_text(SETTINGS, "all.settings", settings_text);
+    add_text(MOTION, "walk.bvh", walk_bvh);
+    add_text(MOTION, "wave.amc", wave_amc);
+    add_text(SKELETON, "bones.asf", bones_asf);
+    add_text(MOTION, "wave.motion.json", motion_json);
     add_text(MODEL, "joints.osim", joints_osim);
     add_text(MODEL, "old.osim", old_osim);
     add_text(MODEL, "dog.mjcf", dog_mjcf);
@@ -251,7 +275,8 @@ static void make_seeds(void) {
 
 /* Each good file in a folder of its format. */
 static void write_seeds(const char *target) {
-    static const char *const formats[] = {"obj", "ply", "stl", "off", "vtk", "vtp", "muscle", "scene", "pc2", "osim", "mjcf", "mot"};
+    static const char *const formats[] = {"obj", "ply", "stl", "off", "vtk",    "vtp",  "muscle", "scene",
+                                          "pc2", "bvh", "amc", "asf", "motion", "osim", "mjcf",   "mot"};
     mkdir(target, 0777);
     for (size_t k = 0; k < sizeof formats / sizeof *formats; k++) {
         char path[1024], part[16];
@@ -551,15 +576,34 @@ static const char *try_settings(const sn_blob *blob, sn_status *status, sn_error
     return fault;
 }
 
-/* A motion's numbers must be those of its counts, and a model must stand at rest, all of it finite. */
-static const char *judge_clip(const sn_clip *clip) {
-    for (sn_index i = 0; i < clip->joint_count; i++) {
-        const sn_clip_joint *joint = &clip->joints[i];
-        if (joint->name == NULL || joint->parent >= i) return "a joint has no name, or comes before its parent";
-        for (sn_index k = 0; k < clip->frame_count; k++)
-            if (fabs(sn_quat_dot(joint->poses[k].rotation, joint->poses[k].rotation) - 1.0) > 1e-9) return "a pose is no rotation";
-    }
-    return NULL;
+/* What was read can be filtered, resampled, and written. */
+static const char *use_clip(sn_clip *clip, sn_error *error) {
+    sn_motion motion = {0};
+    sn_output *output;
+    if (sn_clip_validate(clip, error) != SN_OK) return "the motion is not valid";
+    if (sn_clip_filter(clip, 0.2 * clip->rate, NULL, error) != SN_OK) return "the motion cannot be filtered";
+    if (sn_clip_resample(clip, 1.5 * clip->rate, error) != SN_OK) return "the motion cannot be resampled";
+    if (sn_clip_validate(clip, error) != SN_OK) return "the motion is not valid any more";
+    if (sn_clip_to_motion(clip, &motion, error) != SN_OK) return "the motion has no joints";
+    if (sn_output_open("/dev/null", true, &output, error) != SN_OK) return "/dev/null cannot be opened";
+    sn_status status = sn_motion_document_write(&motion, &(sn_motion_head){.rate = clip->rate}, output, error);
+    sn_output_abort(output);
+    sn_motion_free(&motion);
+    return status == SN_OK ? NULL : "the motion cannot be written";
+}
+
+/* A motion, with the good skeleton where its name asks for one; or a skeleton, with the good motion. */
+static const char *try_motion(const sn_blob *blob, bool skeleton, sn_status *status, sn_error *error) {
+    const sn_clip_options options = {0};
+    sn_blob other = {.name = (char[]){"good"}, .data = (char *)(uintptr_t)(skeleton ? wave_amc : bones_asf)};
+    other.size = strlen(other.data);
+    bool both = skeleton || strstr(blob->name, ".amc") != NULL;
+    sn_clip clip;
+    *status = sn_clip_parse(skeleton ? &other : blob, skeleton ? blob : both ? &other : NULL, &options, &clip, error);
+    if (*status != SN_OK) return clip.joints == NULL ? NULL : "a refused motion is left behind";
+    const char *fault = blob->size < 65536 ? use_clip(&clip, error) : NULL;
+    sn_clip_free(&clip);
+    return fault;
 }
 
 static const char *try_model(const sn_blob *blob, sn_status *status, sn_error *error) {
@@ -567,8 +611,8 @@ static const char *try_model(const sn_blob *blob, sn_status *status, sn_error *e
     sn_clip clip;
     *status = sn_mjcf_detect(blob) ? sn_mjcf_parse(blob, &skeleton, error) : sn_osim_parse(blob, &skeleton, error);
     if (*status != SN_OK) return skeleton.bodies == NULL ? NULL : "a refused model is left behind";
-    sn_status moved = sn_skeleton_animate(&skeleton, NULL, &clip, error);
-    const char *fault = moved != SN_OK ? "the model cannot be put at rest" : judge_clip(&clip);
+    *status = sn_skeleton_animate(&skeleton, NULL, &clip, error);
+    const char *fault = *status == SN_OK && blob->size < 65536 ? use_clip(&clip, error) : NULL;
     sn_clip_free(&clip);
     sn_skeleton_free(&skeleton);
     return fault;
@@ -588,7 +632,7 @@ static const char *try_storage(const sn_blob *blob, sn_status *status, sn_error 
     if (*status != SN_OK) return columns.values == NULL ? NULL : "a refused motion is left behind";
     if (sn_osim_parse(&model, &skeleton, error) != SN_OK) give_up(error->text);
     *status = sn_skeleton_animate(&skeleton, &columns, &clip, error);
-    const char *fault = judge_clip(&clip);
+    const char *fault = *status == SN_OK ? use_clip(&clip, error) : NULL;
     sn_clip_free(&clip);
     sn_skeleton_free(&skeleton);
     sn_columns_free(&columns);
@@ -632,6 +676,8 @@ static void try_file(kind k, const char *name, const char *data, size_t size, bo
                         : k == SCENE    ? try_scene(&blob, &status, &error)
                         : k == REPORT   ? try_report(&blob, &status, &error)
                         : k == SETTINGS ? try_settings(&blob, &status, &error)
+                        : k == MOTION   ? try_motion(&blob, false, &status, &error)
+                        : k == SKELETON ? try_motion(&blob, true, &status, &error)
                         : k == MODEL    ? try_model(&blob, &status, &error)
                         : k == STORAGE  ? try_storage(&blob, &status, &error)
                                         : try_cache(&blob, &status, &error);
@@ -778,6 +824,29 @@ static void try_hostile_files(void) {
              false);
 }
 
+static bool is_motion(const char *name) { return strstr(name, ".bvh") || strstr(name, ".amc") || strstr(name, ".motion."); }
+
+static void try_hostile_motions(void) {
+    enum { MANY = 100000 };
+    static const char head[] = "HIERARCHY\nROOT r\n{\nOFFSET 0 0 0\nCHANNELS 1 Xrotation\n";
+    static const char frames[] = "HIERARCHY\nROOT r\n{\nOFFSET 0 0 0\nCHANNELS 1 Xrotation\n}\nMOTION\nFrames: 100000\nFrame Time: 1\n";
+    try_rows(MOTION, "deep.bvh", head, "JOINT j@ {\nOFFSET 0 0 0\n", MANY, "", false);
+    try_rows(MOTION, "alike.bvh", head, "JOINT a {\nOFFSET 0 0 0\n}\n", 4000, "}\nMOTION\nFrames: 1\nFrame Time: 1\n1\n", false);
+    try_rows(MOTION, "frames.bvh", frames, "1\n", MANY, "", false);
+    try_rows(MOTION, "line.bvh", frames, "1 ", MANY, "", false);
+    try_rows(MOTION, "still.bvh", head, "JOINT j@ {\nOFFSET 0 0 0\n}\n", 4000, "}\nMOTION\nFrames: 100000\nFrame Time: 1\n1\n", false);
+    try_rows(MOTION, "frames.amc", ":DEGREES\n", "@\nhand 1\n", MANY, "", false);
+    try_rows(MOTION, "keywords.amc", ":DEGREES\n", ":RADIANS\n", MANY, "1\nhand 1\n", false);
+    try_rows(SKELETON, "bones.asf", ":bonedata\n", "begin\nname b@\nend\n", MANY, ":hierarchy\n", false);
+    try_rows(SKELETON, "chain.asf", ":bonedata\nbegin\nname b4000\nend\n", "begin\nname b@\ndof rx ry rz\nend\n", 4000,
+             ":hierarchy\nroot b4000\nb4000 b0\n", false);
+    try_rows(MOTION, "samples.motion.json", "{\"format\":\"sinew-motion\",\"version\":1,\"coordinates\":[",
+             "{\"name\":\"c@\",\"values\":[]},", MANY, "{}]}", false);
+    try_rows(MOTION, "long.motion.json",
+             "{\"format\":\"sinew-motion\",\"version\":1,\"joints\":[{\"name\":\"a\",\"type\":\"pose\",\"keys\":[", "{\"frame\":@000},",
+             MANY / 10, "{\"frame\":99999999999}]}]}", false);
+}
+
 /* Files that found a fault once: all are refused or read, as any other. */
 static void try_kept_files(void) {
     struct dirent **entries;
@@ -794,6 +863,8 @@ static void try_kept_files(void) {
                      : strstr(name, ".pc2")      ? CACHE
                      : strstr(name, ".report.")  ? REPORT
                      : strstr(name, ".settings") ? SETTINGS
+                     : strstr(name, ".asf")      ? SKELETON
+                     : is_motion(name)           ? MOTION
                      : strstr(name, ".osim")     ? MODEL
                      : strstr(name, ".mjcf")     ? MODEL
                      : strstr(name, ".mot")      ? STORAGE
@@ -848,6 +919,7 @@ int main(int argc, char **argv) {
     }
     try_kept_files();
     try_hostile_files();
+    try_hostile_motions();
     try_large_files();
     accepted = 0;
     for (long i = 0; i < count; i++) try_case(first + i);

@@ -1,6 +1,6 @@
 /*
  * reader.c -- one reader under libFuzzer, coverage-guided: built once for each format, with -DTARGET_obj, _ply, _stl, _off, _vtk, _vtp,
- * _muscle, _scene, _pc2, _osim, _mjcf or _mot (make fuzz).
+ * _muscle, _scene, _pc2, _bvh, _amc, _asf, _motion, _osim, _mjcf or _mot (make fuzz).
  *
  * Whatever the bytes, the reader must give a valid result or one line that names the file; the sanitizers and libFuzzer's limits of time
  * and memory watch over the rest.
@@ -59,6 +59,50 @@ static int try_bytes(const sn_blob *blob, sn_error *error) {
     if (status != SN_OK) return 0;
     demand(sn_scene_validate(&scene, error) == SN_OK, "the scene is not valid");
     sn_scene_free(&scene);
+    return 0;
+}
+
+#elif defined(TARGET_bvh) || defined(TARGET_amc) || defined(TARGET_asf) || defined(TARGET_motion)
+
+#if defined(TARGET_bvh)
+static const char FORMAT[] = "BVH";
+#elif defined(TARGET_amc)
+static const char FORMAT[] = "AMC";
+#elif defined(TARGET_asf)
+static const char FORMAT[] = "ASF";
+#else
+static const char FORMAT[] = "motion document";
+#endif
+
+static const char bones_asf[] =
+    ":units\nlength 0.45\nangle deg\n:root\norder TX TY TZ RX RY RZ\n:bonedata\nbegin\nname arm\ndirection 1 0 0\n"
+    "length 4\naxis 0 0 90 XYZ\ndof rx tz\nend\nbegin\nname hand\ndof rz\nend\nbegin\nname nail\nend\n:hierarchy\n"
+    "root arm\narm hand\nhand nail\n";
+
+/* What was read is valid, also after a filter and at another rate, and can be written. */
+static int try_bytes(const sn_blob *blob, sn_error *error) {
+    static char name[] = "good.asf", text[sizeof bones_asf];
+    const sn_clip_options options = {0};
+    const char *format = sn_clip_detect(blob);
+    sn_clip clip;
+    sn_motion motion;
+    sn_output *output;
+    if (format == NULL || strcmp(format, FORMAT) != 0) return -1; /* other readers' business */
+    memcpy(text, bones_asf, sizeof text);
+    sn_blob bones = {.name = name, .data = text, .size = sizeof text - 1};
+    sn_status status = sn_clip_parse(blob, strcmp(format, "AMC") == 0 ? &bones : NULL, &options, &clip, error);
+    judge(status, error);
+    if (status != SN_OK) return 0;
+    demand(sn_clip_validate(&clip, error) == SN_OK, "the motion is not valid");
+    demand(sn_clip_filter(&clip, 0.2 * clip.rate, NULL, error) == SN_OK, "the motion cannot be filtered");
+    demand(sn_clip_resample(&clip, 1.5 * clip.rate, error) == SN_OK, "the motion cannot be resampled");
+    demand(sn_clip_validate(&clip, error) == SN_OK && sn_clip_to_motion(&clip, &motion, error) == SN_OK,
+           "the motion is not valid any more");
+    demand(sn_output_open("/dev/null", false, &output, error) == SN_OK, "/dev/null cannot be opened");
+    demand(sn_motion_document_write(&motion, &(sn_motion_head){.rate = clip.rate}, output, error) == SN_OK, "the motion cannot be written");
+    sn_output_abort(output);
+    sn_motion_free(&motion);
+    sn_clip_free(&clip);
     return 0;
 }
 
