@@ -108,9 +108,9 @@ void sn_skeleton_free(sn_skeleton *skeleton);       /* the same */
 /* ---- numbers over time, and what a skeleton makes of them (lib/motion/animate.c) --------------------------------------------------- */
 
 typedef struct sn_columns {
-    char *name;         /* of the file, for messages */
-    bool degrees;       /* angles are in degrees */
-    int64_t first_line; /* of the file: where row 0 is; 0 = not known */
+    char *name;                     /* of the file, for messages */
+    bool degrees;                   /* angles are in degrees */
+    int64_t names_line, first_line; /* of the file: where the names and row 0 are; 0 = not known */
     sn_index row_count, column_count;
     char **names;   /* (column_count) without the time */
     double *times;  /* (row_count) ascending, seconds */

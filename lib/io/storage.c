@@ -129,6 +129,7 @@ static sn_status read_names(storage *s) {
     sn_span line = {"", 0};
     while (line.length == 0)
         if (!next_line(s, &line)) return fail_here(s, "no row of names follows \"endheader\"");
+    s->out->names_line = s->line;
     s->tabs = memchr(line.text, '\t', line.length) != NULL;
     if (!sn_span_is_like(next_cell(&line, s->tabs), "time")) return fail_here(s, "the first column is not \"time\"");
     sn_status status = SN_OK;

@@ -40,8 +40,7 @@ static sn_status fail_row(const sn_columns *c, sn_index row, sn_error *error, co
 
 /* The row of names. */
 static sn_status fail_names(const sn_columns *c, sn_error *error, const char *what, const char *name) {
-    int64_t line = c->first_line > 1 ? c->first_line - 1 : 0;
-    return sn_fail_at(error, SN_ERROR_INPUT, c->name != NULL ? c->name : "", line, what, name);
+    return sn_fail_at(error, SN_ERROR_INPUT, c->name != NULL ? c->name : "", c->names_line, what, name);
 }
 
 /* ---- which column moves what ------------------------------------------------------------------------------------------------------- */

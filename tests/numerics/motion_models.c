@@ -569,9 +569,10 @@ static const refusal refusals[] = {
     {GOOD, "m\nendheader\ntime j_q\n0 1\n0.1 2 3\n", 5, "more numbers"},
     {GOOD, "m\nendheader\ntime j_q\n0 1\n0.1 nan\n", 5, "not finite"},
     {GOOD, "m\nendheader\ntime j_q\n0 1\n0 1\n", 5, "not later"},
+    {GOOD, "m\nendheader\ntime j_q\n0 1\n1 1e300\n", 5, "too large"},
     {GOOD, "m\nendheader\ntime j_q\n0 1\n\n0.1 1\n", 6, "empty line"},
-    {GOOD, "m\nendheader\ntime j_q /jointset/j/j_q/value\n0 1 1\n", 0, "two columns"},
-    {GOOD, "m\nendheader\ntime other\n0 1\n", 0, "no column is a coordinate"},
+    {GOOD, "m\nendheader\ntime j_q /jointset/j/j_q/value\n0 1 1\n", 3, "two columns"},
+    {GOOD, "m\nendheader\ntime other\n0 1\n", 3, "no column is a coordinate"},
 };
 
 static void try_refusal(const refusal *r) {
