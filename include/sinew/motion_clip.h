@@ -73,8 +73,8 @@ SN_MUST_CHECK sn_status sn_clip_jumps(const sn_clip *clip, sn_clip_jump **out, s
 /*
  * Low-pass without lag: a Butterworth filter of 4th order forwards and backwards (Winter 2009, 2.2.4.4), so that the amplitude at `cutoff`
  * Hz is 1/sqrt 2 after both passes. Rotations (as quaternions on one hemisphere, normalised after), shifts of the joints' centres, and
- * coordinates (angles unwrapped). Beyond its ends a signal goes on as its point reflection. What lies between two jumps is filtered by
- * itself. Steps of the trace: "filter", one a joint, then one for the coordinates; where it stops, what follows is left as it was.
+ * coordinates (angles unwrapped). Beyond its ends a signal goes on as its point reflection, so that they keep their values. What lies between two jumps is
+ * filtered by itself. Steps of the trace: "filter", one a joint, then one for the coordinates; where it stops, what follows is left as it was.
  * SN_ERROR_USAGE: the cutoff is not above 0 and below half of the rate.
  */
 SN_MUST_CHECK sn_status sn_clip_filter(sn_clip *clip, double cutoff, sn_trace *trace, sn_error *error);

@@ -10,8 +10,8 @@
 /* A filtered quaternion shorter than this says nothing of a direction: the frame keeps its own. */
 static const double SHORTEST_QUATERNION = 1e-3;
 /* What lies beyond an end must last until the start of the filter is forgotten: to 1e-6 of it after this many periods of the cutoff (its
- * slowest pole decays by exp(-0.383 w t)). */
-static const double PERIODS_OF_PADDING = 6.0;
+ * slowest pole decays by exp(-0.383 w t)). A cutoff that asks for more samples than the limit leaves little but straight lines anyway. */
+static const double PERIODS_OF_PADDING = 6.0, MOST_PADDING = 1e5;
 
 /* ---- continuity -------------------------------------------------------------------------------------------------------------- */
 
@@ -44,7 +44,7 @@ typedef struct biquad {
 
 typedef struct low_pass {
     biquad stages[2];
-    sn_index padding; /* samples beyond each end, where there are so many inside */
+    sn_index padding; /* samples beyond each end */
     double *buffer;   /* (2 padding + frame_count) */
 } low_pass;
 
@@ -57,7 +57,7 @@ static biquad design_stage(double k, double pole) {
 /* Two passes have 1/(1 + (w/w_c)^8): 1/sqrt 2 at w where w_c is w / (sqrt 2 - 1)^(1/8). */
 static sn_status design(const sn_clip *clip, double cutoff, low_pass *out, sn_error *error) {
     double k = sn_tan(SN_PI * cutoff / clip->rate) / sqrt(sqrt(sqrt(sqrt(2.0) - 1.0)));
-    double padding = fmin(PERIODS_OF_PADDING * clip->rate / cutoff, (double)clip->frame_count - 1.0);
+    double padding = fmin(PERIODS_OF_PADDING * clip->rate / cutoff, MOST_PADDING);
     *out = (low_pass){.stages = {design_stage(k, SN_PI / 8.0), design_stage(k, 3.0 * SN_PI / 8.0)}, .padding = (sn_index)ceil(padding)};
     out->buffer = SN_NEW(double, (size_t)clip->frame_count + 2 * (size_t)out->padding);
     return out->buffer != NULL ? SN_OK : sn_fail_memory(error, "a filter");
@@ -75,19 +75,29 @@ static void pass(const biquad *s, double *values, sn_index count, sn_index step)
     }
 }
 
-/* Filter count samples that lie stride doubles apart. */
+/* Sample i >= 0 of values (last + 1), 0 at both ends, that go on as their point reflection: odd about each end, of period 2 last. */
+static double reflected(const double *values, sn_index last, sn_index i) {
+    sn_index at = i % (2 * last);
+    return at > last ? -values[2 * last - at] : values[at];
+}
+
+/*
+ * Filter count samples that lie stride doubles apart. The straight line from the first to the last goes through any such filter: what is
+ * left without it is 0 at both ends, and goes on beyond each as its point reflection, again and again. So the ends keep their values.
+ */
 static void smooth(const low_pass *filter, double *samples, sn_index count, sn_index stride) {
-    sn_index padding = filter->padding < count - 1 ? filter->padding : count - 1, whole = count + 2 * padding;
-    double *inside = filter->buffer + padding;
-    if (count < 2) return;
-    for (sn_index i = 0; i < count; i++) inside[i] = samples[(size_t)i * (size_t)stride];
-    for (sn_index i = 1; i <= padding; i++) {
-        inside[-i] = 2.0 * inside[0] - inside[i];
-        inside[count - 1 + i] = 2.0 * inside[count - 1] - inside[count - 1 - i];
+    if (count < 3) return;
+    const sn_index last = count - 1, whole = count + 2 * filter->padding;
+    double *inside = filter->buffer + filter->padding, first = samples[0], slope = (samples[(size_t)last * (size_t)stride] - first) / last;
+    for (sn_index i = 1; i < last; i++) inside[i] = samples[(size_t)i * (size_t)stride] - (first + slope * i);
+    inside[0] = inside[last] = 0.0;
+    for (sn_index i = 1; i <= filter->padding; i++) {
+        inside[-i] = -reflected(inside, last, i);
+        inside[last + i] = reflected(inside, last, last + i);
     }
     for (int direction = 1; direction >= -1; direction -= 2)
         for (int s = 0; s < 2; s++) pass(&filter->stages[s], filter->buffer, whole, direction);
-    for (sn_index i = 0; i < count; i++) samples[(size_t)i * (size_t)stride] = inside[i];
+    for (sn_index i = 1; i < last; i++) samples[(size_t)i * (size_t)stride] = inside[i] + (first + slope * i);
 }
 
 /* count poses without a jump; old (count) holds their rotations. */

@@ -53,11 +53,14 @@ $(STAMPS)/install: tests/install $(EVERYTHING) $(B)/libsinew.a
 
 # ---- the solver's instruments: none of them runs in check ----------------------------------------------------------------------
 # what it takes to start a tool, and to rig a muscle
-.PHONY: start-up rig-time
+.PHONY: start-up rig-time motion-time
 start-up: $(BUILT_TOOLS)
 	@BIN=$(B)/bin tests/bench/start-up.sh
 rig-time: $(BUILT_TOOLS)
 	@BIN=$(B)/bin DATA=$(DATA) tests/bench/rig-time.sh
+# what it takes to import a recorded walk
+motion-time: $(BUILT_TOOLS)
+	@BIN=$(B)/bin DATA=$(DATA) tests/bench/motion-time.sh
 # the repair of every defective mesh at hand, as a table; and how time and memory of mesh-clean grow
 .PHONY: repair-table clean-growth
 repair-table: $(BUILT_TOOLS)
