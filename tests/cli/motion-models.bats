@@ -103,7 +103,7 @@ assert joint["keys"][1]["translation"] == [0.25, 0, 0], joint'
     "$import" "$dog" --list > list 2> err
     [ "$(grep -cP '^joint\t' list)" -eq 62 ]
     # its head is in front (x), its tail behind, and it stands on the ground
-    awk -F'\t' '$3 == "skull" { if ($5 < 0.2 || $7 < 0.5) exit 1 } $3 == "toe_L" { if ($7 < 0 || $7 > 0.1) exit 1 }' list
+    awk -F'\t' '$1 == "joint" && $3 == "skull" { if ($5 < 0.2 || $7 < 0.5) exit 1 } $1 == "joint" && $3 == "toe_L" { if ($7 < 0 || $7 > 0.1) exit 1 }' list
     [ "$(wc -l < err)" -eq 1 ]
     grep -q 'includes are not read' err
 }
