@@ -10,6 +10,8 @@ static const double RADIANS_PER_DEGREE = SN_PI / 180.0;
 static const double EVEN_WITHIN = 0.05;
 /* A rate this near to a whole number is that number: it comes from rounded times. */
 static const double WHOLE_WITHIN = 1e-4;
+/* A file's digits: a locked coordinate that differs by less from its default is there. */
+static const double LOCKED_WITHIN = 1e-6;
 /* Lengths and angles past this are none: products of some of them must stay finite. */
 static const double FARTHEST = 1e60;
 
@@ -78,6 +80,25 @@ static sn_status find_sources(animation *a, sn_error *error) {
         sn_log(SN_LOG_WARNING, "%s: %lld of %d columns are no coordinates of the model and are left out: %s", c->name,
                (long long)left.count, (int)c->column_count, left.names);
     return SN_OK;
+}
+
+/* Locked coordinates that their column would move. */
+static void warn_of_locked(const animation *a) {
+    const sn_columns *c = a->columns;
+    leftover left = {0};
+    for (sn_index i = 0; i < a->skeleton->coordinate_count; i++) {
+        const sn_skeleton_coordinate *coordinate = &a->skeleton->coordinates[i];
+        double unit = coordinate->degrees && c->degrees ? RADIANS_PER_DEGREE : 1.0;
+        bool moves = false;
+        if (!coordinate->locked || a->source[i] == SN_NONE) continue;
+        for (sn_index row = 0; row < c->row_count && !moves; row++) {
+            double value = c->values[(size_t)row * (size_t)c->column_count + (size_t)a->source[i]] * unit;
+            moves = fabs(value - a->rest[i]) > LOCKED_WITHIN;
+        }
+        if (moves) leave_out(&left, coordinate->name);
+    }
+    if (left.count > 0)
+        sn_log(SN_LOG_WARNING, "%s: the model locks coordinates that the file moves; they stay at their default: %s", c->name, left.names);
 }
 
 /* ---- when ------------------------------------------------------------------------------------------------------------------------------
@@ -230,6 +251,7 @@ static sn_status prepare(animation *a, sn_error *error) {
     sn_skeleton_frames(s, a->rest, a->at_rest);
     sn_status status = check_sizes(a, a->rest, a->at_rest, -1, error);
     if (status == SN_OK) status = find_sources(a, error);
+    if (status == SN_OK && a->columns != NULL) warn_of_locked(a);
     return status == SN_OK ? find_rate(a, error) : status;
 }
 

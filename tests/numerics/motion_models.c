@@ -436,7 +436,8 @@ static void check_coordinates(void) {
               strstr(last_warning, "3 of 4 columns") != NULL && strstr(last_warning, "activation, force") != NULL,
           "columns that the model lacks: one warning");
     check(value_after(clamped, MOTION("j_q", "90"), "j_q") == 1.0 && warnings == 1, "a clamped coordinate stays in its range, said once");
-    check(value_after(locked, MOTION("j_q", "90"), "j_q") == 0.2, "a locked coordinate stays at its default");
+    check(value_after(locked, MOTION("j_q", "90"), "j_q") == 0.2 && warnings == 1, "a locked coordinate stays at its default, said once");
+    check(value_after(locked, "m\nendheader\ntime\tj_q\n0\t0.2\n", "j_q") == 0.2 && warnings == 0, "a locked one that a file leaves there");
     check(near(value_after(coupled, MOTION("j_q", "90"), "k_q"), 2.0 * (3.0 * quarter + 0.5)), "a coupler sets what depends on it");
     check(near(value_after(coupled, MOTION("j_q\tl_q", "90\t7"), "l_q"), -(6.0 * quarter + 1.0 + 0.5)),
           "couplers in a row, over the motion");
