@@ -257,14 +257,14 @@ static sn_status read_range(const mjcf *m, sn_index element, sn_span childclass,
 static sn_status add_axis(mjcf *m, sn_index element, sn_index body, const scope *s, bool turns) {
     sn_vec3 axis = {0, 0, 1};
     double reference = 0.0;
-    sn_skeleton_coordinate *c;
+    sn_skeleton_coordinate *c = NULL;
     sn_move move = {.kind = turns ? SN_MOVE_TURN : SN_MOVE_SHIFT, .coordinates = {m->out->coordinate_count}};
     sn_status status = add_coordinate(m, element, "", turns, &c);
     if (status == SN_OK) status = read_vec3(m, element, s->childclass, "axis", &axis);
     if (status == SN_OK)
         status = sn_xml_numbers(m->tree, element, "ref", look_up(m, element, s->childclass, "ref"), 1, &reference, m->error);
-    if (status == SN_OK) status = read_range(m, element, s->childclass, c);
-    if (status != SN_OK) return status;
+    if (status == SN_OK && c != NULL) status = read_range(m, element, s->childclass, c);
+    if (status != SN_OK || c == NULL) return status;
     move.axis = sn_normalize(sn_quat_rotate(s->frame.rotation, axis));
     if (!(sn_norm2(move.axis) > 0.0)) return sn_xml_fail(m->tree, element, m->error, "the axis has no length");
     c->rest = turns ? angle(m, reference) : reference;

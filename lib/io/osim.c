@@ -182,14 +182,14 @@ static sn_status new_joint(sn_osim *o, sn_index element, sn_osim_joint **out) {
 
 /* Version 3: the joint is a part of its child, and tells where it is on both. */
 static sn_status read_joint_3(sn_osim *o, sn_index element, sn_index child) {
-    sn_osim_joint *joint;
+    sn_osim_joint *joint = NULL;
     sn_rigid parent_frame, child_frame;
     sn_span name = sn_xml_child_text(o->tree, element, "parent_body");
     bool is_ground = false;
     sn_status status = new_joint(o, element, &joint);
     if (status == SN_OK) status = read_place(o, element, "location_in_parent", "orientation_in_parent", &parent_frame);
     if (status == SN_OK) status = read_place(o, element, "location", "orientation", &child_frame);
-    if (status != SN_OK) return status;
+    if (status != SN_OK || joint == NULL) return status;
     joint->child = child;
     joint->parent = sn_osim_find_body(o, name, &is_ground);
     if (joint->parent == SN_NONE && !is_ground)
@@ -200,7 +200,7 @@ static sn_status read_joint_3(sn_osim *o, sn_index element, sn_index child) {
 
 /* Version 4: the joint names two frames. */
 static sn_status read_joint_4(sn_osim *o, sn_index element) {
-    sn_osim_joint *joint;
+    sn_osim_joint *joint = NULL;
     sn_osim_place parent, child;
     sn_span parent_name = sn_xml_child_text(o->tree, element, "socket_parent_frame"),
             child_name = sn_xml_child_text(o->tree, element, "socket_child_frame");
@@ -211,7 +211,7 @@ static sn_status read_joint_4(sn_osim *o, sn_index element) {
     sn_status status = new_joint(o, element, &joint);
     if (status == SN_OK) status = sn_osim_resolve(o, element, parent_name, &parent);
     if (status == SN_OK) status = sn_osim_resolve(o, element, child_name, &child);
-    if (status != SN_OK) return status;
+    if (status != SN_OK || joint == NULL) return status;
     joint->parent = parent.body;
     joint->child = child.body;
     return sn_osim_read_joint(o, joint, parent.local, child.local);

@@ -49,11 +49,11 @@ static sn_status read_coordinate(joint_reader *r, sn_index element) {
     const sn_osim *o = r->o;
     const sn_xml_tree *tree = o->tree;
     sn_index number = o->out->coordinate_count - r->first;
-    sn_skeleton_coordinate *c;
+    sn_skeleton_coordinate *c = NULL;
     double range[2] = {-INFINITY, INFINITY};
     if (number == 6) return sn_xml_fail(tree, element, o->error, "a joint cannot have more than 6 coordinates");
     sn_status status = make_coordinate(r, sn_xml_attribute_text(tree, element, "name"), number, &c);
-    if (status != SN_OK) return status;
+    if (status != SN_OK || c == NULL) return status;
     status = sn_xml_numbers(tree, element, "default_value", sn_xml_child_text(tree, element, "default_value"), 1, &c->rest, o->error);
     if (status == SN_OK) status = sn_xml_numbers(tree, element, "range", sn_xml_child_text(tree, element, "range"), 2, range, o->error);
     if (status == SN_OK) status = sn_xml_bool(tree, element, "locked", sn_xml_child_text(tree, element, "locked"), &c->locked, o->error);
