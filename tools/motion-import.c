@@ -20,7 +20,7 @@ static const char *const position_names[] = {"auto", "add", "replace", NULL}; /*
 
 static const cli_option options[] = {
     {0, "skeleton", "FILE", CLI_TEXT, &skeleton, CLI_RESULT | CLI_FILE, 0, 0, NULL,
-     "the joints of a motion that tells none: the .asf of an .amc"},
+     "the joints of a motion that tells none: the .asf of an .amc, the model of a .mot or .sto"},
     {0, "frames", "A:B", CLI_TEXT, &frames, CLI_RESULT, 0, 0, NULL, "keep the source's frames A to B, counted from 0 (default: all)"},
     {0, "rate", "HZ", CLI_NUMBER, &rate, CLI_RESULT, 1e-3, 1e5, NULL, "resample to HZ frames a second (default: the source's rate)"},
     {0, "filter", "HZ", CLI_NUMBER, &cutoff, CLI_RESULT, 1e-6, 1e5, NULL,
@@ -28,7 +28,7 @@ static const cli_option options[] = {
     {0, "units", "UNIT", CLI_CHOICE, &units, CLI_RESULT, 0, 0, unit_names,
      "unit of the source: m, cm, mm or in (default: as the file or its format says; BVH cm, AMC in)"},
     {0, "up", "AXIS", CLI_CHOICE, &up, CLI_RESULT, 0, 0, up_names,
-     "up axis of the source: z, or y, turned to z (default: as its format says; BVH and AMC y)"},
+     "up axis of the source: z, or y, turned to z (default: as its format says; BVH, AMC and OSIM y)"},
     {0, "source-rate", "HZ", CLI_NUMBER, &source_rate, CLI_RESULT, 1e-3, 1e5, NULL,
      "frames a second of the source (default: as the file says, else 120)"},
     {0, "positions", "HOW", CLI_CHOICE, &positions, CLI_RESULT, 0, 0, position_names,
@@ -37,7 +37,7 @@ static const cli_option options[] = {
 };
 
 static const cli_tool tool = {"motion-import",
-                              "read a recorded motion: BVH, ASF and AMC, motion documents",
+                              "read a recorded motion: BVH, ASF and AMC, MOT and STO with OSIM, MJCF, motion documents",
                               CLI_TAKES_INPUT | CLI_HAS_OUTPUT | CLI_HAS_TRACE | CLI_HAS_REPORT | CLI_HAS_HISTORY,
                               options,
                               sizeof options / sizeof *options,

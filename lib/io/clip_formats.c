@@ -14,6 +14,9 @@ static const sn_clip_format formats[] = {
     {"BVH", 0.01, true, NULL, sn_bvh_is, sn_bvh_read},
     {"AMC", 0.0254, true, "an .asf file", sn_amc_is, sn_amc_read},
     {"ASF", 0.0254, true, NULL, sn_asf_is, sn_asf_read},
+    {"OSIM", 1.0, true, NULL, sn_osim_detect, sn_osim_read},
+    {"MJCF", 1.0, false, NULL, sn_mjcf_detect, sn_mjcf_read},
+    {"MOT", 1.0, true, "its model, an .osim file or one of MuJoCo's,", sn_storage_detect, sn_storage_read},
 };
 enum { FORMAT_COUNT = sizeof formats / sizeof *formats };
 
@@ -31,7 +34,8 @@ const char *sn_clip_detect(const sn_blob *blob) {
 static sn_status check_source(const sn_clip_format *format, const sn_blob *motion, const sn_blob *skeleton, sn_error *error) {
     if (format == NULL)
         return sn_fail_at(error, SN_ERROR_INPUT, motion->name, 0,
-                          "holds no motion that is known; known are BVH, AMC with its ASF, and motion documents");
+                          "holds no motion that is known; known are BVH, AMC with its ASF, MOT and STO with "
+                          "their OSIM, models of MuJoCo, and motion documents");
     if (skeleton != NULL && format->skeleton == NULL)
         return sn_fail_at(error, SN_ERROR_INPUT, motion->name, 0, "has its skeleton in it: %s takes none from another file", format->name);
     if (skeleton == NULL && format->skeleton != NULL)
@@ -48,8 +52,10 @@ sn_status sn_clip_parse(const sn_blob *motion, const sn_blob *skeleton, const sn
     if (!(source.options.meters_per_unit > 0.0)) source.options.meters_per_unit = format->meters_per_unit;
     status = format->read(&source, out, error);
     if (status == SN_OK) {
+        /* columns of numbers stand in the axes of the model that they move */
+        bool up_y = format->up_y && !(skeleton != NULL && sn_mjcf_detect(skeleton));
         out->format = format->name;
-        if (options->up == SN_UP_Y || (options->up == SN_UP_UNKNOWN && format->up_y)) sn_clip_turn_y_up(out);
+        if (options->up == SN_UP_Y || (options->up == SN_UP_UNKNOWN && up_y)) sn_clip_turn_y_up(out);
         if (out->name == NULL) out->name = sn_path_stem(motion->name);
         status = sn_clip_validate(out, error);
     }

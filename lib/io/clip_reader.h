@@ -8,6 +8,7 @@
 #define SINEW_IO_CLIP_READER_H
 
 #include "mesh_reader.h"
+#include "sinew/model_files.h"
 
 /* What a reader works from; the options have the format's own unit and rate where the user gave none. */
 typedef struct sn_clip_source {
@@ -34,6 +35,10 @@ SN_MUST_CHECK sn_status sn_asf_read(const sn_clip_source *source, sn_clip *out, 
 SN_MUST_CHECK sn_status sn_amc_read(const sn_clip_source *source, sn_clip *out, sn_error *error);
 bool sn_motion_document_is(const sn_blob *blob);
 SN_MUST_CHECK sn_status sn_motion_document_read(const sn_clip_source *source, sn_clip *out, sn_error *error);
+/* Models alone are one frame, at rest (clip_models.c). */
+SN_MUST_CHECK sn_status sn_osim_read(const sn_clip_source *source, sn_clip *out, sn_error *error);
+SN_MUST_CHECK sn_status sn_mjcf_read(const sn_clip_source *source, sn_clip *out, sn_error *error);
+SN_MUST_CHECK sn_status sn_storage_read(const sn_clip_source *source, sn_clip *out, sn_error *error);
 
 /* ---- what text formats share (clip_formats.c) ----------------------------------------------------------------------------------- */
 

@@ -46,7 +46,7 @@ static void XMLCALL on_start(void *user, const char *name, const char **attribut
     walk *w = user;
     if (w->status != SN_OK) return;
     if (w->depth == DEEPEST) {
-        stop(w, fail_here(w, "the elements are nested too deep; no mesh needs that"));
+        stop(w, fail_here(w, "the elements are nested too deep; nothing that is read here needs that"));
         return;
     }
     sn_xml_tag tag = current_tag(w, name, attributes);
@@ -68,7 +68,7 @@ static void XMLCALL on_end(void *user, const char *name) {
 static void XMLCALL on_doctype(void *user, const char *name, const char *system_id, const char *public_id, int has_internal) {
     walk *w = user;
     (void)name, (void)system_id, (void)public_id, (void)has_internal;
-    stop(w, fail_here(w, "the file declares a document type, which no mesh needs; remove the line <!DOCTYPE ...>"));
+    stop(w, fail_here(w, "the file declares a document type, which is not read; remove the line <!DOCTYPE ...>"));
 }
 
 static sn_status fail_parse(const walk *w) {

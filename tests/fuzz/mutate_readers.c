@@ -8,7 +8,7 @@
  * --seeds writes the good files to FOLDER, a folder for each format in it: where the programs of tests/fuzz/targets begin.
  */
 #include "sinew/error_time.h"
-#include "sinew/io.h"
+#include "sinew/model_files.h"
 
 #include <dirent.h>
 #include <malloc.h>
@@ -26,7 +26,7 @@
 enum { SECONDS_UNTIL_HANGING = 30 };
 enum { SEED_LIMIT = 64, GROWTH = 4096 };
 
-typedef enum kind { MESH, MUSCLE, SCENE, CACHE, REPORT, SETTINGS, MOTION, SKELETON } kind;
+typedef enum kind { MESH, MUSCLE, SCENE, CACHE, REPORT, SETTINGS, MOTION, SKELETON, MODEL, STORAGE } kind;
 
 typedef struct bytes {
     char *data;
@@ -119,6 +119,49 @@ static const char motion_json[] =
     "\"rotation\":[0,1,0,0],\"translation\":[1,2,3]}]},{\"name\":\"b\",\"parent\":\"a\",\"type\":\"hinge\",\"axis\":[0,0,1],\"point\":"
     "[1,0,0],\"keys\":[[0,0],[0.1,90]]}],\"coordinates\":[{\"name\":\"a.x\",\"unit\":\"rad\",\"values\":[0,1,2,3,4]},{\"name\":\"a.y\","
     "\"unit\":\"m\",\"rate\":50,\"values\":[0,1]}],\"history\":[]}\n";
+static const char joints_osim[] =
+    "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<OpenSimDocument Version=\"40000\"><Model name=\"m\"><Ground "
+    "name=\"ground\"/>\n<BodySet><objects>"
+    "<Body name=\"a\"><attached_geometry><Mesh name=\"g\"><socket_frame>..</socket_frame><scale_factors>1 2 "
+    "3</scale_factors><mesh_file>a.vtp"
+    "</mesh_file></Mesh></attached_geometry></Body><Body name=\"b\"/><Body name=\"c\"/></objects></BodySet>\n<JointSet><objects>\n"
+    "<CustomJoint "
+    "name=\"j\"><socket_parent_frame>g_offset</socket_parent_frame><socket_child_frame>/bodyset/a</socket_child_frame>\n<coordinates>"
+    "<Coordinate name=\"q\"><default_value>0.1</default_value><range>-1 1</range><clamped>true</clamped><locked>false</locked></Coordinate>"
+    "</coordinates>\n<frames><PhysicalOffsetFrame name=\"g_offset\"><socket_parent>/ground</socket_parent><translation>1 2 3</translation>"
+    "<orientation>0 0.5 0</orientation></PhysicalOffsetFrame></frames>\n<SpatialTransform><TransformAxis name=\"rotation1\"><coordinates>q"
+    "</coordinates><axis>0 0 1</axis><LinearFunction name=\"function\"><coefficients>1 0</coefficients></LinearFunction></TransformAxis>\n"
+    "<TransformAxis name=\"translation1\"><coordinates>q</coordinates><axis>1 0 0</axis><MultiplierFunction name=\"function\"><function>\n"
+    "<SimmSpline><x>-1 0 0.5 2</x><y>0 1 4 9</y></SimmSpline></function><scale>1.1</scale></MultiplierFunction></TransformAxis>\n"
+    "<TransformAxis name=\"translation2\"><coordinates/><axis>0 1 0</axis><Constant name=\"function\"><value>0.5</value></Constant>"
+    "</TransformAxis></SpatialTransform></CustomJoint>\n<FreeJoint name=\"k\"><socket_parent_frame>/bodyset/a</socket_parent_frame>"
+    "<socket_child_frame>/bodyset/b</socket_child_frame></FreeJoint>\n<PinJoint name=\"l\"><socket_parent_frame>/bodyset/c"
+    "</socket_parent_frame><socket_child_frame>/bodyset/b</socket_child_frame><coordinates><Coordinate "
+    "name=\"p\"/></coordinates></PinJoint>\n"
+    "</objects></JointSet><ConstraintSet><objects><CoordinateCouplerConstraint><coupled_coordinates_function><PiecewiseLinearFunction>"
+    "<x>0 1</x><y>0 2</y></PiecewiseLinearFunction></coupled_coordinates_function>\n<independent_coordinate_names>q"
+    "</independent_coordinate_names><dependent_coordinate_name>p</dependent_coordinate_name></CoordinateCouplerConstraint></objects>"
+    "</ConstraintSet></Model></OpenSimDocument>\n";
+static const char old_osim[] =
+    "<OpenSimDocument Version=\"30000\"><Model name=\"m\"><BodySet><objects><Body name=\"ground\"><Joint/></Body>\n<Body name=\"b\"><Joint>"
+    "<PinJoint name=\"k\"><parent_body>a</parent_body><location_in_parent>0 1 0</location_in_parent><location>0 0 0.5</location>"
+    "<orientation>0.1 0.2 0.3</orientation><reverse>true</reverse>\n<CoordinateSet><objects><Coordinate name=\"q\"><motion_type>rotational"
+    "</motion_type></Coordinate></objects></CoordinateSet></PinJoint></Joint>\n<VisibleObject><GeometrySet><objects><DisplayGeometry>"
+    "<geometry_file>f.vtp</geometry_file><transform>0 0 1 1 1 1</transform></DisplayGeometry></objects></GeometrySet><scale_factors>3 3 3"
+    "</scale_factors></VisibleObject></Body>\n<Body name=\"a\"><Joint><BallJoint "
+    "name=\"j\"><parent_body>ground</parent_body></BallJoint></Joint>"
+    "</Body></objects></BodySet></Model></OpenSimDocument>\n";
+static const char dog_mjcf[] = "<mujoco model=\"m\"><compiler angle=\"degree\" eulerseq=\"xYz\" meshdir=\"bones/\"/>\n<default><joint "
+                               "range=\"-10 20\"/><default class=\"c\">"
+                               "<joint axis=\"0 1 0\" pos=\"1 0 0\"/><geom type=\"mesh\"/></default></default>\n<asset><mesh "
+                               "file=\"femur.stl\" scale=\"2 2 2\"/></asset>\n"
+                               "<worldbody><body name=\"a\" pos=\"0 0 1\" euler=\"10 20 30\"><freejoint name=\"root\"/><frame pos=\"1 2 "
+                               "3\"><body name=\"b\" childclass=\"c\" "
+                               "quat=\"1 0 0 1\">\n<joint name=\"q\" ref=\"5\"/><joint name=\"s\" type=\"slide\"/><geom name=\"f\" "
+                               "mesh=\"femur\" pos=\"1 1 1\" xyaxes=\"0 1 0 -1 0 "
+                               "0\"/>\n<body zaxis=\"1 1 0\"><joint type=\"ball\"/></body></body></frame></body></worldbody></mujoco>\n";
+static const char walk_mot[] = "walk\nversion=1\nnRows=3\nnColumns=4\ninDegrees=yes\n\nUnits are S.I.\n\nendheader\ntime\tq\t"
+                               "/jointset/k/p/value\tforce\n0.5\t1\t-2.5\tnan\n0.6\t2e1\t3\t4\n0.8\t90\t1\t0\n";
 
 static _Noreturn void give_up(const char *what) {
     fprintf(stderr, "mutate_readers: %s\n", what);
@@ -222,14 +265,18 @@ static void make_seeds(void) {
     add_text(MOTION, "wave.amc", wave_amc);
     add_text(SKELETON, "bones.asf", bones_asf);
     add_text(MOTION, "wave.motion.json", motion_json);
+    add_text(MODEL, "joints.osim", joints_osim);
+    add_text(MODEL, "old.osim", old_osim);
+    add_text(MODEL, "dog.mjcf", dog_mjcf);
+    add_text(STORAGE, "walk.mot", walk_mot);
     add_vtk_files();
     add_cache();
 }
 
 /* Each good file in a folder of its format. */
 static void write_seeds(const char *target) {
-    static const char *const formats[] = {"obj",   "ply", "stl", "off", "vtk", "vtp",   "muscle",
-                                          "scene", "pc2", "bvh", "amc", "asf", "motion"};
+    static const char *const formats[] = {"obj", "ply", "stl", "off", "vtk",    "vtp",  "muscle", "scene",
+                                          "pc2", "bvh", "amc", "asf", "motion", "osim", "mjcf",   "mot"};
     mkdir(target, 0777);
     for (size_t k = 0; k < sizeof formats / sizeof *formats; k++) {
         char path[1024], part[16];
@@ -560,6 +607,39 @@ static const char *try_motion(const sn_blob *blob, bool skeleton, sn_status *sta
     return fault;
 }
 
+static const char *try_model(const sn_blob *blob, sn_status *status, sn_error *error) {
+    sn_skeleton skeleton;
+    sn_clip clip;
+    *status = sn_mjcf_detect(blob) ? sn_mjcf_parse(blob, &skeleton, error) : sn_osim_parse(blob, &skeleton, error);
+    if (*status != SN_OK) return skeleton.bodies == NULL ? NULL : "a refused model is left behind";
+    *status = sn_skeleton_animate(&skeleton, NULL, &clip, error);
+    const char *fault = *status == SN_OK && blob->size < 65536 ? use_clip(&clip, error) : NULL;
+    sn_clip_free(&clip);
+    sn_skeleton_free(&skeleton);
+    return fault;
+}
+
+/* The motion moves the good model too, or is refused. */
+static const char *try_storage(const sn_blob *blob, sn_status *status, sn_error *error) {
+    static char name[] = "joints.osim";
+    static char text[sizeof joints_osim];
+    sn_columns columns;
+    sn_skeleton skeleton;
+    sn_clip clip;
+    memcpy(text, joints_osim, sizeof text);
+    const sn_blob model = {.name = name, .data = text, .size = sizeof text - 1};
+    sn_storage_detect(blob);
+    *status = sn_storage_parse(blob, &columns, error);
+    if (*status != SN_OK) return columns.values == NULL ? NULL : "a refused motion is left behind";
+    if (sn_osim_parse(&model, &skeleton, error) != SN_OK) give_up(error->text);
+    *status = sn_skeleton_animate(&skeleton, &columns, &clip, error);
+    const char *fault = *status == SN_OK ? use_clip(&clip, error) : NULL;
+    sn_clip_free(&clip);
+    sn_skeleton_free(&skeleton);
+    sn_columns_free(&columns);
+    return fault;
+}
+
 static void report(const char *name, const char *fault, const sn_error *error) {
     failed++;
     printf("case %ld (%s): %s; '%s' %s:%lld\n", current_case, name, fault, error->text, error->file, (long long)error->line);
@@ -599,6 +679,8 @@ static void try_file(kind k, const char *name, const char *data, size_t size, bo
                         : k == SETTINGS ? try_settings(&blob, &status, &error)
                         : k == MOTION   ? try_motion(&blob, false, &status, &error)
                         : k == SKELETON ? try_motion(&blob, true, &status, &error)
+                        : k == MODEL    ? try_model(&blob, &status, &error)
+                        : k == STORAGE  ? try_storage(&blob, &status, &error)
                                         : try_cache(&blob, &status, &error);
     double taken = seconds() - start;
     setitimer(ITIMER_PROF, &NO_LIMIT, NULL);
@@ -688,6 +770,22 @@ static void try_large_files(void) {
     try_rows(MUSCLE, "values.muscle.json", head, "null,0,", MANY, "0]}", false);
     try_rows(MUSCLE, "numbers.muscle.json", "{\"format\":\"sinew-muscle\",\"version\":1,\"mesh\":{\"vertices\":[0", ",0", 4 * MANY, "]}}",
              false);
+    try_rows(MODEL, "tags.osim", "<OpenSimDocument><Model>", "<a/>", MANY, "</Model></OpenSimDocument>", false);
+    try_rows(MODEL, "bodies.osim", "<OpenSimDocument><Model><BodySet><objects>", "<Body name='@'/>", 4000,
+             "</objects></BodySet></Model></OpenSimDocument>", false);
+    try_rows(MODEL, "bodies.mjcf", "<mujoco><worldbody>", "<body name='@'><joint name='@'/></body>", 4000, "</worldbody></mujoco>", false);
+    try_rows(MODEL, "joints.mjcf", "<mujoco><worldbody><body>", "<joint name='@' pos='1 2 3'/>", MANY / 10, "</body></worldbody></mujoco>",
+             false);
+    try_rows(
+        MODEL, "knots.osim",
+        "<OpenSimDocument><Model><BodySet><objects><Body name='a'><Joint><CustomJoint><parent_body>ground</parent_body><SpatialTransform>"
+        "<TransformAxis name='rotation1'><SimmSpline name='function'><x>",
+        "1 ", 4 * MANY,
+        "</x><y>1</y></SimmSpline></TransformAxis></SpatialTransform></CustomJoint></Joint></Body></objects></BodySet></Model></"
+        "OpenSimDocument>",
+        false);
+    try_rows(STORAGE, "rows.mot", "x\nendheader\ntime other\n", "0 0\n", MANY, "", false);
+    try_rows(STORAGE, "columns.mot", "x\nendheader\ntime", "\ta", MANY, "\n", false);
     try_block("corners.ply", bytes_ply, sizeof bytes_ply - 1, 0xff, BLOCK);
     try_block("bytes.ply", points_ply, sizeof points_ply - 1, 0, BLOCK);
     try_block("zeros.vtk", legacy, sizeof legacy - 1, 0, BLOCK);
@@ -768,6 +866,9 @@ static void try_kept_files(void) {
                      : strstr(name, ".settings") ? SETTINGS
                      : strstr(name, ".asf")      ? SKELETON
                      : is_motion(name)           ? MOTION
+                     : strstr(name, ".osim")     ? MODEL
+                     : strstr(name, ".mjcf")     ? MODEL
+                     : strstr(name, ".mot")      ? STORAGE
                                                  : MESH;
             try_file(k, name, blob.data, blob.size, false);
             sn_blob_free(&blob);

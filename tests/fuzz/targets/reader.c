@@ -1,11 +1,11 @@
 /*
  * reader.c -- one reader under libFuzzer, coverage-guided: built once for each format, with -DTARGET_obj, _ply, _stl, _off, _vtk, _vtp,
- * _muscle, _scene, _pc2, _bvh, _amc, _asf or _motion (make fuzz).
+ * _muscle, _scene, _pc2, _bvh, _amc, _asf, _motion, _osim, _mjcf or _mot (make fuzz).
  *
  * Whatever the bytes, the reader must give a valid result or one line that names the file; the sanitizers and libFuzzer's limits of time
  * and memory watch over the rest.
  */
-#include "sinew/io.h"
+#include "sinew/model_files.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -118,6 +118,39 @@ static int try_bytes(const sn_blob *blob, sn_error *error) {
     close(fd);
     judge(status, error);
     if (status == SN_OK) sn_pc2_free(&cache);
+    return 0;
+}
+
+#elif defined(TARGET_osim) || defined(TARGET_mjcf)
+
+static int try_bytes(const sn_blob *blob, sn_error *error) {
+    sn_skeleton skeleton;
+    sn_clip clip;
+#if defined(TARGET_osim)
+    if (!sn_osim_detect(blob)) return -1; /* other readers' business */
+    sn_status status = sn_osim_parse(blob, &skeleton, error);
+#else
+    if (!sn_mjcf_detect(blob)) return -1;
+    sn_status status = sn_mjcf_parse(blob, &skeleton, error);
+#endif
+    judge(status, error);
+    if (status != SN_OK) return 0;
+    demand(sn_skeleton_animate(&skeleton, NULL, &clip, error) == SN_OK, "the model cannot be put at rest");
+    sn_clip_free(&clip);
+    sn_skeleton_free(&skeleton);
+    return 0;
+}
+
+#elif defined(TARGET_mot)
+
+static int try_bytes(const sn_blob *blob, sn_error *error) {
+    sn_columns columns;
+    if (!sn_storage_detect(blob)) return -1; /* other readers' business */
+    sn_status status = sn_storage_parse(blob, &columns, error);
+    judge(status, error);
+    if (status != SN_OK) return 0;
+    demand(columns.row_count > 0 && columns.times != NULL, "a motion without a row");
+    sn_columns_free(&columns);
     return 0;
 }
 
