@@ -39,8 +39,10 @@ void sn_plan_decide(const sn_build *build) {
     bool projects = build->scene->solver.method == SN_SOLVER_XPBD;
     for (int kind = 0; kind < SN_ROW_KINDS; kind++) {
         sn_left_out *reason = &build->plan->groups[kind].reason;
-        *reason = sn_row_ops_of((sn_row_kind)kind)->reason(build);
-        if (projects && sn_scheme_sweeps(&build->scene->solver, (sn_row_kind)kind) == 0) *reason = SN_OUT_SCHEME;
+        const sn_row_ops *ops = sn_row_ops_of((sn_row_kind)kind);
+        bool swept = sn_scheme_sweeps(&build->scene->solver, (sn_row_kind)kind) > 0 && (!build->model->single || ops->sweep_single != NULL);
+        *reason = ops->reason(build);
+        if (projects && !swept) *reason = SN_OUT_SCHEME;
     }
     build->plan->samples = build->plan->groups[SN_ROWS_INTERNAL].reason == SN_RUNS ? source->rig.structure.sample_count : 0;
     build->plan->fibers = source->rig.fibers.directions != NULL;
