@@ -161,6 +161,8 @@ static void apply_options(job *j) {
     choose_method(j);
     if (cli_given(&j->c, "tolerance")) scene->solver.tolerance = given.tolerance;
     if (cli_given(&j->c, "substeps")) scene->solver.substeps = (sn_index)given.substeps;
+    if (cli_given(&j->c, "substeps") && given.substeps == SN_SUBSTEPS_AUTO && scene->solver.method != SN_SOLVER_QN)
+        cli_usage_error(&j->c, "--substeps auto is for the solver qn; give a number, or choose that solver");
     if (cli_given(&j->c, "iterations")) scene->solver.iterations = (sn_index)given.iterations;
     for (sn_index i = 0; cli_given(&j->c, "law") && i < scene->muscle_count; i++) scene->muscles[i].law = (sn_fiber_law)given.law;
     for (sn_index i = 0; cli_given(&j->c, "anisotropy") && i < scene->muscle_count; i++)

@@ -228,6 +228,18 @@ END
     done
 }
 
+@test "automatic substeps are the solver qn's, in a scene and on the command line" {
+    one_muscle
+    run -2 simulate one.scene.json --solver xpbd --substeps auto
+    [[ "$output" == *"--substeps auto is for the solver qn"* ]]
+    python3 -c 'import json; s=json.load(open("one.scene.json")); s["solver"]={"method": "xpbd", "substeps": "auto"}; json.dump(s,open("auto.scene.json","w"))'
+    run -1 simulate auto.scene.json
+    [[ "$output" == *"solver.substeps auto is for the method qn"* ]]
+    simulate -q one.scene.json --frames 0:2 --substeps auto > auto.jsonl
+    simulate -q one.scene.json --frames 0:2 > default.jsonl
+    cmp auto.jsonl default.jsonl
+}
+
 @test "frames beyond all bounds are wrong usage, or a scene that is wrong" {
     make_states
     for range in -2147483647:2147483647 0:2147483647 -2147483647:0 0:100000001 -100000001:0; do
