@@ -32,8 +32,8 @@ double sn_pow(double x, double y);
 /* ---- nearly rounded ------------------------------------------------------------------------------------------------------------- */
 
 /*
- * For what is evaluated for every vertex, edge or pixel: the same bits everywhere because only + - * / make them, as fast as the C
- * library's, wrong by what each states in units of the last place (test_exact measures it). NaN, infinities, zeros and their signs as C17
+ * For what is evaluated for every vertex, edge or pixel: the same bits everywhere because only + - * / make them. atan2 and log take about as
+ * long as the C library's, exp and pow two to four times as long (20 to 95 ns). Wrong by what each states in units of the last place (test_exact measures it). NaN, infinities, zeros and their signs as C17
  * Annex F has them.
  */
 

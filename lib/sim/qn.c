@@ -324,8 +324,12 @@ typedef struct condition {
     sn_residual stretch; /* of the surface from its goal shape: edges over the mean edge, or strains */
 } condition;
 
+static sn_residual stretch_of(const sn_model_muscle *m, const sn_muscle_state *s) {
+    return sn_rows_residual(m, s, sn_stretch_kind(m), NULL);
+}
+
 static condition condition_of(const sn_model_muscle *m, const sn_muscle_state *s) {
-    condition now = {.stretch = sn_rows_residual(m, s, sn_stretch_kind(m), NULL)};
+    condition now = {.stretch = stretch_of(m, s)};
     for (sn_index r = 0; r < m->area_count; r++)
         now.collapsed += !(double_area(s->points, m->areas[r].point) * m->area_scales[r] >= UNGUARDED);
     return now;
@@ -421,7 +425,7 @@ static void try_carried(const sn_model_muscle *m, sn_muscle_state *s, double h) 
 }
 
 static bool is_torn(const sn_model_muscle *m, const sn_muscle_state *s, bool fast) {
-    sn_residual stretch = condition_of(m, s).stretch;
+    sn_residual stretch = stretch_of(m, s);
     return is_stretched(&stretch, fast);
 }
 
@@ -476,8 +480,8 @@ static void take_matrix(const sn_model_muscle *m, sn_muscle_state *s, double h) 
 
 /* Does the step, as far as it has come, tear a muscle that was whole? */
 static bool tears(const sn_model_muscle *m, const sn_muscle_state *s) {
-    condition now = condition_of(m, s);
     if (s->stretch_before == INFINITY) return false;
+    condition now = condition_of(m, s);
     bool stretches = now.stretch.max > FAST_STRETCHED && now.stretch.max > 2.0 * s->stretch_before;
     return now.collapsed > 0 || stretches || now.stretch.rms > FAR_IN_THE_MEAN;
 }
