@@ -32,9 +32,9 @@ double sn_pow(double x, double y);
 /* ---- nearly rounded ------------------------------------------------------------------------------------------------------------- */
 
 /*
- * For what is evaluated for every vertex, edge or pixel: the same bits everywhere because only + - * / make them. atan2 and log take about as
- * long as the C library's, exp and pow two to four times as long (20 to 95 ns). Wrong by what each states in units of the last place (test_exact measures it). NaN, infinities, zeros and their signs as C17
- * Annex F has them.
+ * For what is evaluated for every vertex, edge or pixel: the same bits everywhere because only + - * / make them. atan2 and log take about
+ * as long as the C library's, exp and pow two to four times as long (20 to 95 ns). Wrong by what each states in units of the last place
+ * (test_exact measures it). NaN, infinities, zeros and their signs as C17 Annex F has them.
  */
 
 /* The angle of the vector (x, y) in [-pi, pi], within 2.5 units. */

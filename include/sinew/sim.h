@@ -12,8 +12,8 @@
  * Back end `xpbd` ([R18] alg. 1, guarded): per substep predict, carry the attached vertices with their bones, then per iteration
  * project internal, radial and mesh distances, dihedral angles, least areas, and last the volume. Back end `qn`: per substep minimise the
  * energy of the same rows and of inertia by a quasi-Newton method; its matrix is factored in the first step and whenever the stiffness has
- * doubled or halved; so is it where a step is taken in halves. Muscles run in parallel, each one in one thread and in row order, so that the bits do not depend on the number of
- * threads.
+ * doubled or halved; so is it where a step is taken in halves. Muscles run in parallel, each one in one thread and in row order, so that
+ * the bits do not depend on the number of threads.
  */
 #ifndef SINEW_SIM_H
 #define SINEW_SIM_H
