@@ -233,7 +233,7 @@ static sn_status process(job *j, sn_error *error) {
 static sn_status write_motion(const job *j, const sn_motion *motion, const sn_history_entry *entry, sn_error *error) {
     const cli *c = &j->c;
     bool document = strcmp(j->clip.format, "motion document") == 0;
-    sn_motion_head head = {.name = j->clip.name, .rate = j->clip.rate};
+    sn_motion_head head = {.name = j->clip.name, .path = c->output, .rate = j->clip.rate};
     sn_output *output = NULL;
     if (c->history) {
         head.entry = entry;

@@ -53,11 +53,21 @@ typedef struct sn_coordinate {
     double *values; /* (count) owned */
 } sn_coordinate;
 
+/* A bone that an importer or a fit has bound to a joint. Its surface is in the rest pose, in the world; nothing here reads it. */
+typedef struct sn_motion_bone {
+    char *name;             /* owned */
+    char *path;             /* owned: of the mesh; where it is relative, from the working directory */
+    double meters_per_unit; /* of the mesh, where its file does not say; 0 = not told */
+    sn_index joint;         /* SN_NONE = never moves */
+} sn_motion_bone;
+
 typedef struct sn_motion {
     sn_index joint_count;
     sn_joint *joints; /* (joint_count) parents before children; owned */
     sn_index coordinate_count;
     sn_coordinate *coordinates; /* (coordinate_count) owned */
+    sn_index bone_count;
+    sn_motion_bone *bones; /* (bone_count) owned */
 } sn_motion;
 
 double sn_channel_at(const sn_channel *channel, double time);
@@ -70,5 +80,8 @@ double sn_coordinate_at(const sn_coordinate *coordinate, double time);
 SN_MUST_CHECK sn_status sn_motion_validate(const sn_motion *motion, sn_error *error);
 void sn_channel_free(sn_channel *channel);
 void sn_motion_free(sn_motion *motion);
+/* NULL: there is not enough memory, or there are none. */
+sn_motion_bone *sn_motion_bones_copy(const sn_motion_bone *bones, sn_index count);
+void sn_motion_bones_free(sn_motion_bone *bones, sn_index count);
 
 #endif

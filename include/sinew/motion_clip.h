@@ -37,6 +37,8 @@ typedef struct sn_clip {
     sn_clip_joint *joints; /* (joint_count) parents before children; owned */
     sn_index coordinate_count;
     sn_clip_coordinate *coordinates; /* (coordinate_count) owned */
+    sn_index bone_count;
+    sn_motion_bone *bones; /* (bone_count) owned */
     double meters_per_unit_of_source;
 } sn_clip;
 

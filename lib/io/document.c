@@ -26,6 +26,33 @@ char *sn_path_beside(const char *document, const char *uri) {
     return path;
 }
 
+/* Length of what two paths begin with alike, whole folders of it. */
+static size_t shared_folders(const char *a, const char *b) {
+    size_t shared = 0;
+    for (size_t i = 0; a[i] != '\0' && a[i] == b[i]; i++)
+        if (a[i] == '/') shared = i + 1;
+    return shared;
+}
+
+/* From the root; as it is where that cannot be found out. */
+static char *absolute_path(const char *path) {
+    char *absolute = realpath(path, NULL);
+    return absolute != NULL ? absolute : sn_strdup(path);
+}
+
+char *sn_path_from(const char *document, const char *path) {
+    const char *slash = document != NULL && *path != '/' && *document != '/' ? strrchr(document, '/') : NULL;
+    if (slash == NULL) return *path != '/' && document != NULL && *document == '/' ? absolute_path(path) : sn_strdup(path);
+    size_t shared = shared_folders(document, path), up = 0, length = strlen(path + shared);
+    for (const char *c = document + shared; c <= slash; c++) up += *c == '/';
+    if (strstr(document + shared, "../") != NULL) return absolute_path(path); /* what it is up there is not in the text */
+    char *out = sn_alloc(3 * up + length + 1, 1);
+    if (out == NULL) return NULL;
+    for (size_t i = 0; i < up; i++) memcpy(out + 3 * i, "../", 3);
+    memcpy(out + 3 * up, path + shared, length);
+    return out;
+}
+
 char *sn_path_stem(const char *path) {
     if (path == NULL || *path == '<' || *path == '\0') return NULL;
     const char *slash = strrchr(path, '/'), *name = slash != NULL ? slash + 1 : path, *dot = strrchr(name, '.');

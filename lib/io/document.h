@@ -9,6 +9,9 @@ enum { SN_LIST_LIMIT = 4096 };
 
 /* The path of a file that a document names: relative to the document's own folder. Allocated; NULL = out of memory. */
 char *sn_path_beside(const char *document, const char *uri);
+/* The other way round: what a document at `document` (NULL, "-": on standard output) calls the file that is at `path` from the working
+ * directory. Allocated; NULL = out of memory. */
+char *sn_path_from(const char *document, const char *path);
 /* The file's name without folder and extension; NULL = out of memory, or a stream without a name. */
 char *sn_path_stem(const char *path);
 /* The member "history": the entries of tree (nullable), then entry (nullable); nothing where there is neither. */

@@ -362,7 +362,9 @@ static sn_status parse_motion_document(const sn_json_tree *tree, sn_clock *clock
     sn_status status = sn_json_expect_format(&top, "sinew-motion", 1, error);
     if (status == SN_OK) status = sn_json_get_number(&unit, SN_JSON_POSITIVE, INFINITY, &clock->meters_per_unit, error);
     if (status == SN_OK) status = sn_json_get_number(&rate, SN_JSON_POSITIVE, INFINITY, &clock->rate, error);
-    return status == SN_OK ? parse_members(&top, *clock, out, error) : status;
+    if (status == SN_OK) status = parse_members(&top, *clock, out, error);
+    sn_json_value bones = sn_json_member(&top, "bones");
+    return status == SN_OK ? sn_motion_bones_parse(&bones, out, error) : status;
 }
 
 sn_status sn_motion_parse(const sn_json_value *value, sn_clock clock, sn_motion *out, sn_error *error) {
@@ -591,8 +593,10 @@ static sn_status write_document(const sn_motion *motion, const sn_motion_head *h
     sn_json_number(json, "rate", head->rate);
     write_joints(motion, 1.0, head->rate, json);
     write_coordinates(motion, head->rate, json);
+    sn_status status = sn_motion_bones_write(motion, head->path, json, error);
     sn_history_write(before, head->entry, json);
-    return sn_json_end(json, error);
+    sn_status end = sn_json_end(json, error);
+    return status == SN_OK ? end : status;
 }
 
 sn_status sn_motion_document_write(const sn_motion *motion, const sn_motion_head *head, sn_output *output, sn_error *error) {

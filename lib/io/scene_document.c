@@ -87,17 +87,6 @@ static sn_status parse_globals(const sn_json_value *top, sn_scene *scene, sn_err
     return status == SN_OK ? parse_solver(&solver, &scene->solver, error) : status;
 }
 
-/* "units": "mm", or metres per unit as a number. */
-static sn_status parse_units(const sn_json_value *value, double *out, sn_error *error) {
-    if (sn_json_has(value) && !sn_json_is_text(value)) return sn_json_get_number(value, SN_JSON_POSITIVE, INFINITY, out, error);
-    static const char *const names[] = {"m", "cm", "mm", "um", "in", "ft", NULL};
-    static const double meters[] = {1.0, 0.01, 0.001, 1e-6, 0.0254, 0.3048};
-    int choice = -1;
-    sn_status status = sn_json_get_choice(value, names, &choice, error);
-    if (status == SN_OK && choice >= 0) *out = meters[choice];
-    return status;
-}
-
 /* ---- reading: bones --------------------------------------------------------------------------------------------------- */
 
 /* What the file says of its unit holds where the scene says nothing; what it says of its axis always does. */
@@ -113,34 +102,16 @@ static sn_status load_bone(const sn_json_value *mesh, bool has_units, sn_scene_b
     return SN_OK;
 }
 
-/* The joint that a bone hangs on, by name. */
-static sn_status parse_bone_joint(const sn_json_value *value, const sn_motion *motion, sn_index *out, sn_error *error) {
-    char *name = NULL;
-    sn_status status = sn_json_get_text(value, &name, error);
-    if (status != SN_OK || name == NULL) return status;
-    for (sn_index i = 0; i < motion->joint_count && *out == SN_NONE; i++)
-        if (strcmp(motion->joints[i].name, name) == 0) *out = i;
-    if (*out == SN_NONE) status = sn_json_complain(value, error, "the motion has no joint \"%s\"", name);
-    free(name);
-    return status;
-}
-
 static sn_status parse_bone(const sn_json_value *value, const reader *in, sn_scene_bone *out, sn_error *error) {
-    static const char *const known[] = {"name", "mesh", "units", "joint", NULL};
-    sn_json_value name = sn_json_member(value, "name"), mesh = sn_json_member(value, "mesh"), units = sn_json_member(value, "units"),
-                  joint = sn_json_member(value, "joint");
-    out->joint = SN_NONE;
-    out->meters_per_unit = in->scene->meters_per_unit;
-    sn_status status = sn_json_expect_object(value, error);
-    if (status == SN_OK) status = sn_json_require(&name, "the name of the bone", error);
-    if (status == SN_OK) status = sn_json_get_text(&name, &out->name, error);
-    if (status == SN_OK) status = sn_json_require(&mesh, "the file of the bone's surface", error);
-    if (status == SN_OK) status = sn_json_get_text(&mesh, &out->uri, error);
-    if (status == SN_OK) status = parse_units(&units, &out->meters_per_unit, error);
-    if (status == SN_OK) status = parse_bone_joint(&joint, &in->scene->motion, &out->joint, error);
-    if (status != SN_OK) return status;
-    sn_json_warn_unknown(value, known);
-    return in->load_bones ? load_bone(&mesh, sn_json_has(&units), out, error) : SN_OK;
+    sn_motion_bone bone;
+    sn_status status = sn_bone_parse(value, &in->scene->motion, &bone, error);
+    out->name = bone.name;
+    out->uri = bone.path;
+    out->joint = bone.joint;
+    out->meters_per_unit = bone.meters_per_unit > 0.0 ? bone.meters_per_unit : in->scene->meters_per_unit;
+    if (status != SN_OK || !in->load_bones) return status;
+    sn_json_value mesh = sn_json_member(value, "mesh");
+    return load_bone(&mesh, bone.meters_per_unit > 0.0, out, error);
 }
 
 static sn_status parse_bones(const sn_json_value *value, const reader *in, sn_error *error) {

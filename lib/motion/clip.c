@@ -48,6 +48,7 @@ void sn_clip_free(sn_clip *clip) {
         free(clip->coordinates[c].unit);
         free(clip->coordinates[c].values);
     }
+    sn_motion_bones_free(clip->bones, clip->bone_count);
     free(clip->joints);
     free(clip->coordinates);
     free(clip->name);

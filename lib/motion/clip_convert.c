@@ -40,6 +40,12 @@ static sn_status convert_coordinate(const sn_clip *clip, sn_index c, sn_coordina
     return SN_OK;
 }
 
+static sn_status copy_bones(const sn_motion_bone *from, sn_index count, sn_motion_bone **to, sn_index *to_count, sn_error *error) {
+    *to = sn_motion_bones_copy(from, count);
+    *to_count = *to != NULL ? count : 0;
+    return *to_count == count ? SN_OK : sn_fail_memory(error, "bones");
+}
+
 sn_status sn_clip_to_motion(const sn_clip *clip, sn_motion *out, sn_error *error) {
     *out = (sn_motion){.joints = SN_NEW(sn_joint, clip->joint_count), .coordinates = SN_NEW(sn_coordinate, clip->coordinate_count)};
     sn_status status = out->joints != NULL && out->coordinates != NULL ? SN_OK : sn_fail_memory(error, "a motion");
@@ -51,6 +57,7 @@ sn_status sn_clip_to_motion(const sn_clip *clip, sn_motion *out, sn_error *error
         out->coordinate_count = c + 1;
         status = convert_coordinate(clip, c, &out->coordinates[c], error);
     }
+    if (status == SN_OK) status = copy_bones(clip->bones, clip->bone_count, &out->bones, &out->bone_count, error);
     if (status != SN_OK) sn_motion_free(out);
     return status;
 }
@@ -121,6 +128,7 @@ sn_status sn_clip_from_motion(const sn_motion *motion, double rate, sn_clip *out
     for (sn_index c = 0; c < motion->coordinate_count && status == SN_OK; c++)
         status = fill_coordinate(&motion->coordinates[c], begin, out, &out->coordinates[c], error);
     if (status == SN_OK) status = fill_poses(motion, begin, out, error);
+    if (status == SN_OK) status = copy_bones(motion->bones, motion->bone_count, &out->bones, &out->bone_count, error);
     if (status != SN_OK) sn_clip_free(out);
     return status;
 }

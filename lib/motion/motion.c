@@ -88,6 +88,17 @@ static sn_status check_coordinates(const sn_motion *motion, sn_error *error) {
     return SN_OK;
 }
 
+static sn_status check_bones(const sn_motion *motion, sn_error *error) {
+    for (sn_index b = 0; b < motion->bone_count; b++) {
+        const sn_motion_bone *bone = &motion->bones[b];
+        if (bone->name == NULL || bone->path == NULL) return sn_fail(error, SN_ERROR_INPUT, "bone %d has no name or no mesh", b + 1);
+        if (bone->joint != SN_NONE && (bone->joint < 0 || bone->joint >= motion->joint_count))
+            return sn_fail(error, SN_ERROR_INPUT, "bone \"%s\" is on joint %d; there are %d", bone->name, bone->joint + 1,
+                           motion->joint_count);
+    }
+    return SN_OK;
+}
+
 sn_status sn_motion_validate(const sn_motion *motion, sn_error *error) {
     for (sn_index j = 0; j < motion->joint_count; j++) {
         const sn_joint *joint = &motion->joints[j];
@@ -98,7 +109,29 @@ sn_status sn_motion_validate(const sn_motion *motion, sn_error *error) {
         if (joint->has_rest && !sn_finite3(joint->rest))
             return sn_fail(error, SN_ERROR_INPUT, "joint \"%s\": its rest place is not finite", joint_name(joint));
     }
-    return check_coordinates(motion, error);
+    sn_status status = check_coordinates(motion, error);
+    return status == SN_OK ? check_bones(motion, error) : status;
+}
+
+sn_motion_bone *sn_motion_bones_copy(const sn_motion_bone *bones, sn_index count) {
+    sn_motion_bone *copy = count > 0 ? SN_NEW(sn_motion_bone, count) : NULL;
+    for (sn_index b = 0; copy != NULL && b < count; b++) {
+        copy[b] = bones[b];
+        copy[b].name = sn_strdup(bones[b].name);
+        copy[b].path = sn_strdup(bones[b].path);
+        if (copy[b].name != NULL && copy[b].path != NULL) continue;
+        sn_motion_bones_free(copy, b + 1);
+        return NULL;
+    }
+    return copy;
+}
+
+void sn_motion_bones_free(sn_motion_bone *bones, sn_index count) {
+    for (sn_index b = 0; b < count; b++) {
+        free(bones[b].name);
+        free(bones[b].path);
+    }
+    free(bones);
 }
 
 void sn_motion_free(sn_motion *motion) {
@@ -113,6 +146,7 @@ void sn_motion_free(sn_motion *motion) {
         free(motion->coordinates[c].unit);
         free(motion->coordinates[c].values);
     }
+    sn_motion_bones_free(motion->bones, motion->bone_count);
     free(motion->joints);
     free(motion->coordinates);
     *motion = (sn_motion){0};
