@@ -167,6 +167,7 @@ enum { SN_UNFITTED = false, SN_FITTED = true };
 /* One muscle, immutable. Points are the surface vertices in document order, then the samples on which a vertex hangs. */
 typedef struct sn_model_muscle {
     const sn_scene_muscle *source; /* in the scene */
+    sn_index group, member;        /* of the model; the muscle's place in it */
 #define SN_MODEL_MEMBER(type, name, count, nullable, fitted) type *name;
     SN_MODEL_ARRAYS(SN_MODEL_MEMBER)
 #undef SN_MODEL_MEMBER
@@ -193,15 +194,20 @@ typedef struct sn_model_muscle {
     double tolerance;  /* qn: stop when a whole step moves no point by more than this share of the diagonal */
 } sn_model_muscle;
 
+/* Muscles that are solved together (lib/sim/group.h). */
+struct sn_group;
+
 /* What a scene is made into once; a run never changes it. */
 typedef struct sn_model {
     const sn_scene *scene; /* the caller's */
     sn_plan plan;          /* of all of its muscles */
     sn_index muscle_count;
     sn_model_muscle *muscles; /* (muscle_count) the enabled ones, in the scene's order */
-    double frame_duration;    /* s */
-    double substep_duration;  /* h, s */
-    bool halves;              /* qn: a muscle may take a substep in halves, and those again */
+    sn_index group_count;
+    struct sn_group *groups; /* (group_count) each muscle is in one of them */
+    double frame_duration;   /* s */
+    double substep_duration; /* h, s */
+    bool halves;             /* qn: a muscle may take a substep in halves, and those again */
 } sn_model;
 
 /* Validate the scene, plan, build every row. The scene must outlive the model and keep still. */
@@ -285,102 +291,29 @@ typedef struct sn_point {
     double x, y, z, w; /* m; 1/kg */
 } sn_point;
 
-/* The same in single precision, relative to the muscle's origin. */
-typedef struct sn_single_point {
-    float x, y, z, w; /* m; over the inverse mass of a mean point */
-} sn_single_point;
-
 /* Without its mass. */
 static inline sn_vec3 sn_point_position(const sn_point *p) { return sn_v3(p->x, p->y, p->z); }
 
-/* Is an array kept when a run is saved and continued? restart.c then holds its elements to what their type may be. */
-enum {
-    SN_LEFT = false, /* no: it is made anew before it is read */
-    SN_KEPT = true,
-    SN_KEPT_LIVE /* of each of the L-BFGS pairs as much; only those at hand are ever read */
-};
-
-/* Arrays of one muscle's state: type, name, count in terms of `m` (its model), kept. */
-#define SN_STATE_ARRAYS(X)                                                                                                                 \
-    X(sn_point, points, m->point_count, SN_KEPT)                                                                                           \
-    X(sn_vec3, velocities, m->point_count, SN_KEPT)                                                                                        \
-    X(sn_vec3, previous, m->point_count, SN_KEPT)                                                                                          \
-    X(double, goals, m->distance_start[SN_DISTANCE_KINDS], SN_LEFT)                                                                        \
-    X(double, distance_lambda, m->distance_start[SN_DISTANCE_KINDS], SN_KEPT)                                                              \
-    X(double, hinge_lambda, m->hinge_count, SN_KEPT)                                                                                       \
-    X(sn_vec3, volume_gradient, m->keeps_volume ? m->vertex_count : 0, SN_LEFT)                                                            \
-    X(sn_rigid, placed, m->site_count, SN_KEPT)                                                                                            \
-    X(sn_rigid, poses, m->site_count, SN_LEFT) /* of the sites' bones at the end of the step at hand */                                    \
-    /* back end `qn`: where inertia takes each point, the L-BFGS pairs, frames, dV/dx of the matrix */                                     \
-    X(sn_vec3, target, m->quasi_newton ? m->point_count : 0, SN_KEPT)                                                                      \
-    X(sn_vec3, pair_steps, m->quasi_newton ? 8 * (size_t)m->point_count : 0, SN_KEPT_LIVE)                                                 \
-    X(sn_vec3, pair_changes, m->quasi_newton ? 8 * (size_t)m->point_count : 0, SN_KEPT_LIVE)                                               \
-    X(double, pair_products, m->quasi_newton ? 8 : 0, SN_KEPT_LIVE)                                                                        \
-    X(bool, guarded, m->quasi_newton ? m->area_count : 0, SN_KEPT)                                                                         \
-    X(sn_quat, turns, m->corotated ? m->point_count : 0, SN_KEPT)                                                                          \
-    X(sn_vec3, section_points, m->two_level ? m->point_count : 0, SN_KEPT)                                                                 \
-    X(sn_vec3, row_gradient, m->quasi_newton && m->keeps_volume ? m->vertex_count : 0, SN_KEPT)                                            \
-    /* single precision: the points during a substep, relative to an origin (one), and 6 dV/dx */                                          \
-    X(sn_single_point, single_points, m->single ? m->point_count : 0, SN_KEPT)                                                             \
-    X(sn_vec3, origin, m->single ? 1 : 0, SN_KEPT)                                                                                         \
-    X(sn_single_point, single_gradient, m->single && m->keeps_volume ? m->vertex_count : 0, SN_LEFT)
-
-/* Scratch of the back end `qn` (lib/sim/qn.h). */
-struct sn_qn;
-typedef struct sn_qn sn_qn;
-
-/* The rigid motion of a muscle's bones over one step: the one that fits their attached points best, by mass. A point that goes along with
- * it has come by d / h, d the solution of d = h velocity + turn x (x - d / 2 - middle), x where it is now: an exact rotation. */
-typedef struct sn_bone_motion {
-    sn_vec3 middle;   /* m: of the attached points, half way through the step */
-    sn_vec3 velocity; /* m/s: of the middle */
-    sn_vec3 turn;     /* 2 tan(angle / 2) times the axis */
-    double rate;      /* 1 / h, 1/s; 0 = no motion to go along with: the bones rest, or have jumped, or there are none */
-} sn_bone_motion;
-
-/* A substep that is too long for a muscle is halved so many times at most; parts are counted in the smallest ones. */
-#define SN_MOST_HALVINGS 3
-#define SN_SUBSTEP_PARTS (1 << SN_MOST_HALVINGS)
-
-/* How far a muscle has come in a substep. */
-typedef struct sn_progress {
-    sn_index parts;     /* of SN_SUBSTEP_PARTS that are done; all of them: it has nothing left to do */
-    sn_index size;      /* parts of the step at hand; 0 = it sleeps through the substep */
-    sn_index iteration; /* of that step that are done */
-    sn_index spent;     /* iterations of all steps of this substep, those that were given up among them */
-} sn_progress;
-
-/* One muscle of a run. */
+/* One muscle of a run: its part of the points of its group, what it is told of the step at hand (lib/sim/state.h), what its back end
+ * remembers of it, and what can be said of it. */
+struct sn_inputs;
 typedef struct sn_muscle_state {
-#define SN_STATE_MEMBER(type, name, count, kept) type *name;
-    SN_STATE_ARRAYS(SN_STATE_MEMBER)
-#undef SN_STATE_MEMBER
-    double *own[SN_ROW_KINDS];      /* numbers that only their own kind reads, made anew from the inputs */
-    sn_progress progress;           /* in the substep at hand, or through with the last one */
-    double volume_lambda;           /* of the volume row: xpbd */
-    sn_bone_motion bones;           /* over the last step */
-    sn_index pair_count, pair_next; /* qn: pairs at hand, and the slot of the next */
-    sn_stop_reason stopped;         /* qn: why the substep needs no further iteration; SN_STOP_ITERATIONS = it may */
-    double stretch_before;          /* qn: greatest error of the surface where the step began; infinite: the muscle was torn already */
-    bool torn;                      /* qn: the step began far from any shape of rest: more effort */
-    bool abrupt;                    /* qn: its bones set out, or stop, by many edges: more effort too */
-    bool turned;                    /* qn: the substep goes by the corotated or the two-level matrix */
-    double energy;                  /* qn: Phi at the points, J */
-    double factor_stiffness;        /* qn: k that the matrix is factored for, N/m; NaN = none yet */
-    struct sn_qn *qn;               /* qn: factor and scratch, remade from the model; NULL under xpbd */
-    double activation, contraction, stiffness, volume_goal; /* inputs at the state's time */
-    sn_index still;                                         /* substeps in a row that moved nothing */
-    double goal_contraction, goal_ratio;                    /* what `goals` were made for; NaN = not made yet */
-    sn_statistics statistics;                               /* at the end of the last step */
+    sn_point *points;         /* (point_count) */
+    sn_vec3 *velocities;      /* (point_count) m/s */
+    sn_vec3 *previous;        /* (point_count) m: where the step at hand began, or room for other use after it */
+    struct sn_inputs *inputs; /* of the step at hand, or of the last one */
+    void *memory;             /* the back end's own; nullable */
+    sn_statistics statistics; /* at the end of the last step */
 } sn_muscle_state;
 
 /* A run: of the model that it was made for, which is handed in beside it. */
 typedef struct sn_state {
-    sn_index frame;           /* the frame that the state has reached, or is in the middle of */
-    sn_index substep;         /* where it was stopped in the middle of `frame`: substeps done; 0 = all of them */
-    sn_index iteration;       /* and iterations of the substep after those; 0 = none */
-    sn_muscle_state *muscles; /* (model.muscle_count) */
-    sn_rigid *poses;          /* (substeps x joints) of the frame being stepped */
+    sn_index frame;                /* the frame that the state has reached, or is in the middle of */
+    sn_index substep;              /* where it was stopped in the middle of `frame`: substeps done; 0 = all of them */
+    sn_index iteration;            /* and iterations of the substep after those; 0 = none */
+    sn_muscle_state *muscles;      /* (model.muscle_count) */
+    struct sn_group_state *groups; /* (model.group_count) lib/sim/state.h */
+    sn_rigid *poses;               /* (substeps x joints) of the frame being stepped */
 } sn_state;
 
 /* Arrays for every muscle of the model, put at the first frame (sn_state_reset). */

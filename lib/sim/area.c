@@ -165,7 +165,7 @@ static double energy_of_kind(const sn_model_muscle *m, const sn_muscle_state *s,
     (void)kind;
     bool membrane = sn_row_ops_of(SN_ROWS_MEMBRANE)->count(m, SN_ROWS_MEMBRANE) > 0; /* it has a barrier of its own */
     if (!(k > 0.0) || membrane) return 0.0;
-    const barriers in = {points, m->areas->point, m->area_scales, s->guarded, k, gradient};
+    const barriers in = {points, m->areas->point, m->area_scales, s->inputs->guarded, k, gradient};
     return energy_of_areas(&in, m->area_count);
 }
 

@@ -16,6 +16,7 @@
  * in metres and in millimetres, and as it does there.
  */
 #include "dihedral_kernel.h"
+#include "xpbd.h"
 
 #include <stdlib.h>
 
@@ -149,7 +150,7 @@ static sn_status build_hinges(const sn_build *build, sn_row_kind kind, sn_error 
 
 static void sweep_kind(const sn_model_muscle *m, sn_muscle_state *s, sn_row_kind kind, const sn_sweep *sweep) {
     (void)kind;
-    const hinge_rows in = {s->points, m->hinges->point, m->hinge_angles, m->hinge_softness, s->hinge_lambda, NULL};
+    const hinge_rows in = {s->points, m->hinges->point, m->hinge_angles, m->hinge_softness, sn_xpbd_of(s)->hinge_lambda, NULL};
     hinge_tally done = sweep_hinges(&in, m->hinge_batched, m->hinge_count, sweep);
     s->statistics.skipped_hinges += done.skipped;
     s->statistics.clamped_hinges += done.clamped;

@@ -10,6 +10,7 @@
  *               with phi = |f| and u = e / (1 - phi a0), both by component ([R18] eqs. 4-7): not invariant under rotation of the rest pose
  */
 #include "distance_kernel.h"
+#include "xpbd.h"
 
 #include <stdlib.h>
 
@@ -66,11 +67,11 @@ double sn_goal_length(sn_fiber_law law, const double terms[SN_LAW_TERMS], double
 
 static void set_goals(const sn_model_muscle *m, sn_muscle_state *s, sn_row_kind kind) {
     double factors[SN_LAW_TERMS], a0 = m->contracts ? m->source->contraction * m->source->rest_activation : 0.0;
-    law_factors(m->source->law, s->contraction, a0, s->volume_goal, factors);
+    law_factors(m->source->law, s->inputs->contraction, a0, s->inputs->volume_goal, factors);
     for (sn_index r = m->distance_start[kind]; r < m->distance_start[kind + 1]; r++) {
         const double *share = m->distance_share;
-        if (share != NULL) law_factors(m->source->law, share[r] * s->contraction, share[r] * a0, s->volume_goal, factors);
-        s->goals[r] = goal_length(m->distance_terms[r], factors);
+        if (share != NULL) law_factors(m->source->law, share[r] * s->inputs->contraction, share[r] * a0, s->inputs->volume_goal, factors);
+        s->inputs->goals[r] = goal_length(m->distance_terms[r], factors);
     }
 }
 
@@ -232,7 +233,8 @@ static sn_status build_distances(const sn_build *build, sn_row_kind first, sn_er
 static inline bool has_direction(double square) { return square >= SN_EDGE_GUARD && square <= DBL_MAX; }
 
 static void sweep_kind(const sn_model_muscle *m, sn_muscle_state *s, sn_row_kind kind, const sn_sweep *sweep) {
-    const distance_rows in = {s->points, m->distances->point, s->goals, m->distance_softness, m->distance_gain, s->distance_lambda, NULL};
+    const distance_rows in = {
+        s->points, m->distances->point, s->inputs->goals, m->distance_softness, m->distance_gain, sn_xpbd_of(s)->distance_lambda, NULL};
     sn_index begin = m->distance_start[kind], end = m->distance_start[kind + 1];
     s->statistics.skipped_edges += sweep_distances(&in, begin, begin + m->distance_batched[kind], end, sweep);
 }
@@ -274,7 +276,7 @@ SN_WIDE_KERNEL static double energy_of_rows(const springs *in, sn_index begin, s
 
 static double energy_of_kind(const sn_model_muscle *m, const sn_muscle_state *s, sn_row_kind kind, const sn_point *points, double k,
                              sn_forces gradient) {
-    const springs in = {points, m->distances->point, s->goals, m->distance_softness, k, gradient};
+    const springs in = {points, m->distances->point, s->inputs->goals, m->distance_softness, k, gradient};
     return energy_of_rows(&in, m->distance_start[kind], m->distance_start[kind + 1]);
 }
 
@@ -307,7 +309,7 @@ SN_WIDE_KERNEL static void errors_of_rows(const springs *in, sn_index begin, sn_
 
 static void errors_of_kind(const sn_model_muscle *m, const sn_muscle_state *s, sn_row_kind kind, sn_index begin, sn_index end,
                            double *errors) {
-    const springs in = {.points = s->points, .index = m->distances->point, .goals = s->goals};
+    const springs in = {.points = s->points, .index = m->distances->point, .goals = s->inputs->goals};
     errors_of_rows(&in, m->distance_start[kind] + begin, m->distance_start[kind] + end, m->mean_edge, errors);
 }
 
@@ -336,14 +338,14 @@ SN_WIDE_KERNEL static sn_index next_longer(const double *goals, const double *er
 static void compare_edge(const sn_model_muscle *m, const sn_muscle_state *s, sn_index row, sn_longest_edge *longest) {
     const sn_index *p = m->distances[row].point;
     double length = sn_distance(sn_point_position(&s->points[p[0]]), sn_point_position(&s->points[p[1]]));
-    double ratio = length / fmax(s->goals[row], least_goal(m));
+    double ratio = length / fmax(s->inputs->goals[row], least_goal(m));
     if (ratio > longest->ratio) *longest = (sn_longest_edge){ratio, {p[0], p[1]}};
 }
 
 static void longest_of_kind(const sn_model_muscle *m, const sn_muscle_state *s, sn_row_kind kind, sn_index begin, sn_index end,
                             const double *errors, sn_longest_edge *longest) {
     sn_index first = m->distance_start[kind] + begin, count = end - begin;
-    const double *goals = s->goals + first;
+    const double *goals = s->inputs->goals + first;
     double unit = m->mean_edge, least = least_goal(m);
     for (sn_index r = 0; r < count; r += SN_BATCH) {
         r = next_longer(goals, errors, unit, least, longest->ratio, r, count);

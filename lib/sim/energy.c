@@ -36,17 +36,26 @@ SN_WIDE_KERNEL static double inertia(const free_points *in, sn_index count) {
 
 /* ---- all of it ------------------------------------------------------------------------------------------------------------ */
 
-double sn_rows_evaluate(const sn_model_muscle *m, sn_muscle_state *s, sn_row_kind kind) {
-    return sn_rows_energy(m, s, kind, s->points, (sn_forces){&s->qn->forces->x, 4});
+double sn_rows_evaluate(const sn_model *model, const sn_state *state, sn_index muscle, sn_row_kind kind) {
+    const sn_model_muscle *m = &model->muscles[muscle];
+    const sn_muscle_state *s = &state->muscles[muscle];
+    sn_point *forces = sn_qn_of(&state->groups[m->group])->forces + model->groups[m->group].first[m->member];
+    return sn_rows_energy(m, s, kind, s->points, (sn_forces){&forces->x, 4});
+}
+
+/* `energy` and those of all rows of one muscle; forces (point_count). */
+static double add_rows(const sn_model_muscle *m, const sn_muscle_state *s, const sn_point *points, sn_point *forces, double energy) {
+    for (int kind = 0; kind < SN_ROW_KINDS; kind++) energy += sn_rows_energy(m, s, (sn_row_kind)kind, points, (sn_forces){&forces->x, 4});
+    return energy;
 }
 
 double sn_objective_evaluate(const sn_objective *objective, const sn_point *points, sn_vec3 *gradient) {
-    const sn_model_muscle *m = objective->model;
-    const sn_muscle_state *s = objective->state;
-    const sn_forces forces = {&s->qn->forces->x, 4};
-    const free_points free_ones = {points, s->target, 1.0 / (objective->h * objective->h), s->qn->forces};
-    double energy = inertia(&free_ones, m->point_count);
-    for (int kind = 0; kind < SN_ROW_KINDS; kind++) energy += sn_rows_energy(m, s, (sn_row_kind)kind, points, forces);
-    for (sn_index i = 0; i < m->point_count; i++) gradient[i] = points[i].w == 0.0 ? sn_v3(0, 0, 0) : sn_point_position(&s->qn->forces[i]);
+    const sn_group *g = objective->group;
+    const sn_qn *qn = sn_qn_of(objective->state);
+    const free_points free_ones = {points, qn->target, 1.0 / (objective->h * objective->h), qn->forces};
+    double energy = inertia(&free_ones, g->point_count);
+    for (sn_index i = 0; i < g->count; i++)
+        energy = add_rows(g->members[i], objective->state->members[i], points + g->first[i], qn->forces + g->first[i], energy);
+    for (sn_index i = 0; i < g->point_count; i++) gradient[i] = points[i].w == 0.0 ? sn_v3(0, 0, 0) : sn_point_position(&qn->forces[i]);
     return energy;
 }

@@ -79,7 +79,7 @@ void sn_volume_moves(const sn_model *model, const sn_state *state, sn_index musc
     const sn_muscle_state *s = &state->muscles[muscle];
     double volume = sn_volume_constraint(m->vertex_count, s->points, m->triangle_count, m->triangles, gradients), sum = 0.0;
     for (sn_index i = 0; i < m->vertex_count; i++) sum += s->points[i].w * sn_norm2(gradients[i]);
-    double c = m->keeps_volume ? fabs(volume - s->volume_goal * m->rest_volume) : 0.0;
+    double c = m->keeps_volume ? fabs(volume - s->inputs->volume_goal * m->rest_volume) : 0.0;
     for (sn_index i = 0; i < m->vertex_count; i++)
         moves[i] = sum > 0.0 ? s->points[i].w * sn_norm(gradients[i]) * c / (sum * m->mean_edge) : 0.0;
 }

@@ -16,11 +16,11 @@ static double stiffness_at(const sn_model_muscle *m, double activation) {
 
 void sn_inputs_update(const sn_model_muscle *m, sn_muscle_state *s, double time) {
     double activation = sn_channel_at(&m->source->activation, time);
-    s->contraction = m->contracts ? m->source->contraction * activation : 0.0;
-    if (activation != s->activation) {
-        s->stiffness = stiffness_at(m, m->contracts ? activation : 0.0);
-        s->volume_goal = m->volume_ratio != NULL && m->contracts ? sn_curve_at(m->volume_ratio, activation) / m->rest_ratio : 1.0;
-        s->activation = activation;
+    s->inputs->contraction = m->contracts ? m->source->contraction * activation : 0.0;
+    if (activation != s->inputs->activation) {
+        s->inputs->stiffness = stiffness_at(m, m->contracts ? activation : 0.0);
+        s->inputs->volume_goal = m->volume_ratio != NULL && m->contracts ? sn_curve_at(m->volume_ratio, activation) / m->rest_ratio : 1.0;
+        s->inputs->activation = activation;
     }
     sn_rows_goals(m, s);
 }

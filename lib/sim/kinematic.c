@@ -56,21 +56,21 @@ static void put(sn_point *point, sn_vec3 position) { point->x = position.x, poin
 
 void sn_kinematics_aim(const sn_model_muscle *m, sn_muscle_state *s, const sn_rigid *joint_poses) {
     for (sn_index i = 0; i < m->site_count; i++)
-        s->poses[i] = m->sites[i].joint == SN_NONE ? sn_rigid_identity() : joint_poses[m->sites[i].joint];
+        s->inputs->poses[i] = m->sites[i].joint == SN_NONE ? sn_rigid_identity() : joint_poses[m->sites[i].joint];
 }
 
 void sn_kinematics_aim_at(const sn_model_muscle *m, sn_muscle_state *s, const sn_motion *motion, double time) {
     for (sn_index i = 0; i < m->site_count; i++)
-        s->poses[i] = m->sites[i].joint == SN_NONE ? sn_rigid_identity() : sn_motion_pose(motion, m->sites[i].joint, time);
+        s->inputs->poses[i] = m->sites[i].joint == SN_NONE ? sn_rigid_identity() : sn_motion_pose(motion, m->sites[i].joint, time);
 }
 
 /* A bone that never moves leaves its points alone, to the last bit. */
 static sn_vec3 carried(const sn_model_muscle *m, const sn_muscle_state *s, sn_index site, sn_vec3 rest) {
-    return m->sites[site].joint == SN_NONE ? rest : sn_rigid_apply(s->poses[site], rest);
+    return m->sites[site].joint == SN_NONE ? rest : sn_rigid_apply(s->inputs->poses[site], rest);
 }
 
 bool sn_kinematics_moved(const sn_model_muscle *m, const sn_muscle_state *s) {
-    return m->site_count > 0 && memcmp(s->poses, s->placed, (size_t)m->site_count * sizeof *s->poses) != 0;
+    return m->site_count > 0 && memcmp(s->inputs->poses, s->inputs->placed, (size_t)m->site_count * sizeof *s->inputs->poses) != 0;
 }
 
 static void place(const sn_model_muscle *m, const sn_muscle_state *s, sn_point *points) {
@@ -83,7 +83,7 @@ static void place(const sn_model_muscle *m, const sn_muscle_state *s, sn_point *
 }
 
 void sn_kinematics_place(const sn_model_muscle *m, sn_muscle_state *s) {
-    if (m->site_count > 0) memcpy(s->placed, s->poses, (size_t)m->site_count * sizeof *s->placed);
+    if (m->site_count > 0) memcpy(s->inputs->placed, s->inputs->poses, (size_t)m->site_count * sizeof *s->inputs->placed);
     place(m, s, s->points);
 }
 
@@ -189,8 +189,8 @@ static bool bones_rest(const sn_model_muscle *m, const sn_muscle_state *s) {
 }
 
 void sn_kinematics_watch_bones(const sn_model_muscle *m, sn_muscle_state *s, double h, double most) {
-    sn_vec3 before = s->bones.velocity;
-    sn_bone_motion *bones = &s->bones;
+    sn_vec3 before = s->inputs->bones.velocity;
+    sn_bone_motion *bones = &s->inputs->bones;
     *bones = (sn_bone_motion){.rate = 0.0};
     if (bones_rest(m, s)) return;
     find_middle(m, s, h, bones);
@@ -209,7 +209,7 @@ sn_vec3 sn_bone_motion_at(const sn_bone_motion *bones, sn_vec3 x) {
 }
 
 sn_vec3 sn_damped_velocity(const sn_muscle_state *s, sn_index point, double keep) {
-    sn_vec3 bones = sn_bone_motion_at(&s->bones, sn_point_position(&s->points[point]));
+    sn_vec3 bones = sn_bone_motion_at(&s->inputs->bones, sn_point_position(&s->points[point]));
     return sn_add_scaled(bones, sn_sub(s->velocities[point], bones), keep);
 }
 
@@ -217,7 +217,7 @@ void sn_kinematics_limit_speed(const sn_model_muscle *m, sn_muscle_state *s, dou
     if (!(most > 0.0) || m->kinematic_count == 0) return;
     for (sn_index i = 0; i < m->point_count; i++) {
         if (s->points[i].w == 0.0) continue;
-        sn_vec3 bones = sn_bone_motion_at(&s->bones, sn_point_position(&s->points[i])), v = sn_sub(s->velocities[i], bones);
+        sn_vec3 bones = sn_bone_motion_at(&s->inputs->bones, sn_point_position(&s->points[i])), v = sn_sub(s->velocities[i], bones);
         double square = fmin(sn_norm2(v), sn_norm2(s->velocities[i])); /* one that the bones leave behind is not drawn after them */
         if (square > most * most) s->velocities[i] = sn_add_scaled(bones, v, most / sn_norm(v));
     }

@@ -33,12 +33,13 @@ typedef struct membrane_rows {
     sn_index *index;    /* (3 x count) their points once more, side by side for the kernels */
 } membrane_rows;
 
-/* Of a row, in s->own: D00, D01, D10, D11 of the goal shape (1/m), its area A (m^2), A mu / k; each one after the other for all rows. */
+/* Of a row, in s->inputs->own: D00, D01, D10, D11 of the goal shape (1/m), its area A (m^2), A mu / k; each one after the other for all
+ * rows. */
 enum { GOALS = 6 };
 
 static const membrane_rows *rows_of(const sn_model_muscle *m) { return m->own[SN_ROWS_MEMBRANE]; }
 
-static double *goals_of(const sn_muscle_state *s) { return s->own[SN_ROWS_MEMBRANE]; }
+static double *goals_of(const sn_muscle_state *s) { return s->inputs->own[SN_ROWS_MEMBRANE]; }
 
 /* The fibre axis of a triangle in its plane (unit), or any axis in it where there is none; false: none. */
 static bool triangle_axis(const sn_build *build, const sn_index *v, sn_vec3 edge, sn_vec3 normal, sn_vec3 *axis) {
@@ -127,8 +128,8 @@ static void set_goals(const sn_model_muscle *m, sn_muscle_state *s, sn_row_kind 
     double a0 = m->source->contraction * m->source->rest_activation, *goal = goals_of(s);
     for (size_t r = 0; r < n; r++) {
         const membrane_row *row = &rows_of(m)->rows[r];
-        double c = (1.0 - row->share * s->contraction) / (1.0 - row->share * a0);
-        double across = m->source->law == SN_LAW_ISOCHORIC ? sqrt(s->volume_goal / c) : 1.0;
+        double c = (1.0 - row->share * s->inputs->contraction) / (1.0 - row->share * a0);
+        double across = m->source->law == SN_LAW_ISOCHORIC ? sqrt(s->inputs->volume_goal / c) : 1.0;
         double determinant = row->edge[0][0] * row->edge[1][1] - row->edge[0][1] * row->edge[1][0];
         goal[r] = row->edge[1][1] / (c * determinant);
         goal[n + r] = -row->edge[0][1] / (across * determinant);

@@ -196,6 +196,16 @@ static sn_model *make_model(const sn_scene *scene) {
     return NULL;
 }
 
+/* Bytes of a group's state, each muscle's share by its points. */
+static void count_states(const sn_model *model) {
+    for (sn_index i = 0; i < model->muscle_count; i++) {
+        const sn_model_muscle *m = &model->muscles[i];
+        const sn_group *g = &model->groups[m->group];
+        double share = (double)m->point_count / g->point_count;
+        model->plan.muscles[m->source - model->scene->muscles].state_bytes = (size_t)(share * (double)sn_group_state_bytes(model, g));
+    }
+}
+
 sn_status sn_model_create(const sn_scene *scene, sn_model **out, sn_error *error) {
     *out = NULL;
     sn_status status = sn_scene_validate(scene, error);
@@ -204,6 +214,8 @@ sn_status sn_model_create(const sn_scene *scene, sn_model **out, sn_error *error
     if (model == NULL) return sn_fail_memory(error, "the model");
     for (sn_index i = 0; status == SN_OK && i < scene->muscle_count; i++)
         status = add_muscle(model, &scene->muscles[i], &model->plan.muscles[i], error);
+    if (status == SN_OK) status = sn_groups_build(model, error);
+    if (status == SN_OK) count_states(model);
     if (status != SN_OK)
         sn_model_destroy(model);
     else
@@ -222,6 +234,7 @@ static void free_muscle(sn_model_muscle *m) {
 
 void sn_model_destroy(sn_model *model) {
     if (model == NULL) return;
+    sn_groups_free(model);
     for (sn_index i = 0; i < model->muscle_count; i++) free_muscle(&model->muscles[i]);
     free(model->muscles);
     free(model->plan.muscles);

@@ -48,20 +48,7 @@ void sn_plan_decide(const sn_build *build) {
     build->plan->fibers = source->rig.fibers.directions != NULL;
 }
 
-/* Bytes of the arrays of a state, by the list that allocates them. */
-static size_t state_bytes(const sn_model_muscle *m) {
-    size_t bytes = sizeof(sn_muscle_state);
-#define ADD(type, name, count, kept) bytes += (size_t)(count) * sizeof(type);
-    SN_STATE_ARRAYS(ADD)
-#undef ADD
-    for (int kind = 0; kind < SN_ROW_KINDS; kind++) {
-        const sn_row_ops *ops = sn_row_ops_of((sn_row_kind)kind);
-        if (ops->own != NULL) bytes += ops->own(m, (sn_row_kind)kind) * sizeof(double);
-    }
-    return bytes;
-}
-
-/* And of a model, without the curves. */
+/* Bytes of the arrays of a model, by the list that allocates them, without the curves. */
 static size_t model_bytes(const sn_model_muscle *m) {
     size_t bytes = sizeof(*m);
 #define ADD(type, name, count, nullable, fitted) bytes += nullable && m->name == NULL ? 0 : (size_t)(count) * sizeof(type);
@@ -95,5 +82,4 @@ void sn_plan_count(const sn_build *build) {
         if (ops->info.spring && group->rows > 0) measure_rigidity(build, (sn_row_kind)kind);
     }
     build->plan->model_bytes = model_bytes(m);
-    build->plan->state_bytes = state_bytes(m);
 }

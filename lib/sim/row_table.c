@@ -24,7 +24,7 @@ bool sn_has_stiffness(const sn_scene_muscle *source, double factor) {
 
 double sn_row_stiffness(const sn_model_muscle *m, const sn_muscle_state *s, sn_row_kind kind) {
     const sn_row_ops *ops = sn_row_ops_of(kind);
-    double k = ops->factor != NULL ? s->stiffness * ops->factor(m->source) : s->stiffness;
+    double k = ops->factor != NULL ? s->inputs->stiffness * ops->factor(m->source) : s->inputs->stiffness;
     return ops->per_volume ? k / fabs(m->rest_volume) : k;
 }
 
@@ -35,13 +35,13 @@ double sn_rows_energy(const sn_model_muscle *m, const sn_muscle_state *s, sn_row
 }
 
 void sn_rows_goals(const sn_model_muscle *m, sn_muscle_state *s) {
-    if (s->goal_contraction == s->contraction && s->goal_ratio == s->volume_goal) return;
+    if (s->inputs->goal_contraction == s->inputs->contraction && s->inputs->goal_ratio == s->inputs->volume_goal) return;
     for (int kind = 0; kind < SN_ROW_KINDS; kind++) {
         const sn_row_ops *ops = sn_row_ops_of((sn_row_kind)kind);
         if (ops->goals != NULL) ops->goals(m, s, (sn_row_kind)kind);
     }
-    s->goal_contraction = s->contraction;
-    s->goal_ratio = s->volume_goal;
+    s->inputs->goal_contraction = s->inputs->contraction;
+    s->inputs->goal_ratio = s->inputs->volume_goal;
 }
 
 bool sn_rows_at(const sn_model_muscle *m, const sn_vec3 *positions, sn_rest_visit visit, void *user) {

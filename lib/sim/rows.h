@@ -4,7 +4,7 @@
 #ifndef SN_SIM_ROWS_H
 #define SN_SIM_ROWS_H
 
-#include "sinew/sim.h"
+#include "state.h"
 
 /* What the builders of one muscle's rows share. */
 typedef struct sn_build {
@@ -63,45 +63,13 @@ typedef struct sn_forces {
     int stride;
 } sn_forces;
 
-/* Energy of one kind of rows at the state's points, J; its gradient goes to the scratch of back end `qn`. */
-double sn_rows_evaluate(const sn_model_muscle *m, sn_muscle_state *s, sn_row_kind kind);
-
-/* ---- the back ends: which of them steps is decided by sn_backend_of (step.c) and nowhere else ---- */
-
-/* One step of one muscle (a substep, or a part of one), or some of its iterations: those from `begin` to before `end`. The inputs and the
- * poses of the bones in the state are those of its end. */
-typedef struct sn_substep {
-    double h;        /* s */
-    sn_vec3 gravity; /* m/s^2 */
-    const sn_scheme_rules *rules;
-    sn_index begin, end; /* iterations; the step starts with 0 and ends with m->iterations */
-    bool may_halve;      /* it may be given up for two of half the length */
-    bool halved;         /* it is one of those */
-    bool measure;        /* leave the residual at the end in the statistics */
-    sn_point *start;     /* (points) nullable; xpbd: where they are when the iterations begin */
-} sn_substep;
-
-typedef enum sn_verdict {
-    SN_STEP_HOLDS,
-    SN_STEP_REFUSED, /* too long, before any iteration: the state is as it was before the step */
-    SN_STEP_GIVEN_UP /* too long, after all of them: the same */
-} sn_verdict;
-
-typedef struct sn_backend {
-    const char *name;
-    sn_verdict (*substep)(const sn_model_muscle *m, sn_muscle_state *s, const sn_substep *substep);
-    sn_status (*create)(const sn_model_muscle *m, sn_muscle_state *s, sn_error *error); /* nullable: scratch of its own */
-    void (*destroy)(sn_muscle_state *s);                                                /* nullable; also after a create that failed */
-} sn_backend;
-
-extern const sn_backend sn_backend_xpbd; /* xpbd.c */
-extern const sn_backend sn_backend_qn;   /* qn.c */
-const sn_backend *sn_backend_of(const sn_scene *scene);
+/* Energy of one kind of rows of a muscle at the state's points, J; its gradient goes to the scratch of back end `qn`. */
+double sn_rows_evaluate(const sn_model *model, const sn_state *state, sn_index muscle, sn_row_kind kind);
 
 /* ---- plan.c ---- */
 /* Which groups run: reasons only, before a row exists. */
 void sn_plan_decide(const sn_build *build);
-/* After the rows are built: groups left empty, bytes. */
+/* After the rows are built: groups left empty, bytes of the model. */
 void sn_plan_count(const sn_build *build);
 
 /* ---- batch.c ---- */
@@ -162,7 +130,7 @@ typedef bool (*sn_rest_visit)(void *user, const sn_rest_row *row);
 
 /* All that is known of a kind of rows. Plan, scheme, back ends, statistics, pictures and benches ask this table, and nobody else asks which
  * kind it is. What is NULL the kind does not have. Several kinds may share functions, and so they are told theirs. Rows that only it reads,
- * and numbers of a run that are made anew from the inputs, it keeps in m->own[kind] and s->own[kind]. */
+ * and numbers of a run that are made anew from the inputs, it keeps in m->own[kind] and in the inputs' own[kind]. */
 typedef struct sn_row_ops {
     sn_row_info info;
     bool rigid;      /* its rows hold no energy that counts as elastic: a limit */
@@ -181,7 +149,7 @@ typedef struct sn_row_ops {
     sn_index (*count)(const sn_model_muscle *m, sn_row_kind kind);
     const sn_index *(*points)(const sn_model_muscle *m, sn_row_kind kind, sn_index row); /* (info.points) */
     size_t (*bytes)(const sn_model_muscle *m);                                           /* of one row in model and state */
-    size_t (*own)(const sn_model_muscle *m, sn_row_kind kind);                           /* numbers in s->own */
+    size_t (*own)(const sn_model_muscle *m, sn_row_kind kind);                           /* numbers in the inputs' own */
     /* Goals for the contraction and the volume goal in the state, where those have changed. */
     void (*goals)(const sn_model_muscle *m, sn_muscle_state *s, sn_row_kind kind);
     /* Back end `xpbd`: one Gauss-Seidel sweep, in double and in single precision. */

@@ -7,6 +7,7 @@
 #define SN_WIDE_SINGLE
 #include "dihedral_kernel.h"
 #include "distance_kernel.h"
+#include "xpbd.h"
 
 #include <stdlib.h>
 
@@ -31,19 +32,21 @@ static double mean_mass(const sn_model_muscle *m) { return m->mass / m->point_co
 float sn_single_weight(const sn_model_muscle *m, sn_index point) { return (float)(m->inverse_mass[point] * mean_mass(m)); }
 
 void sn_single_enter(const sn_model_muscle *m, sn_muscle_state *s) {
-    sn_vec3 origin = *s->origin = middle(m, s);
+    sn_xpbd *memory = sn_xpbd_of(s);
+    sn_vec3 origin = *memory->origin = middle(m, s);
     double mass = mean_mass(m);
     for (sn_index i = 0; i < m->point_count; i++) {
         const sn_point *p = &s->points[i];
         sn_vec3 at = sn_sub(sn_point_position(p), origin);
-        s->single_points[i] = (sn_single_point){(float)at.x, (float)at.y, (float)at.z, (float)(p->w * mass)};
+        memory->single_points[i] = (sn_single_point){(float)at.x, (float)at.y, (float)at.z, (float)(p->w * mass)};
     }
 }
 
 void sn_single_leave(const sn_model_muscle *m, sn_muscle_state *s) {
-    sn_vec3 origin = *s->origin;
+    const sn_xpbd *memory = sn_xpbd_of(s);
+    sn_vec3 origin = *memory->origin;
     for (sn_index i = 0; i < m->point_count; i++) {
-        const sn_single_point *p = &s->single_points[i];
+        const sn_single_point *p = &memory->single_points[i];
         if (p->w == 0.0F) continue; /* exactly where its bone has it */
         s->points[i].x = origin.x + (double)p->x, s->points[i].y = origin.y + (double)p->y, s->points[i].z = origin.z + (double)p->z;
     }
@@ -151,7 +154,8 @@ static const double VOLUME_TOLERANCE = 1e-3;
 
 /* One Newton step; false: nothing more to do, or nothing that can be done. */
 static bool project_volume(const sn_model_muscle *m, sn_muscle_state *s, const sn_sweep *sweep) {
-    sn_single_point *points = s->single_points, *gradient = s->single_gradient;
+    sn_xpbd *memory = sn_xpbd_of(s);
+    sn_single_point *points = memory->single_points, *gradient = memory->single_gradient;
     const volume_rows in = {points, m->triangles->v, gradient};
     memset(gradient, 0, (size_t)m->vertex_count * sizeof *gradient);
     double volume = volume_of(&in, m->triangle_count), sum[4] = {0};
@@ -160,10 +164,10 @@ static bool project_volume(const sn_model_muscle *m, sn_muscle_state *s, const s
         sum[i % 4] += (double)(points[i].w * (g->x * g->x + g->y * g->y + g->z * g->z));
     }
     double square = ((sum[0] + sum[1]) + (sum[2] + sum[3])) / 36.0;
-    double residual = s->volume_goal * m->rest_volume - volume - sweep->compliance * s->volume_lambda;
+    double residual = s->inputs->volume_goal * m->rest_volume - volume - sweep->compliance * memory->volume_lambda;
     double change = sweep->gain * residual / (square + sweep->compliance);
     if (!isfinite(change)) return false; /* a point is not finite: leave the others alone */
-    s->volume_lambda += change;
+    memory->volume_lambda += change;
     float step = (float)(change / 6.0);
     for (sn_index i = 0; i < m->vertex_count; i++) {
         float scale = points[i].w * step;
@@ -184,15 +188,17 @@ static sn_sweep in_floats(const sn_model_muscle *m, const sn_sweep *in_double) {
 void sn_single_distance_sweep(const sn_model_muscle *m, sn_muscle_state *s, sn_row_kind kind, const sn_sweep *in_double) {
     const sn_sweep sweep = in_floats(m, in_double);
     sn_index begin = m->distance_start[kind], end = m->distance_start[kind + 1];
-    const distance_rows in = {s->single_points,   m->distances->point,          s->goals, m->distance_softness, m->distance_gain,
-                              s->distance_lambda, m->distance_pairs + begin / 4};
+    const distance_rows in = {sn_xpbd_of(s)->single_points, m->distances->point, s->inputs->goals,
+                              m->distance_softness,         m->distance_gain,    sn_xpbd_of(s)->distance_lambda,
+                              m->distance_pairs + begin / 4};
     s->statistics.skipped_edges += sweep_distances(&in, begin, begin + m->distance_batched[kind], end, &sweep);
 }
 
 void sn_single_hinge_sweep(const sn_model_muscle *m, sn_muscle_state *s, sn_row_kind kind, const sn_sweep *in_double) {
     (void)kind;
     const sn_sweep sweep = in_floats(m, in_double);
-    const hinge_rows in = {s->single_points, m->hinges->point, m->hinge_angles, m->hinge_softness, s->hinge_lambda, m->hinge_pairs};
+    const hinge_rows in = {sn_xpbd_of(s)->single_points, m->hinges->point, m->hinge_angles, m->hinge_softness,
+                           sn_xpbd_of(s)->hinge_lambda,  m->hinge_pairs};
     hinge_tally done = sweep_hinges(&in, m->hinge_batched, m->hinge_count, &sweep);
     s->statistics.skipped_hinges += done.skipped;
     s->statistics.clamped_hinges += done.clamped;
@@ -200,7 +206,7 @@ void sn_single_hinge_sweep(const sn_model_muscle *m, sn_muscle_state *s, sn_row_
 
 void sn_single_area_sweep(const sn_model_muscle *m, sn_muscle_state *s, sn_row_kind kind, const sn_sweep *in_double) {
     (void)kind, (void)in_double;
-    const area_rows in = {s->single_points, m->areas->point, m->area_scales, m->source->least_area, m->area_pairs};
+    const area_rows in = {sn_xpbd_of(s)->single_points, m->areas->point, m->area_scales, m->source->least_area, m->area_pairs};
     area_tally done = sweep_areas(&in, m->area_batched, m->area_count);
     s->statistics.held_triangles += done.held;
     s->statistics.skipped_triangles += done.skipped;
@@ -209,6 +215,6 @@ void sn_single_area_sweep(const sn_model_muscle *m, sn_muscle_state *s, sn_row_k
 void sn_single_volume_sweep(const sn_model_muscle *m, sn_muscle_state *s, sn_row_kind kind, const sn_sweep *in_double) {
     (void)kind;
     const sn_sweep sweep = in_floats(m, in_double);
-    if (sweep.first) s->volume_lambda = 0.0;
+    if (sweep.first) sn_xpbd_of(s)->volume_lambda = 0.0;
     for (int i = 0; i < sweep.projections && project_volume(m, s, &sweep); i++) continue;
 }

@@ -4,10 +4,10 @@
 #include "rows.h"
 
 static void measure_volume(const sn_model_muscle *m, const sn_muscle_state *s, sn_statistics *out) {
-    double ratio = sn_volume_ratio(m, s), error = ratio - s->volume_goal;
+    double ratio = sn_volume_ratio(m, s), error = ratio - s->inputs->volume_goal;
     out->volume_ratio = ratio;
-    out->volume_goal = s->volume_goal;
-    out->volume_error = out->volume_ratio / s->volume_goal - 1.0;
+    out->volume_goal = s->inputs->volume_goal;
+    out->volume_error = out->volume_ratio / s->inputs->volume_goal - 1.0;
     out->residuals[SN_ROWS_VOLUME] = m->keeps_volume ? (sn_residual){fabs(error), fabs(error), 0} : (sn_residual){.worst = SN_NONE};
 }
 
@@ -49,7 +49,7 @@ double sn_residual_measure(const sn_model_muscle *m, sn_muscle_state *s, sn_vec3
     s->statistics.elastic_energy = elastic_energy(m, s, (sn_forces){&inertia->x, 3});
     for (sn_index i = 0; i < m->point_count; i++)
         if (m->inverse_mass[i] > 0.0) sum += sn_norm2(inertia[i]);
-    return s->stiffness > 0.0 ? sqrt(sum) / (s->stiffness * m->diagonal) : NAN;
+    return s->inputs->stiffness > 0.0 ? sqrt(sum) / (s->inputs->stiffness * m->diagonal) : NAN;
 }
 
 /* The errors of all rows but those of all points, which have been measured, and what the surface's say: its longest edge, and whether it is
@@ -78,9 +78,9 @@ unsigned sn_explosions(const sn_statistics *s) {
 
 void sn_statistics_measure(const sn_model_muscle *m, sn_muscle_state *s) {
     sn_statistics *out = &s->statistics;
-    out->activation = s->activation;
-    out->contraction = s->contraction;
-    out->stiffness = s->stiffness;
+    out->activation = s->inputs->activation;
+    out->contraction = s->inputs->contraction;
+    out->stiffness = s->inputs->stiffness;
     measure_points(m, s, out);
     measure_triangles(m, s, out);
     measure_volume(m, s, out);

@@ -1,12 +1,11 @@
 /*
- * step.c -- one frame, substep by substep, muscle by muscle; the back end does the rest.   [R18] alg. 1, methods.md 8.7
+ * step.c -- a frame as a table of stages over groups; the back end has three of them.   [R18] alg. 1, methods.md 8.7
  *
- * Muscles run side by side, each through all substeps of the frame in one thread; where somebody watches, all of them through one
- * iteration after the other. Both give the same bits, and so does a run that stops anywhere and goes on.
+ * Groups run side by side, each through all substeps of the frame in one thread; where somebody watches, all of them through one
+ * iteration after the other. Both give the same bits, and so does a run that stops anywhere and goes on: stepping, watching, stopping and
+ * sleeping go through the same stages.
  */
-#include "rows.h"
-
-#include <stdlib.h>
+#include "backend.h"
 
 const sn_backend *sn_backend_of(const sn_scene *scene) {
     switch (scene->solver.method) {
@@ -25,158 +24,264 @@ typedef struct moment {
 
 static bool before(moment a, moment b) { return a.substep < b.substep || (a.substep == b.substep && a.iteration < b.iteration); }
 
-/* What the substeps of one frame (or of the pre-roll) share; the muscles only read it. */
+/* What the substeps of one frame (or of the pre-roll) share; the groups only read it. */
 typedef struct run {
     const sn_model *model;
     sn_state *state;
     const sn_backend *backend;
-    double begin;    /* frame number, as a time in frames, at which the first substep starts */
-    bool frozen;     /* time stands still: inputs and poses stay those of `begin` */
-    moment from, to; /* what to do now */
-    bool measure;    /* statistics at the end */
-    sn_point *start; /* (points of all muscles, one after the other) where they are before an iteration; NULL = nobody asks */
+    double begin;     /* frame number, as a time in frames, at which the first substep starts */
+    bool frozen;      /* time stands still: inputs and poses stay those of `begin` */
+    double seconds;   /* frozen: how long */
+    moment from, to;  /* what to do now */
+    bool measure;     /* statistics at the end */
+    sn_point *before; /* (points of all groups, one after the other) where they are before an iteration; NULL = nobody asks */
 } run;
 
-/* When so many parts of a substep are done. */
-static double time_of(const run *r, sn_index substep, sn_index parts) {
-    const sn_scene *scene = r->model->scene;
-    if (r->frozen) return r->begin / scene->rate;
-    return (r->begin + (substep + parts / (double)SN_SUBSTEP_PARTS) / (double)sn_solver_substeps(&scene->solver)) / scene->rate;
+/* ---- the times of a group ----------------------------------------------------------------------------------------------------- */
+
+/* A frame's, or those that the time frozen takes, rounded up. */
+static double substeps_in(const run *r, const sn_group *g) {
+    return r->frozen ? ceil(r->seconds / g->substep_duration - 1e-9) : (double)g->substeps;
 }
 
-static double substep_time(const run *r, sn_index substep) { return time_of(r, substep, SN_SUBSTEP_PARTS); }
+/* Of the group that has the most. */
+static double most_substeps(const run *r) {
+    double most = 0.0;
+    for (sn_index i = 0; i < r->model->group_count; i++) most = fmax(most, substeps_in(r, &r->model->groups[i]));
+    return most;
+}
 
-/* Of all joints, at the end of a substep. */
-static sn_rigid *substep_poses(const run *r, sn_index substep) {
+/* When so many parts of a substep are done. */
+static double time_of(const run *r, const sn_group *g, sn_index substep, sn_index parts) {
+    const sn_scene *scene = r->model->scene;
+    if (r->frozen) return r->begin / scene->rate;
+    return (r->begin + (substep + parts / (double)SN_SUBSTEP_PARTS) / (double)g->substeps) / scene->rate;
+}
+
+/* Of all joints, at the end of a substep of the scene's. */
+static sn_rigid *shared_poses(const run *r, sn_index substep) {
     size_t slot = r->frozen ? 0 : (size_t)substep;
     return r->state->poses + slot * (size_t)r->model->scene->motion.joint_count;
 }
 
-/* What a muscle is told of the moment in a substep when so many of its parts are done: only there do muscles that halve their steps need
- * poses of their own. */
-static void take_poses(const run *r, const sn_model_muscle *m, sn_muscle_state *s, sn_index substep, sn_index parts) {
-    if (parts == SN_SUBSTEP_PARTS || r->frozen)
-        sn_kinematics_aim(m, s, substep_poses(r, substep));
-    else
-        sn_kinematics_aim_at(m, s, &r->model->scene->motion, time_of(r, substep, parts));
+/* The poses of a group's bones when so many parts of a substep are done: where all groups ask for them they are at hand; a group that
+ * halves its steps, or has its own number of them, asks for its own. */
+static void take_poses(const run *r, const sn_group *g, sn_group_state *s, sn_index substep, sn_index parts) {
+    const sn_scene *scene = r->model->scene;
+    bool shared = r->frozen || (parts == SN_SUBSTEP_PARTS && g->substeps == sn_solver_substeps(&scene->solver));
+    for (sn_index i = 0; i < g->count; i++) {
+        if (shared)
+            sn_kinematics_aim(g->members[i], s->members[i], shared_poses(r, substep));
+        else
+            sn_kinematics_aim_at(g->members[i], s->members[i], &scene->motion, time_of(r, g, substep, parts));
+    }
 }
 
-/* Does the work of this run end in or with this substep? */
-static bool is_last(const run *r, sn_index substep) {
-    return substep == r->to.substep || (r->to.iteration == 0 && substep + 1 == r->to.substep);
-}
+/* ---- rest ----------------------------------------------------------------------------------------------------------------------- */
 
 /* A muscle is at rest when no point of it would get farther than this share of its diagonal in a frame. What is left of its way is at most
  * some hundred times as much: the slowest modes lose a hundredth of their speed in a frame. */
 static const double REST = 1e-13;
 
-/* Count the substeps in a row that moved nothing. */
-static void watch_rest(const run *r, const sn_model_muscle *m, sn_muscle_state *s) {
+static bool is_still(const run *r, const sn_model_muscle *m, const sn_muscle_state *s) {
     double most = REST * m->diagonal / r->model->frame_duration;
-    bool still = true;
-    for (sn_index i = 0; still && i < m->point_count; i++) still = sn_norm2(s->velocities[i]) <= most * most;
-    s->still = still ? s->still + (s->still < SN_INDEX_MAX) : 0;
-    if (still) s->pair_count = s->pair_next = 0; /* whether it sleeps or not: what moves it next finds it the same */
+    for (sn_index i = 0; i < m->point_count; i++)
+        if (!(sn_norm2(s->velocities[i]) <= most * most)) return false;
+    return true;
 }
 
-/* If it does not move in the step at hand, either, may it sleep from there on? Then this step is the last that can be measured. */
-static bool may_fall_asleep(const run *r, const sn_muscle_state *s) {
-    const sn_solver_settings *solver = &r->model->scene->solver;
-    return solver->sleep && s->still + 1 >= sn_solver_substeps(solver);
+/* Of a group that rests: does anything that it is told differ from what it was told last? */
+static bool is_woken(const sn_group *g, const sn_group_state *s, double time) {
+    for (sn_index i = 0; i < g->count; i++) {
+        const sn_model_muscle *m = g->members[i];
+        bool same = sn_channel_at(&m->source->activation, time) == s->members[i]->inputs->activation;
+        if (!same || sn_kinematics_moved(m, s->members[i])) return true;
+    }
+    return false;
 }
 
-/* After a frame at rest a muscle sleeps until an input changes. */
-static bool sleeps(const run *r, const sn_model_muscle *m, sn_muscle_state *s, sn_index substep) {
-    const sn_scene *scene = r->model->scene;
-    bool rested = scene->solver.sleep && s->still >= sn_solver_substeps(&scene->solver);
-    if (rested && sn_channel_at(&m->source->activation, substep_time(r, substep)) == s->activation && !sn_kinematics_moved(m, s))
-        return true;
+/* After a frame at rest a group sleeps until an input changes. */
+static bool sleeps(const run *r, const sn_group *g, sn_group_state *s, sn_index substep) {
+    bool rested = r->model->scene->solver.sleep && s->still >= g->substeps;
+    if (rested && !is_woken(g, s, time_of(r, g, substep, SN_SUBSTEP_PARTS))) return true;
     if (rested) s->still = 0;
     return false;
 }
 
-/* A muscle's part of r->start. */
-static sn_point *start_of(const run *r, sn_index muscle) {
-    sn_point *start = r->start;
-    for (sn_index i = 0; start != NULL && i < muscle; i++) start += r->model->muscles[i].point_count;
-    return start;
+/* ---- a step as stages ------------------------------------------------------------------------------------------------------------- */
+
+/* The step at hand of one group, or so many of its iterations. */
+typedef struct step {
+    const run *r;
+    const sn_group *g;
+    sn_group_state *s;
+    sn_index substep, parts; /* it ends when so many parts of that substep are done */
+    sn_substep part;
+} step;
+
+/* Stages: what a step does, in this order. One that has nothing to do in the iterations at hand does nothing. Where a verdict is that the
+ * step does not hold, the others are left out. */
+static sn_verdict stage_poses(const step *at) {
+    take_poses(at->r, at->g, at->s, at->substep, at->parts);
+    return SN_STEP_HOLDS;
 }
 
-/* The step at hand, or so many iterations of it that the muscle has spent `until` of them in the substep. */
-static void do_step(const run *r, sn_index muscle, sn_index substep, sn_index until) {
-    const sn_model_muscle *m = &r->model->muscles[muscle];
-    sn_muscle_state *s = &r->state->muscles[muscle];
+static sn_verdict stage_inputs(const step *at) {
+    double time = time_of(at->r, at->g, at->substep, at->parts);
+    for (sn_index i = 0; i < at->g->count; i++) sn_inputs_update(at->g->members[i], at->s->members[i], time);
+    return SN_STEP_HOLDS;
+}
+
+static sn_verdict stage_start(const step *at) {
+    const sn_backend *backend = at->r->backend;
+    if (at->part.begin == 0) return backend->start(at->g, at->s, &at->part);
+    if (backend->resume != NULL) backend->resume(at->g, at->s, &at->part);
+    return SN_STEP_HOLDS;
+}
+
+static sn_verdict stage_iterate(const step *at) {
+    at->r->backend->iterate(at->g, at->s, &at->part);
+    return SN_STEP_HOLDS;
+}
+
+static bool ends(const step *at) { return at->part.end == at->g->iterations; }
+
+static sn_verdict stage_finish(const step *at) { return ends(at) ? at->r->backend->finish(at->g, at->s, &at->part) : SN_STEP_HOLDS; }
+
+/* Count the substeps in a row that moved nothing. */
+static sn_verdict stage_rest(const step *at) {
+    sn_group_state *s = at->s;
+    bool still = true;
+    if (!ends(at)) return SN_STEP_HOLDS;
+    for (sn_index i = 0; still && i < at->g->count; i++) still = is_still(at->r, at->g->members[i], s->members[i]);
+    s->still = still ? s->still + (s->still < SN_INDEX_MAX) : 0;
+    if (still && at->r->backend->rest != NULL) at->r->backend->rest(s); /* whether it sleeps or not: what moves it next finds it the same */
+    return SN_STEP_HOLDS;
+}
+
+typedef struct stage {
+    const char *name;
+    sn_verdict (*run)(const step *at);
+} stage;
+
+static const stage STAGES[] = {{"poses", stage_poses},     {"inputs", stage_inputs}, {"start", stage_start},
+                               {"iterate", stage_iterate}, {"finish", stage_finish}, {"rest", stage_rest}};
+
+/* ---- a substep of a group: one step, or the halves of it ---------------------------------------------------------------------------- */
+
+/* Does the work of this run end in or with this substep? */
+static bool is_last(const run *r, const sn_group *g, sn_index substep) {
+    return substep == r->to.substep || (r->to.iteration == 0 && substep + 1 == r->to.substep) || substep + 1 >= substeps_in(r, g);
+}
+
+/* If it does not move in the step at hand, either, may it sleep from there on? Then this step is the last that can be measured. */
+static bool may_fall_asleep(const run *r, const sn_group *g, const sn_group_state *s) {
+    return r->model->scene->solver.sleep && s->still + 1 >= g->substeps;
+}
+
+/* A group's part of r->before. */
+static sn_point *before_of(const run *r, const sn_group *group) {
+    sn_point *points = r->before;
+    for (const sn_group *g = r->model->groups; points != NULL && g < group; g++) points += g->point_count;
+    return points;
+}
+
+/* The step at hand, or so many iterations of it that the group has spent `until` of them in the substep. */
+static step step_of(const run *r, const sn_group *g, sn_group_state *s, sn_index substep, sn_index until) {
+    const sn_progress *at = &s->progress;
+    sn_index wanted = until - at->spent, left = g->iterations - at->iteration, end = at->iteration + (wanted < left ? wanted : left);
+    bool last = is_last(r, g, substep) || may_fall_asleep(r, g, s);
+    return (step){.r = r,
+                  .g = g,
+                  .s = s,
+                  .substep = substep,
+                  .parts = at->parts + at->size,
+                  .part = {.h = g->substep_duration * (at->size / (double)SN_SUBSTEP_PARTS),
+                           .gravity = r->model->scene->gravity,
+                           .rules = sn_scheme_rules_of(&r->model->scene->solver),
+                           .begin = at->iteration,
+                           .end = end,
+                           .may_halve = g->halves && at->size > 1,
+                           .halved = at->size < SN_SUBSTEP_PARTS,
+                           .measure = r->measure && end == g->iterations && last,
+                           .before = before_of(r, g)}};
+}
+
+static sn_verdict run_stages(const step *at) {
+    sn_verdict verdict = SN_STEP_HOLDS;
+    for (size_t i = 0; i < sizeof STAGES / sizeof *STAGES && verdict == SN_STEP_HOLDS; i++) verdict = STAGES[i].run(at);
+    return verdict;
+}
+
+static void do_step(const run *r, const sn_group *g, sn_group_state *s, sn_index substep, sn_index until) {
+    const step now = step_of(r, g, s, substep, until);
     sn_progress *at = &s->progress;
-    sn_index parts = at->parts + at->size, wanted = until - at->spent, left = m->iterations - at->iteration;
-    sn_index done = wanted < left ? wanted : left, end = at->iteration + done;
-    const sn_substep part = {.h = r->model->substep_duration * (at->size / (double)SN_SUBSTEP_PARTS),
-                             .gravity = r->model->scene->gravity,
-                             .rules = sn_scheme_rules_of(&r->model->scene->solver),
-                             .begin = at->iteration,
-                             .end = end,
-                             .may_halve = r->model->halves && at->size > 1,
-                             .halved = at->size < SN_SUBSTEP_PARTS,
-                             .measure = r->measure && end == m->iterations && (is_last(r, substep) || may_fall_asleep(r, s)),
-                             .start = start_of(r, muscle)};
-    take_poses(r, m, s, substep, parts);
-    sn_inputs_update(m, s, time_of(r, substep, parts));
-    sn_verdict verdict = r->backend->substep(m, s, &part);
-    if (verdict != SN_STEP_REFUSED) at->spent += done;
+    sn_verdict verdict = run_stages(&now);
+    if (verdict != SN_STEP_REFUSED) at->spent += now.part.end - now.part.begin;
     if (verdict != SN_STEP_HOLDS) {
         at->size /= 2, at->iteration = 0;
-        s->statistics.halvings++;
+        for (sn_index i = 0; i < g->count; i++) s->members[i]->statistics.halvings++;
         return;
     }
-    at->iteration = end;
-    if (end < m->iterations) return;
-    at->parts = parts, at->iteration = 0;
-    s->statistics.steps++;
-    watch_rest(r, m, s);
+    at->iteration = now.part.end;
+    if (!ends(&now)) return;
+    at->parts = now.parts, at->iteration = 0;
+    for (sn_index i = 0; i < g->count; i++) s->members[i]->statistics.steps++;
 }
 
-/* One substep, from its start or from where the muscle is in it, until it has spent so many iterations or is through. false: it sleeps. */
-static bool do_substep(const run *r, sn_index muscle, sn_index substep, bool fresh, sn_index until) {
-    const sn_model_muscle *m = &r->model->muscles[muscle];
-    sn_muscle_state *s = &r->state->muscles[muscle];
+/* One substep, from its start or from where the group is in it, until it has spent so many iterations or is through. false: it sleeps. */
+static bool do_substep(const run *r, sn_index group, sn_index substep, bool fresh, sn_index until) {
+    const sn_group *g = &r->model->groups[group];
+    sn_group_state *s = &r->state->groups[group];
     sn_progress *at = &s->progress;
     if (fresh) {
         *at = (sn_progress){.size = SN_SUBSTEP_PARTS};
-        take_poses(r, m, s, substep, SN_SUBSTEP_PARTS);
-        if (sleeps(r, m, s, substep)) at->size = 0;
+        take_poses(r, g, s, substep, SN_SUBSTEP_PARTS);
+        if (sleeps(r, g, s, substep)) at->size = 0;
     }
-    s->statistics.asleep = at->size == 0;
+    for (sn_index i = 0; i < g->count; i++) s->members[i]->statistics.asleep = at->size == 0;
     if (at->size == 0) { /* it counts the iterations that it would have made */
-        at->spent = until < m->iterations ? until : m->iterations;
-        at->parts = at->spent == m->iterations ? SN_SUBSTEP_PARTS : 0;
+        at->spent = until < g->iterations ? until : g->iterations;
+        at->parts = at->spent == g->iterations ? SN_SUBSTEP_PARTS : 0;
     }
-    while (at->parts < SN_SUBSTEP_PARTS && at->spent < until && at->size > 0) do_step(r, muscle, substep, until);
+    while (at->parts < SN_SUBSTEP_PARTS && at->spent < until && at->size > 0) do_step(r, g, s, substep, until);
     return at->size > 0;
 }
 
+/* ---- a frame of a group --------------------------------------------------------------------------------------------------------- */
+
 /* false: it has slept all the time, and what its statistics say still holds. */
-static bool do_muscle(const run *r, sn_index muscle) {
+static bool do_group(const run *r, sn_index group) {
+    double substeps = substeps_in(r, &r->model->groups[group]);
     bool awake = false;
-    for (sn_index substep = r->from.substep; substep <= r->to.substep; substep++) {
+    for (sn_index substep = r->from.substep; substep <= r->to.substep && substep < substeps; substep++) {
         bool fresh = substep > r->from.substep || r->from.iteration == 0;
         sn_index until = substep == r->to.substep ? r->to.iteration : SN_INDEX_MAX;
-        if (until > 0) awake = do_substep(r, muscle, substep, fresh, until) || awake;
+        if (until > 0) awake = do_substep(r, group, substep, fresh, until) || awake;
     }
     return awake;
 }
 
-static void do_muscles(void *user, sn_index begin, sn_index end, sn_index chunk) {
+static void do_groups(void *user, sn_index begin, sn_index end, sn_index chunk) {
     const run *r = user;
     (void)chunk;
-    for (sn_index muscle = begin; muscle < end; muscle++)
-        if (do_muscle(r, muscle) && r->measure) sn_statistics_measure(&r->model->muscles[muscle], &r->state->muscles[muscle]);
+    for (sn_index group = begin; group < end; group++) {
+        const sn_group *g = &r->model->groups[group];
+        if (!do_group(r, group) || !r->measure) continue;
+        for (sn_index i = 0; i < g->count; i++) sn_statistics_measure(g->members[i], r->state->groups[group].members[i]);
+    }
 }
 
 /* ---- frames --------------------------------------------------------------------------------------------------------------- */
 
+/* At the ends of the scene's substeps. */
 static void prepare_poses(const run *r) {
     const sn_scene *scene = r->model->scene;
     sn_index slots = r->frozen ? 1 : sn_solver_substeps(&scene->solver);
-    for (sn_index i = 0; i < slots; i++) sn_motion_poses(&scene->motion, substep_time(r, i), (sn_rigid *)substep_poses(r, i));
+    for (sn_index i = 0; i < slots; i++) {
+        double time = (r->frozen ? r->begin : r->begin + (i + 1.0) / (double)slots) / scene->rate;
+        sn_motion_poses(&scene->motion, time, shared_poses(r, i));
+    }
 }
 
 static void clear_counters(sn_state *state, sn_index muscle_count) {
@@ -193,7 +298,8 @@ static void clear_counters(sn_state *state, sn_index muscle_count) {
 static double mean_move(const run *r, sn_index muscle) {
     const sn_model_muscle *m = &r->model->muscles[muscle];
     const sn_muscle_state *s = &r->state->muscles[muscle];
-    const sn_point *start = start_of(r, muscle);
+    const sn_group *g = &r->model->groups[m->group];
+    const sn_point *start = before_of(r, g) + g->first[m->member];
     double sum = 0.0;
     sn_index free_points = 0;
     if (m->quasi_newton) return NAN;
@@ -209,7 +315,7 @@ static double mean_move(const run *r, sn_index muscle) {
 static bool trace_iteration(const run *r, moment done, sn_trace *trace) {
     for (sn_index i = 0; i < r->model->muscle_count; i++) {
         const sn_statistics *st = &r->state->muscles[i].statistics;
-        if (r->state->muscles[i].progress.spent < done.iteration) continue; /* it was through before */
+        if (r->state->groups[r->model->muscles[i].group].progress.spent < done.iteration) continue; /* it was through before */
         if (SN_TRACE(trace, "iteration", sn_trace_number("frame", r->state->frame), sn_trace_number("substep", done.substep + 1),
                      sn_trace_number("iteration", done.iteration), sn_trace_text("muscle", r->model->muscles[i].source->name),
                      sn_trace_number("activation", st->activation), sn_trace_number("volume_error", st->volume_error),
@@ -226,10 +332,10 @@ static bool trace_iteration(const run *r, moment done, sn_trace *trace) {
     return false;
 }
 
-/* Are all muscles through with the substep? */
+/* Are all groups through with the substep? */
 static bool all_through(const run *r) {
-    for (sn_index i = 0; i < r->model->muscle_count; i++)
-        if (r->state->muscles[i].progress.parts < SN_SUBSTEP_PARTS) return false;
+    for (sn_index i = 0; i < r->model->group_count; i++)
+        if (r->state->groups[i].progress.parts < SN_SUBSTEP_PARTS) return false;
     return true;
 }
 
@@ -241,7 +347,7 @@ static sn_status watch(run *r, moment last, sn_pool *pool, sn_trace *trace) {
     r->measure = true;
     while (before(r->from, last)) {
         r->to = (moment){r->from.substep, r->from.iteration + 1};
-        sn_parallel_for(pool, r->model->muscle_count, 1, do_muscles, r);
+        sn_parallel_for(pool, r->model->group_count, 1, do_groups, r);
         moment done = r->to;
         r->from = reached(r, done);
         r->state->substep = r->from.substep;
@@ -253,12 +359,12 @@ static sn_status watch(run *r, moment last, sn_pool *pool, sn_trace *trace) {
 
 static sn_status do_watched(run *r, moment last, sn_pool *pool, sn_trace *trace, sn_error *error) {
     size_t points = 0;
-    for (sn_index i = 0; i < r->model->muscle_count; i++) points += (size_t)r->model->muscles[i].point_count;
-    r->start = SN_NEW(sn_point, points);
-    if (r->start == NULL) return sn_fail_memory(error, "the trace");
+    for (sn_index i = 0; i < r->model->group_count; i++) points += (size_t)r->model->groups[i].point_count;
+    r->before = SN_NEW(sn_point, points);
+    if (r->before == NULL) return sn_fail_memory(error, "the trace");
     sn_status status = watch(r, last, pool, trace);
-    free(r->start);
-    r->start = NULL;
+    free(r->before);
+    r->before = NULL;
     return status;
 }
 
@@ -273,47 +379,49 @@ static sn_status do_run(run *r, moment last, const sn_step_options *options, sn_
     if (trace != NULL && (trace->receive != NULL || trace->stop_after >= 0)) return do_watched(r, last, pool, trace, error);
     r->to = last;
     r->measure = true;
-    sn_parallel_for(pool, r->model->muscle_count, 1, do_muscles, r);
+    sn_parallel_for(pool, r->model->group_count, 1, do_groups, r);
     return SN_OK;
 }
 
-sn_status sn_settle(const sn_model *model, sn_state *state, const sn_step_options *options, sn_error *error) {
-    const sn_scene *scene = model->scene;
-    double substeps = ceil(scene->preroll / model->substep_duration - 1e-9);
+/* So many seconds with the inputs and poses of frame `begin`. */
+static sn_status freeze(const sn_model *model, sn_state *state, sn_index frame, double seconds, const sn_step_options *options,
+                        sn_error *error) {
+    run r = {.model = model, .state = state, .begin = frame, .frozen = true, .seconds = seconds};
+    double substeps = most_substeps(&r);
     if (!(substeps >= 1.0)) return SN_OK;
     if (substeps > SN_INDEX_MAX)
-        return sn_fail(error, SN_ERROR_USAGE, "a pre-roll of %g s is more than %d substeps; shorten it", scene->preroll, (int)SN_INDEX_MAX);
-    run r = {.model = model, .state = state, .begin = scene->first_frame, .frozen = true};
+        return sn_fail(error, SN_ERROR_USAGE, "a pre-roll of %g s is more than %d substeps; shorten it", seconds, (int)SN_INDEX_MAX);
     sn_status status = do_run(&r, (moment){(sn_index)substeps, 0}, options, error);
     if (status == SN_OK) state->substep = state->iteration = 0;
     return status;
 }
 
+sn_status sn_settle(const sn_model *model, sn_state *state, const sn_step_options *options, sn_error *error) {
+    return freeze(model, state, model->scene->first_frame, model->scene->preroll, options, error);
+}
+
 sn_status sn_hold(const sn_model *model, sn_state *state, const sn_step_options *options, sn_error *error) {
-    sn_index substeps = sn_solver_substeps(&model->scene->solver);
     if (state->substep != 0 || state->iteration != 0)
         return sn_fail(error, SN_ERROR_USAGE, "cannot hold a state in the middle of its frame");
-    run r = {.model = model, .state = state, .begin = state->frame, .frozen = true};
-    sn_status status = do_run(&r, (moment){substeps, 0}, options, error);
-    if (status == SN_OK) state->substep = state->iteration = 0;
-    return status;
+    return freeze(model, state, state->frame, model->frame_duration, options, error);
 }
 
 /* Where the options stop within a frame; the frame's end where they do not. */
-static moment stop_of(const sn_model *model, const sn_step_options *options) {
-    if (options == NULL || options->stop_substep == 0) return (moment){sn_solver_substeps(&model->scene->solver), 0};
+static moment stop_of(sn_index substeps, const sn_step_options *options) {
+    if (options == NULL || options->stop_substep == 0) return (moment){substeps, 0};
     if (options->stop_iteration == 0) return (moment){options->stop_substep, 0};
     return (moment){options->stop_substep - 1, options->stop_iteration};
 }
 
 sn_status sn_step(const sn_model *model, sn_state *state, const sn_step_options *options, sn_error *error) {
-    sn_index substeps = sn_solver_substeps(&model->scene->solver);
+    moment from = {state->substep, state->iteration};
+    bool fresh = from.substep == 0 && from.iteration == 0;
+    run r = {.model = model, .state = state, .begin = fresh ? state->frame : state->frame - 1, .from = from};
+    sn_index substeps = sn_most_substeps(model);
     if (options != NULL && (options->stop_substep < 0 || options->stop_substep > substeps || options->stop_iteration < 0))
         return sn_fail(error, SN_ERROR_USAGE, "cannot stop after substep %d: a frame has %d", (int)options->stop_substep, (int)substeps);
-    moment from = {state->substep, state->iteration}, stop = stop_of(model, options);
-    bool fresh = from.substep == 0 && from.iteration == 0;
+    moment stop = stop_of(substeps, options);
     if (before(stop, from)) return sn_fail(error, SN_ERROR_USAGE, "cannot stop there: the state is beyond it already");
-    run r = {.model = model, .state = state, .begin = fresh ? state->frame : state->frame - 1, .from = from};
     if (fresh) state->frame++;
     sn_status status = do_run(&r, stop, options, error);
     if (status != SN_OK) return status;

@@ -4,8 +4,8 @@
  * V = 1/6 sum p_i . (p_j x p_k),  dV/dp_i = 1/6 sum p_j x p_k over the triangles of i,  C = V - g(a)/g(a0) V0.
  * Positions are taken relative to their mean: far from the origin the sums cancel. On a closed surface V does not depend on that choice.
  */
-#include "rows.h"
 #include "wide.h"
+#include "xpbd.h"
 
 static sn_vec3 mean_point(sn_index count, const sn_point *points) {
     sn_vec3 sum = sn_v3(0, 0, 0);
@@ -54,18 +54,20 @@ static const double VOLUME_TOLERANCE = 1e-3;
 
 /* One Newton step; false: nothing more to do, or nothing that can be done. */
 static bool project(const sn_model_muscle *m, sn_muscle_state *s, const sn_sweep *sweep) {
+    sn_xpbd *memory = sn_xpbd_of(s);
+    sn_vec3 *gradient = memory->volume_gradient;
     double compliance = sweep->compliance;
-    double volume = sn_volume_constraint(m->vertex_count, s->points, m->triangle_count, m->triangles, s->volume_gradient);
+    double volume = sn_volume_constraint(m->vertex_count, s->points, m->triangle_count, m->triangles, gradient);
     double sum = 0.0;
-    for (sn_index i = 0; i < m->vertex_count; i++) sum += s->points[i].w * sn_norm2(s->volume_gradient[i]);
-    double residual = s->volume_goal * m->rest_volume - volume - compliance * s->volume_lambda;
+    for (sn_index i = 0; i < m->vertex_count; i++) sum += s->points[i].w * sn_norm2(gradient[i]);
+    double residual = s->inputs->volume_goal * m->rest_volume - volume - compliance * memory->volume_lambda;
     double change = sweep->gain * residual / (sum + compliance);
     if (!isfinite(change)) return false; /* a point is not finite: leave the others alone */
-    s->volume_lambda += change;
+    memory->volume_lambda += change;
     for (sn_index i = 0; i < m->vertex_count; i++) {
         sn_point *p = &s->points[i];
         double scale = p->w * change;
-        p->x += scale * s->volume_gradient[i].x, p->y += scale * s->volume_gradient[i].y, p->z += scale * s->volume_gradient[i].z;
+        p->x += scale * gradient[i].x, p->y += scale * gradient[i].y, p->z += scale * gradient[i].z;
     }
     /* what is left is of second order: about the square of what there was */
     return residual * residual > VOLUME_TOLERANCE * m->rest_volume * m->rest_volume;
@@ -73,7 +75,7 @@ static bool project(const sn_model_muscle *m, sn_muscle_state *s, const sn_sweep
 
 static void sweep_kind(const sn_model_muscle *m, sn_muscle_state *s, sn_row_kind kind, const sn_sweep *sweep) {
     (void)kind;
-    if (sweep->first) s->volume_lambda = 0.0;
+    if (sweep->first) sn_xpbd_of(s)->volume_lambda = 0.0;
     for (int i = 0; i < sweep->projections && project(m, s, sweep); i++) continue;
 }
 
@@ -126,12 +128,13 @@ SN_WIDE_KERNEL static double volume_of_triangles(const triangles *in, sn_index e
 static double energy_of_kind(const sn_model_muscle *m, const sn_muscle_state *s, sn_row_kind kind, const sn_point *points, double k,
                              sn_forces gradient) {
     (void)kind;
+    sn_vec3 *volume_gradient = s->inputs->volume_gradient;
     triangles in = {points, m->triangles->v, mean_of_four(m->vertex_count, points), {NULL, 3}};
-    if (gradient.values != NULL) in.gradient.values = &s->volume_gradient->x;
-    for (sn_index i = 0; gradient.values != NULL && i < m->vertex_count; i++) s->volume_gradient[i] = sn_v3(0, 0, 0);
-    double c = volume_of_triangles(&in, m->triangle_count) - s->volume_goal * m->rest_volume;
+    if (gradient.values != NULL) in.gradient.values = &volume_gradient->x;
+    for (sn_index i = 0; gradient.values != NULL && i < m->vertex_count; i++) volume_gradient[i] = sn_v3(0, 0, 0);
+    double c = volume_of_triangles(&in, m->triangle_count) - s->inputs->volume_goal * m->rest_volume;
     for (sn_index i = 0; gradient.values != NULL && i < m->vertex_count; i++) {
-        sn_vec3 *g = &s->volume_gradient[i];
+        sn_vec3 *g = &volume_gradient[i];
         double *sum = gradient.values + (size_t)i * (size_t)gradient.stride;
         *g = sn_scale(*g, 1.0 / 6.0);
         sum[0] += k * c * g->x, sum[1] += k * c * g->y, sum[2] += k * c * g->z;
@@ -167,7 +170,7 @@ static size_t bytes_of_row(const sn_model_muscle *m) { return (size_t)m->vertex_
 static void errors_of_kind(const sn_model_muscle *m, const sn_muscle_state *s, sn_row_kind kind, sn_index begin, sn_index end,
                            double *errors) {
     (void)kind;
-    if (begin < end) *errors = fabs(sn_volume_ratio(m, s) - s->volume_goal);
+    if (begin < end) *errors = fabs(sn_volume_ratio(m, s) - s->inputs->volume_goal);
 }
 
 const sn_row_ops sn_rows_volume = {.info = {"volume", "way to the goal volume, mean edges", "no volume", 0, .inside = false},

@@ -1,13 +1,15 @@
 /*
- * xpbd.c -- back end `xpbd`: one substep of one muscle.   [R18] alg. 1, methods.md 8.7, numerics.md 2
+ * xpbd.c -- back end `xpbd`: the stages of one step.   [R18] alg. 1, methods.md 8.7, numerics.md 2
  *
- * v <- u + (v - u) e^(-c h) + h g, x <- x + h v, u the velocity of the bones there (kinematic.c); attached vertices to their bones; per
- * iteration every group of rows in order, volume last; v <- (x - x_before) / h. Lambda starts at 0 in each substep (never in each
+ * Start: v <- u + (v - u) e^(-c h) + h g, x <- x + h v, u the velocity of the bones there (kinematic.c); attached vertices to their bones.
+ * Iterate: every kind of rows in order, volume last. Finish: v <- (x - x_before) / h. Lambda starts at 0 in each step (never in each
  * iteration). The papers' schemes damp all of the velocity, and after the force: v <- (v + h g) e^(-c h).
  */
-#include "rows.h"
+#include "xpbd.h"
 
-#include <string.h>
+#include "backend.h"
+
+/* ---- stages ----------------------------------------------------------------------------------------------------------------- */
 
 /* Where each point would be without constraints. Damping is a rate: exact for any h. */
 static void predict(const sn_model_muscle *m, sn_muscle_state *s, const sn_substep *substep) {
@@ -20,6 +22,16 @@ static void predict(const sn_model_muscle *m, sn_muscle_state *s, const sn_subst
                                                                  : sn_add_scaled(sn_damped_velocity(s, i, keep), substep->gravity, h);
         p->x += h * v.x, p->y += h * v.y, p->z += h * v.z;
     }
+}
+
+static sn_verdict start(const sn_group *g, sn_group_state *s, const sn_substep *substep) {
+    for (sn_index i = 0; i < g->count; i++) {
+        const sn_model_muscle *m = g->members[i];
+        predict(m, s->members[i], substep);
+        sn_kinematics_place(m, s->members[i]);
+        if (m->single) sn_single_enter(m, s->members[i]);
+    }
+    return SN_STEP_HOLDS;
 }
 
 static void project_kind(const sn_model_muscle *m, sn_muscle_state *s, sn_row_kind kind, const sn_scheme_rules *rules, double h,
@@ -40,24 +52,25 @@ static void project_kind(const sn_model_muscle *m, sn_muscle_state *s, sn_row_ki
 static void project(const sn_model_muscle *m, sn_muscle_state *s, const sn_substep *substep) {
     sn_row_kind order[SN_MOST_SWEEPS];
     int count = sn_scheme_order(substep->rules, order);
-    for (sn_index i = substep->begin; i < substep->end; i++)
+    sn_index end = substep->end < m->iterations ? substep->end : m->iterations;
+    for (sn_index i = substep->begin; i < end; i++)
         for (int k = 0; k < count; k++) project_kind(m, s, order[k], substep->rules, substep->h, i == 0);
 }
 
-void sn_project(const sn_model *model, sn_state *state, sn_index muscle, sn_row_kind kind) {
-    if (model->scene->solver.method == SN_SOLVER_QN) {
-        sn_rows_evaluate(&model->muscles[muscle], &state->muscles[muscle], kind);
-        return;
+static void iterate(const sn_group *g, sn_group_state *s, const sn_substep *substep) {
+    if (substep->before != NULL) memcpy(substep->before, s->points, (size_t)g->point_count * sizeof *s->points);
+    for (sn_index i = 0; i < g->count; i++) {
+        project(g->members[i], s->members[i], substep);
+        if (g->members[i]->single) sn_single_leave(g->members[i], s->members[i]);
+        s->members[i]->statistics.residual = NAN;
     }
-    const sn_scheme_rules *rules = sn_scheme_rules_of(&model->scene->solver);
-    project_kind(&model->muscles[muscle], &state->muscles[muscle], kind, rules, model->substep_duration, true);
 }
 
 static sn_vec3 velocity(const sn_muscle_state *s, sn_index i, double h) {
     return sn_scale(sn_sub(sn_point_position(&s->points[i]), s->previous[i]), 1.0 / h);
 }
 
-/* The positions before the substep are needed no more: they make room for inertia's force, m (v - v predicted) / h. */
+/* The positions before the step are needed no more: they make room for inertia's force, m (v - v predicted) / h. */
 static void measure_residual(const sn_model_muscle *m, sn_muscle_state *s, double h) {
     for (sn_index i = 0; i < m->point_count; i++) {
         sn_vec3 v = velocity(s, i, h);
@@ -78,18 +91,116 @@ static void update_velocities(const sn_model_muscle *m, sn_muscle_state *s, cons
     sn_kinematics_limit_speed(m, s, most);
 }
 
-static sn_verdict xpbd_substep(const sn_model_muscle *m, sn_muscle_state *s, const sn_substep *substep) {
-    if (substep->begin == 0) {
-        predict(m, s, substep);
-        sn_kinematics_place(m, s);
-        if (m->single) sn_single_enter(m, s);
-    }
-    if (substep->start != NULL) memcpy(substep->start, s->points, (size_t)m->point_count * sizeof *s->points);
-    project(m, s, substep);
-    if (m->single) sn_single_leave(m, s);
-    s->statistics.residual = NAN;
-    if (substep->end == m->iterations) update_velocities(m, s, substep); /* until then they are the predicted ones */
+/* Until here the velocities are the predicted ones. */
+static sn_verdict finish(const sn_group *g, sn_group_state *s, const sn_substep *substep) {
+    for (sn_index i = 0; i < g->count; i++) update_velocities(g->members[i], s->members[i], substep);
     return SN_STEP_HOLDS;
 }
 
-const sn_backend sn_backend_xpbd = {.name = "xpbd", .substep = xpbd_substep};
+void sn_project(const sn_model *model, sn_state *state, sn_index muscle, sn_row_kind kind) {
+    if (model->scene->solver.method == SN_SOLVER_QN) {
+        sn_rows_evaluate(model, state, muscle, kind);
+        return;
+    }
+    const sn_scheme_rules *rules = sn_scheme_rules_of(&model->scene->solver);
+    project_kind(&model->muscles[muscle], &state->muscles[muscle], kind, rules, model->substep_duration, true);
+}
+
+/* ---- memory ----------------------------------------------------------------------------------------------------------------- */
+
+static bool make_member(const sn_model_muscle *m, sn_muscle_state *s, bool kept_only) {
+    sn_xpbd *part = s->memory = SN_NEW(sn_xpbd, 1);
+    bool made = part != NULL;
+    if (!made) return false;
+    SN_XPBD_ARRAYS(SN_MAKE_ARRAY)
+    s->inputs->volume_gradient = part->volume_gradient;
+    return made;
+}
+
+static sn_status create(const sn_group *g, sn_group_state *s, bool kept_only, sn_error *error) {
+    bool made = true;
+    for (sn_index i = 0; i < g->count; i++) made = made && make_member(g->members[i], s->members[i], kept_only);
+    return made ? SN_OK : sn_fail_memory(error, "the state");
+}
+
+static void destroy(const sn_group *g, sn_group_state *s) {
+    for (sn_index i = 0; i < g->count; i++) {
+        sn_xpbd *part = s->members[i] != NULL ? s->members[i]->memory : NULL;
+        if (part == NULL) continue;
+        SN_XPBD_ARRAYS(SN_FREE_ARRAY)
+        free(part);
+    }
+}
+
+static void reset(const sn_group *g, sn_group_state *s) {
+    for (sn_index i = 0; i < g->count; i++)
+        if (g->members[i]->single) sn_single_enter(g->members[i], s->members[i]);
+}
+
+static size_t bytes_of(const sn_group *g) {
+    size_t bytes = 0;
+    for (sn_index i = 0; i < g->count; i++) {
+        const sn_model_muscle *m = g->members[i];
+        bytes += sizeof(sn_xpbd);
+        SN_XPBD_ARRAYS(SN_ADD_BYTES)
+    }
+    return bytes;
+}
+
+#define KEPT_NUMBERS(X) X(volume_lambda, isfinite(part->volume_lambda))
+
+static void pass_numbers(sn_cursor *c, const sn_group *g, sn_group_state *s) {
+    for (sn_index i = 0; i < g->count; i++) {
+        sn_xpbd *part = sn_xpbd_of(s->members[i]);
+        KEPT_NUMBERS(SN_PASS_NUMBER)
+    }
+}
+
+static void pass_arrays(sn_cursor *c, const sn_group *g, sn_group_state *s) {
+    for (sn_index i = 0; i < g->count; i++) {
+        const sn_model_muscle *m = g->members[i];
+        sn_xpbd *part = sn_xpbd_of(s->members[i]);
+        SN_XPBD_ARRAYS(SN_PASS_ARRAY)
+    }
+}
+
+/* Points in single precision are as heavy as the model's. */
+static bool weights_fit(const sn_model_muscle *m, const sn_xpbd *part) {
+    for (sn_index i = 0; m->single && i < m->point_count; i++)
+        if (part->single_points[i].w != sn_single_weight(m, i)) return false;
+    return true;
+}
+
+static const char *fault(const sn_group *g, const sn_group_state *s) {
+    for (sn_index i = 0; i < g->count; i++) {
+        const sn_model_muscle *m = g->members[i];
+        const sn_xpbd *part = sn_xpbd_of(s->members[i]);
+        KEPT_NUMBERS(SN_CHECK_NUMBER)
+        SN_XPBD_ARRAYS(SN_CHECK_ARRAY)
+        if (!weights_fit(m, part)) return "points";
+    }
+    return NULL;
+}
+
+static void take(const sn_group *g, const sn_group_state *from, sn_group_state *s) {
+    for (sn_index i = 0; i < g->count; i++) {
+        const sn_model_muscle *m = g->members[i];
+        const sn_xpbd *read = sn_xpbd_of(from->members[i]);
+        sn_xpbd *part = sn_xpbd_of(s->members[i]);
+        KEPT_NUMBERS(SN_TAKE_NUMBER)
+        SN_XPBD_ARRAYS(SN_TAKE_ARRAY)
+    }
+}
+
+const sn_backend sn_backend_xpbd = {.name = "xpbd",
+                                    .start = start,
+                                    .iterate = iterate,
+                                    .finish = finish,
+                                    .create = create,
+                                    .destroy = destroy,
+                                    .reset = reset,
+                                    .bytes = bytes_of,
+                                    .pass_numbers = pass_numbers,
+                                    .pass_arrays = pass_arrays,
+                                    .fault = fault,
+                                    .take = take};

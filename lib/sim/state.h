@@ -1,0 +1,82 @@
+/*
+ * state.h -- inside lib/sim: the parts of a state: the points of a group; what a muscle is told of a step, its inputs; what the back end
+ * remembers, which is its own (backend.h); and statistics, which programs see.
+ *
+ * The lists name the arrays of each part: type, name, count, and whether a run that is saved and continued keeps them. They make, free,
+ * count and save them (kept.h). Counts are in terms of `m`, the muscle's model, or `g`, the group.
+ */
+#ifndef SN_SIM_STATE_H
+#define SN_SIM_STATE_H
+
+#include "group.h"
+
+enum { SN_LEFT = false, SN_KEPT = true }; /* left: it is made anew before it is read */
+
+/* A point in single precision, relative to its muscle's origin. */
+typedef struct sn_single_point {
+    float x, y, z, w; /* m; over the inverse mass of a mean point */
+} sn_single_point;
+
+/* The rigid motion of a muscle's bones over one step: the one that fits their attached points best, by mass. A point that goes along with
+ * it has come by d / h, d the solution of d = h velocity + turn x (x - d / 2 - middle), x where it is now: an exact rotation. */
+typedef struct sn_bone_motion {
+    sn_vec3 middle;   /* m: of the attached points, half way through the step */
+    sn_vec3 velocity; /* m/s: of the middle */
+    sn_vec3 turn;     /* 2 tan(angle / 2) times the axis */
+    double rate;      /* 1 / h, 1/s; 0 = no motion to go along with: the bones rest, or have jumped, or there are none */
+} sn_bone_motion;
+
+/* guarded: triangles that have a barrier, under back end `qn`. */
+#define SN_INPUT_ARRAYS(X)                                                                                                                 \
+    X(double, goals, m->distance_start[SN_DISTANCE_KINDS], SN_LEFT) /* goal lengths, m */                                                  \
+    X(sn_rigid, poses, m->site_count, SN_LEFT)                      /* of the sites' bones at the end of the step */                       \
+    X(sn_rigid, placed, m->site_count, SN_KEPT)                     /* those that the attached points were put at last */                  \
+    X(bool, guarded, m->quasi_newton ? m->area_count : 0, SN_KEPT)
+
+/* What one muscle is told of the step at hand. */
+typedef struct sn_inputs {
+#define SN_INPUT_MEMBER(type, name, count, kept) type *name;
+    SN_INPUT_ARRAYS(SN_INPUT_MEMBER)
+#undef SN_INPUT_MEMBER
+    double *own[SN_ROW_KINDS];      /* numbers that only their own kind reads, made anew from the others */
+    sn_vec3 *volume_gradient;       /* (vertex_count) the back end's: dV/dx at the points that were evaluated or projected last; or NULL */
+    double activation, contraction; /* the input in [0,1]; a = contraction x activation */
+    double stiffness, volume_goal;  /* k, N/m; g(a) / g(a0) */
+    double goal_contraction, goal_ratio; /* what the goals were made for; NaN = not made yet */
+    sn_bone_motion bones;                /* over the last step */
+} sn_inputs;
+
+/* A substep that is too long for a group is halved so many times at most; parts are counted in the smallest ones. */
+#define SN_MOST_HALVINGS 3
+#define SN_SUBSTEP_PARTS (1 << SN_MOST_HALVINGS)
+
+/* How far a group has come in a substep. */
+typedef struct sn_progress {
+    sn_index parts;     /* of SN_SUBSTEP_PARTS that are done; all of them: it has nothing left to do */
+    sn_index size;      /* parts of the step at hand; 0 = it sleeps through the substep */
+    sn_index iteration; /* of that step that are done */
+    sn_index spent;     /* iterations of all steps of this substep, those that were given up among them */
+} sn_progress;
+
+#define SN_POINT_ARRAYS(X)                                                                                                                 \
+    X(sn_point, points, g->point_count, SN_KEPT)                                                                                           \
+    X(sn_vec3, velocities, g->point_count, SN_KEPT)                                                                                        \
+    X(sn_vec3, previous, g->point_count, SN_KEPT)
+
+/* The points of a group, how far it has come, and its members. */
+typedef struct sn_group_state {
+#define SN_POINT_MEMBER(type, name, count, kept) type *name;
+    SN_POINT_ARRAYS(SN_POINT_MEMBER)
+#undef SN_POINT_MEMBER
+    sn_muscle_state **members; /* (group.count) */
+    sn_progress progress;      /* in the substep at hand, or through with the last one */
+    sn_index still;            /* substeps in a row that moved nothing */
+    void *memory;              /* the back end's own; nullable */
+} sn_group_state;
+
+/* Room for nothing but what is kept (a state that is read), or for all of it. */
+SN_MUST_CHECK sn_status sn_state_make(const sn_model *model, bool kept_only, sn_state **out, sn_error *error);
+/* Bytes of one group and its members: arrays, structs, what the back end remembers but for factors. */
+size_t sn_group_state_bytes(const sn_model *model, const sn_group *g);
+
+#endif
