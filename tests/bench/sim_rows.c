@@ -3,9 +3,7 @@
  * loop over the same rows as the yardstick of the machine. And what back end `qn` pays: ns per row of energy and gradient, and where an
  * iteration goes. Prints two tables.
  */
-#include "../unit/sim_scene.h"
-
-#include "../../lib/sim/qn.h"
+#include "../unit/sim_inside.h"
 
 #include <stdio.h>
 #include <time.h>
@@ -28,10 +26,11 @@ static void project(const job *j) { sn_project(j->s->model, j->s->state, 0, j->k
 static void bare_mesh(const job *j) {
     const sn_model_muscle *m = &j->s->model->muscles[0];
     sn_muscle_state *s = &j->s->state->muscles[0];
+    const double *goals = s->inputs->goals;
     for (sn_index r = m->distance_start[SN_ROWS_MESH]; r < m->distance_start[SN_ROWS_MESH + 1]; r++) {
         sn_point *p = &s->points[m->distances[r].point[0]], *q = &s->points[m->distances[r].point[1]];
         double dx = p->x - q->x, dy = p->y - q->y, dz = p->z - q->z, length = sqrt(dx * dx + dy * dy + dz * dz);
-        double scale = 0.5 * (s->goals[r] - length) / length;
+        double scale = 0.5 * (goals[r] - length) / length;
         p->x += scale * dx, p->y += scale * dy, p->z += scale * dz;
         q->x -= scale * dx, q->y -= scale * dy, q->z -= scale * dz;
     }
@@ -122,7 +121,7 @@ static void bench(sn_index rings, sn_index sectors, sn_precision precision) {
 
 /* ---- back end qn ------------------------------------------------------------------------------------------------------------ */
 
-static sn_forces forces_of(const simulation *s) { return (sn_forces){&s->state->muscles[0].qn->forces->x, 4}; }
+static sn_forces forces_of(const simulation *s) { return (sn_forces){&qn_of(s)->forces->x, 4}; }
 
 static void energy_of_kind(const job *j) {
     const sn_muscle_state *s = &j->s->state->muscles[0];
@@ -132,26 +131,26 @@ static void energy_of_kind(const job *j) {
 /* All of them, inertia and areas too. */
 static void evaluate(const job *j) {
     sn_muscle_state *s = &j->s->state->muscles[0];
-    const sn_objective objective = {&j->s->model->muscles[0], s, j->s->model->substep_duration};
-    kept += sn_objective_evaluate(&objective, s->points, s->qn->trial_gradient);
+    const sn_objective objective = objective_of(j->s, j->s->model->substep_duration);
+    kept += sn_objective_evaluate(&objective, s->points, qn_of(j->s)->trial_gradient);
 }
 
 static void solve(const job *j) {
-    sn_qn *qn = j->s->state->muscles[0].qn;
+    sn_qn *qn = qn_of(j->s);
     static const double STIFFNESS = 1.0;
-    sn_preconditioner_set_volume(qn->preconditioner, j->s->state->muscles[0].volume_gradient, &STIFFNESS);
+    sn_preconditioner_set_volume(qn->preconditioner, qn->volume_gradient, &STIFFNESS);
     assert_true(sn_preconditioner_apply(qn->preconditioner, qn->gradient, qn->direction));
 }
 
 /* The two loops of L-BFGS over all pairs, as they are plainest. */
 static void two_loops(const job *j) {
-    sn_muscle_state *s = &j->s->state->muscles[0];
+    sn_qn *qn = qn_of(j->s);
     size_t n = (size_t)j->s->model->muscles[0].point_count;
-    sn_vec3 *d = s->qn->direction;
+    sn_vec3 *d = qn->direction;
     for (int pass = 0; pass < 2; pass++) {
         for (size_t pair = 0; pair < SN_QN_MEMORY; pair++) {
-            const sn_vec3 *a = (pass == 0 ? s->pair_steps : s->pair_changes) + pair * n;
-            const sn_vec3 *b = (pass == 0 ? s->pair_changes : s->pair_steps) + pair * n;
+            const sn_vec3 *a = (pass == 0 ? qn->pair_steps : qn->pair_changes) + pair * n;
+            const sn_vec3 *b = (pass == 0 ? qn->pair_changes : qn->pair_steps) + pair * n;
             double sum = 0.0;
             for (size_t i = 0; i < n; i++) sum += sn_dot(a[i], d[i]);
             for (size_t i = 0; i < n; i++) d[i] = sn_add_scaled(d[i], b[i], 1e-9 * sum);

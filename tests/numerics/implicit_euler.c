@@ -15,8 +15,7 @@
  * against it; converged `xpbd` down to its floor, which falls with the square of a step's motion. Prints a line each, then "N passed, N
  * failed".
  */
-#include "../../lib/sim/qn.h"
-#include "../unit/sim_scene.h"
+#include "../unit/sim_inside.h"
 
 #include <stdio.h>
 
@@ -524,10 +523,10 @@ static void whole_gradient(problem *p, simulation *s) {
     double over, worst = 0.0, largest = 0.0;
     for (sn_index i = 0; i < p->n; i++) {
         state->points[i].x = p->x[i].x, state->points[i].y = p->x[i].y, state->points[i].z = p->x[i].z;
-        state->target[i] = p->y[i];
+        qn_of(s)->target[i] = p->y[i];
     }
-    for (sn_index r = 0; r < p->m->area_count; r++) state->guarded[r] = true;
-    const sn_objective their = {.model = p->m, .state = state, .h = p->h};
+    for (sn_index r = 0; r < p->m->area_count; r++) state->inputs->guarded[r] = true;
+    const sn_objective their = objective_of(s, p->h);
     double energy = objective(p, p->x, mine, gv, &over), their_energy = sn_objective_evaluate(&their, state->points, theirs);
     for (sn_index i = 0; i < p->n; i++) {
         largest = fmax(largest, sn_norm(mine[i]));

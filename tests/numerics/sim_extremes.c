@@ -13,8 +13,7 @@
  * Both run with their default settings. Prints tab-separated lines (case, solver, verdict, farthest point over L, error, remark), then
  * "N passed, N failed".
  */
-#include "../../lib/sim/qn.h"
-#include "../unit/sim_scene.h"
+#include "../unit/sim_inside.h"
 #include "sinew/io.h"
 
 #include <stdio.h>
@@ -94,7 +93,7 @@ static void converge(sn_scene *scene) {
 /* Phi without inertia: with an endless step there is none. J */
 static double energy(const simulation *s) {
     const sn_model_muscle *m = &s->model->muscles[0];
-    const sn_objective objective = {.model = m, .state = &s->state->muscles[0], .h = 1e12};
+    const sn_objective objective = objective_of(s, 1e12);
     sn_vec3 *gradient = SN_NEW(sn_vec3, m->point_count);
     double found = sn_objective_evaluate(&objective, s->state->muscles[0].points, gradient);
     free(gradient);
@@ -104,7 +103,7 @@ static double energy(const simulation *s) {
 /* Is `found` no more than 1 % above `converged`? What is too little to bend anything by 1e-6 counts as nothing. */
 static bool same_energy(const simulation *s, double found, double converged) {
     const sn_model_muscle *m = &s->model->muscles[0];
-    return found <= 1.01 * converged + 1e-12 * s->state->muscles[0].stiffness * m->diagonal * m->diagonal;
+    return found <= 1.01 * converged + 1e-12 * inputs_of(s)->stiffness * m->diagonal * m->diagonal;
 }
 
 /* The box of the attached points, grown by where they are now. */

@@ -1,6 +1,6 @@
 /* Signs of an explosion, the longest edge, tears: what the statistics say of runs that go wrong, and do not say of those that go well. */
 #include "../../lib/sim/rows.h"
-#include "sim_scene.h"
+#include "sim_inside.h"
 
 static sn_statistics *statistics(const simulation *s) { return &s->state->muscles[0].statistics; }
 static void measure(simulation *s) { sn_statistics_measure(&s->model->muscles[0], &s->state->muscles[0]); }
@@ -35,7 +35,7 @@ static void the_longest_edge_is_that_of_all_rows(void **state) {
         sn_index points[4], at[2] = {SN_NONE, SN_NONE};
         for (sn_index r = 0; r < sn_row_count(s.model, 0, SN_ROWS_MESH); r++) {
             sn_row_points(s.model, 0, SN_ROWS_MESH, r, points);
-            double goal = s.state->muscles[0].goals[m->distance_start[SN_ROWS_MESH] + r];
+            double goal = inputs_of(&s)->goals[m->distance_start[SN_ROWS_MESH] + r];
             double ratio = length(&s, points[0], points[1]) / fmax(goal, SN_LEAST_GOAL * m->mean_edge);
             if (ratio > most) most = ratio, at[0] = points[0], at[1] = points[1];
         }
@@ -103,7 +103,7 @@ static void a_goal_of_nothing_is_no_explosion(void **state) {
     const sn_model_muscle *m = &s.model->muscles[0];
     sn_index row = m->distance_start[SN_ROWS_MESH] + 7;
     const sn_index *p = m->distances[row].point;
-    s.state->muscles[0].goals[row] = 0.0;
+    inputs_of(&s)->goals[row] = 0.0;
     measure(&s);
     assert_true(fabs(statistics(&s)->largest_edge_ratio - length(&s, p[0], p[1]) / (0.1 * m->mean_edge)) < 1e-9);
     *point(&s, p[1]) = *point(&s, p[0]);

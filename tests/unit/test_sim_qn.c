@@ -1,7 +1,5 @@
 /* test_sim_qn.c -- back end `qn`: its gradient, its equilibrium against xpbd's, rest, free flight, wrecked starts, threads, stops. */
-#include "sim_scene.h"
-
-#include "../../lib/sim/qn.h"
+#include "sim_inside.h"
 
 static void make_newton(sn_scene *scene, const fusiform *f) {
     make_scene(scene, f);
@@ -28,15 +26,15 @@ static void the_gradient_is_that_of_the_energy(void **state) {
     const sn_model_muscle *m = &s.model->muscles[0];
     sn_muscle_state *ms = &s.state->muscles[0];
     uint64_t random = 11;
-    ms->volume_goal = 1.2;
-    for (sn_index r = 0; r < m->area_count; r++) ms->guarded[r] = true;
+    inputs_of(&s)->volume_goal = 1.2;
+    for (sn_index r = 0; r < m->area_count; r++) inputs_of(&s)->guarded[r] = true;
     for (sn_index i = 0; i < m->point_count; i++) {
         sn_point *p = &ms->points[i];
-        ms->target[i] = m->rest[i];
+        qn_of(&s)->target[i] = m->rest[i];
         if (p->w == 0.0) continue;
         p->x += 3e-3 * (sn_random(&random) - 0.5), p->y += 3e-3 * (sn_random(&random) - 0.5), p->z += 3e-3 * (sn_random(&random) - 0.5);
     }
-    sn_objective objective = {.model = m, .state = ms, .h = 1.0 / 24.0};
+    const sn_objective objective = objective_of(&s, 1.0 / 24.0);
     sn_vec3 *gradient = SN_NEW(sn_vec3, m->point_count), *other = SN_NEW(sn_vec3, m->point_count);
     sn_objective_evaluate(&objective, ms->points, gradient);
     double largest = 0.0, worst = 0.0, e = 1e-8;
@@ -256,7 +254,7 @@ static void a_stop_after_the_tolerance_changes_no_residual(void **state) {
     step_frames(&s[0], 3, NULL);
     step_frames(&s[1], 2, NULL);
     assert_int_equal(sn_step(s[1].model, s[1].state, &(sn_step_options){.stop_substep = 1, .stop_iteration = last}, NULL), SN_STOPPED);
-    assert_int_equal(s[1].state->muscles[0].stopped, SN_STOP_TOLERANCE);
+    assert_int_equal(qn_of(&s[1])->stopped, SN_STOP_TOLERANCE);
     char *bytes;
     size_t size;
     assert_int_equal(sn_state_pack(s[1].model, s[1].state, &bytes, &size, NULL), SN_OK);
@@ -306,7 +304,7 @@ static void jumps_under_every_matrix(void **state) {
         assert_int_equal(sn_step(runs[1].model, runs[1].state, &stop, NULL), SN_STOPPED);
         for (int k = 0; k < 2; k++) step_frames(&runs[k], 1, NULL);
         const sn_muscle_state *s = &runs[0].state->muscles[0];
-        assert_true(s->torn && s->statistics.refactorisations > 1);
+        assert_true(qn_of(&runs[0])->torn && s->statistics.refactorisations > 1);
         assert_true(s->statistics.nan_points == 0 && s->statistics.smallest_triangle > 0.05);
         size_t bytes = (size_t)runs[0].model->muscles[0].point_count * sizeof *s->points;
         assert_memory_equal(s->points, runs[1].state->muscles[0].points, bytes);

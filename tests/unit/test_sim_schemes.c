@@ -1,7 +1,5 @@
 /* test_sim_schemes.c -- the schemes, the forms of anisotropy, maps and curves, least areas; restart; what is off is absent. */
-#include "sim_scene.h"
-
-#include "../../lib/sim/rows.h"
+#include "sim_inside.h"
 
 #include <malloc.h>
 
@@ -46,7 +44,7 @@ static void kohout_is_a_plain_projection_times_k(void **state) {
         double k = 1.0 - cos(angle);
         assert_int_equal(m->distances[0].point[0] + m->distances[0].point[1], 1); /* the edge 0-1 */
         sn_project(s.model, s.state, 0, SN_ROWS_MESH);
-        assert_true(fabs(s.state->muscles[0].distance_lambda[0] + k * 0.2 / 2.0) < 1e-12);
+        assert_true(fabs(xpbd_of(&s)->distance_lambda[0] + k * 0.2 / 2.0) < 1e-12);
         finish(&s);
     }
 }
@@ -63,7 +61,7 @@ static void anisotropy_in_xpbd_form_divides_the_compliance(void **state) {
     double h = s.model->substep_duration, w = m->inverse_mass[0] + m->inverse_mass[1];
     s.state->muscles[0].points[1].x = 1.2;
     sn_project(s.model, s.state, 0, SN_ROWS_MESH);
-    assert_true(fabs(s.state->muscles[0].distance_lambda[0] + 0.2 / (w + 1.0 / (0.5 * h * h))) < 1e-12);
+    assert_true(fabs(xpbd_of(&s)->distance_lambda[0] + 0.2 / (w + 1.0 / (0.5 * h * h))) < 1e-12);
     finish(&s);
 }
 
@@ -141,7 +139,7 @@ static void a_map_keeps_the_tendon_from_contracting(void **state) {
     sn_index tendon = 0, belly = 0;
     for (sn_index r = m->distance_start[SN_ROWS_MESH]; r < m->distance_start[SN_ROWS_MESH + 1]; r++) {
         const sn_index *p = m->distances[r].point;
-        double rest = sn_distance(m->rest[p[0]], m->rest[p[1]]), goal = s.state->muscles[0].goals[r];
+        double rest = sn_distance(m->rest[p[0]], m->rest[p[1]]), goal = inputs_of(&s)->goals[r];
         double whole = sn_goal_length(SN_LAW_PROJECTED, m->distance_terms[r], 0.5, 0.0, 1.0);
         if (m->rest[p[0]].z > 0.1 && m->rest[p[1]].z > 0.1) tendon += fabs(goal / rest - 1.0) < 1e-12;
         if (m->rest[p[0]].z <= 0.1 && m->rest[p[1]].z <= 0.1) belly += goal == whole && goal < rest;
@@ -179,7 +177,7 @@ static void a_curve_of_stiffness_passes_through_its_knots(void **state) {
         scene.muscles[0].stiffness_curve.y[1] = 1e7;
         scene.muscles[0].activation.constant = levels[i];
         simulation s = start(&scene);
-        assert_true(fabs(s.state->muscles[0].stiffness / wanted[i] - 1.0) < 1e-12);
+        assert_true(fabs(inputs_of(&s)->stiffness / wanted[i] - 1.0) < 1e-12);
         finish(&s);
     }
 }

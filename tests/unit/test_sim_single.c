@@ -1,5 +1,5 @@
 /* test_sim_single.c -- `xpbd` in single precision: what holds in double to rounding holds here to single accuracy. */
-#include "sim_scene.h"
+#include "sim_inside.h"
 
 /* A muscle that contracts, swells and bends. */
 static void make_usual(sn_scene *scene, const fusiform *f, sn_precision precision) {

@@ -1,8 +1,6 @@
 /* test_sim_two_level.c -- the coarse space of the two-level matrix (numerics.md 7), and what the matrix may not change. */
-#include "sim_scene.h"
+#include "sim_inside.h"
 
-#include "../../lib/sim/qn.h"
-#include "../../lib/sim/rows.h"
 #include "../../lib/sim/two_level.h"
 
 static void use(sn_scene *scene, sn_preconditioning preconditioner) {
@@ -239,7 +237,7 @@ static void a_stop_changes_no_bit(void **state) {
     char *bytes;
     size_t size;
     assert_int_equal(sn_step(s[0].model, s[0].state, &stop, NULL), SN_STOPPED);
-    assert_true(s[0].state->muscles[0].turned); /* or the test says nothing about sections */
+    assert_true(qn_of(&s[0])->turned); /* or the test says nothing about sections */
     assert_int_equal(sn_state_pack(s[0].model, s[0].state, &bytes, &size, NULL), SN_OK);
     sn_state_destroy(s[0].model, s[0].state);
     assert_int_equal(sn_state_create(s[0].model, &s[0].state, NULL), SN_OK);
