@@ -111,10 +111,10 @@ static size_t below(uint64_t *state, size_t limit) { return (size_t)(next(state)
 
 /* Single numbers come first, arrays after them; every second time one of the former, mostly on a boundary of numbers. */
 static size_t choose_place(uint64_t *state, const packed *p, size_t length) {
-    enum { NUMBERS = 176 }; /* bytes of the moment and of the first muscle's single numbers, about */
+    enum { NUMBERS = 284 }; /* bytes of the moment and of the first group's single numbers, about */
     size_t room = p->size - MOMENT - length, at = below(state, below(state, 2) == 0 ? NUMBERS : room);
     if (below(state, 4) > 0) at -= at % 4;
-    if (below(state, 2) > 0) at += 2; /* behind the flags */
+    if (below(state, 2) > 0) at += 3; /* behind the flags */
     return MOMENT + (at < room ? at : room);
 }
 
