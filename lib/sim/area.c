@@ -36,7 +36,7 @@ bool sn_area_constraint(const sn_vec3 p[3], double rest_area, double least, doub
 static sn_status batch_areas(sn_model_muscle *m, sn_error *error) {
     sn_index n = m->area_count, *order = SN_NEW(sn_index, n);
     if (order == NULL) return sn_fail_memory(error, "area rows");
-    sn_status status = sn_batch_order(n, 3, m->areas->point, m->vertex_count, order, &m->area_batched, error);
+    sn_status status = sn_batch_order(&(sn_point_rows){n, 3, m->areas->point, m->vertex_count}, order, &m->area_batched, error);
     if (status == SN_OK) status = sn_batch_sort(m->areas, n, sizeof *m->areas, order, error);
     if (status == SN_OK) status = sn_batch_sort(m->area_scales, n, sizeof *m->area_scales, order, error);
     free(order);
@@ -163,7 +163,7 @@ SN_WIDE_KERNEL static double energy_of_areas(const barriers *in, sn_index end) {
 static double energy_of_kind(const sn_model_muscle *m, const sn_muscle_state *s, sn_row_kind kind, const sn_point *points, double k,
                              sn_forces gradient) {
     (void)kind;
-    bool membrane = sn_row_ops_of(SN_ROWS_MEMBRANE)->count(m, SN_ROWS_MEMBRANE) > 0; /* it has a barrier of its own */
+    bool membrane = m->own[SN_ROWS_MEMBRANE] != NULL; /* it has a barrier of its own */
     if (!(k > 0.0) || membrane) return 0.0;
     const barriers in = {points, m->areas->point, m->area_scales, s->inputs->guarded, k, gradient};
     return energy_of_areas(&in, m->area_count);
@@ -186,10 +186,7 @@ static const sn_index *points_of(const sn_model_muscle *m, sn_row_kind kind, sn_
     return m->areas[row].point;
 }
 
-static size_t bytes_of_row(const sn_model_muscle *m) {
-    (void)m;
-    return sizeof(sn_area_row) + sizeof(double);
-}
+static size_t bytes_of_row(const sn_model_muscle *m) { return sizeof(sn_area_row) + sizeof(double) + (m->quasi_newton ? sizeof(bool) : 0); }
 
 const sn_row_ops sn_rows_area = {.info = {"area", "area below the least, of the rest area", "no area", 3, .inside = false},
                                  .rigid = true,

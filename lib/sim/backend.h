@@ -48,8 +48,8 @@ typedef struct sn_backend {
     void (*take)(const sn_group *g, const sn_group_state *read, sn_group_state *s);
 } sn_backend;
 
-extern const sn_backend sn_backend_xpbd; /* xpbd.c */
-extern const sn_backend sn_backend_qn;   /* qn.c */
-const sn_backend *sn_backend_of(const sn_scene *scene);
+extern const sn_backend sn_backend_xpbd;                /* xpbd.c */
+extern const sn_backend sn_backend_qn;                  /* qn.c */
+const sn_backend *sn_backend_of(const sn_scene *scene); /* backend.c */
 
 #endif

@@ -62,12 +62,11 @@ static sn_index fill_order(batcher *b, sn_index *order) {
     return front;
 }
 
-sn_status sn_batch_order(sn_index count, sn_index size, const sn_index *points, sn_index point_count, sn_index *order, sn_index *batched,
-                         sn_error *error) {
-    batcher b = {count, size, points, SN_NEW(sn_index, count), SN_NEW(sn_index, point_count), 0};
+sn_status sn_batch_order(const sn_point_rows *rows, sn_index *order, sn_index *batched, sn_error *error) {
+    batcher b = {rows->count, rows->size, rows->points, SN_NEW(sn_index, rows->count), SN_NEW(sn_index, rows->point_count), 0};
     bool made = b.next != NULL && b.stamp != NULL;
-    for (sn_index i = 0; made && i < point_count; i++) b.stamp[i] = SN_NONE;
-    for (sn_index i = 0; made && i < count; i++) b.next[i] = i + 1 < count ? i + 1 : SN_NONE;
+    for (sn_index i = 0; made && i < rows->point_count; i++) b.stamp[i] = SN_NONE;
+    for (sn_index i = 0; made && i < rows->count; i++) b.next[i] = i + 1 < rows->count ? i + 1 : SN_NONE;
     if (made) *batched = fill_order(&b, order);
     free(b.next);
     free(b.stamp);

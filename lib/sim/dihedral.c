@@ -119,7 +119,7 @@ static sn_status cap_rigidity(sn_model_muscle *m, sn_error *error) {
 static sn_status batch_hinges(sn_model_muscle *m, sn_error *error) {
     sn_index n = m->hinge_count, *order = SN_NEW(sn_index, n);
     if (order == NULL) return sn_fail_memory(error, "dihedral rows");
-    sn_status status = sn_batch_order(n, 4, m->hinges->point, m->vertex_count, order, &m->hinge_batched, error);
+    sn_status status = sn_batch_order(&(sn_point_rows){n, 4, m->hinges->point, m->vertex_count}, order, &m->hinge_batched, error);
     if (status == SN_OK) status = sn_batch_sort(m->hinges, n, sizeof *m->hinges, order, error);
     if (status == SN_OK) status = sn_batch_sort(m->hinge_angles, n, sizeof *m->hinge_angles, order, error);
     if (status == SN_OK) status = sn_batch_sort(m->hinge_softness, n, sizeof *m->hinge_softness, order, error);
@@ -290,8 +290,11 @@ static const sn_index *points_of(const sn_model_muscle *m, sn_row_kind kind, sn_
     return m->hinges[row].point;
 }
 
-/* With its lambda. */
-static size_t bytes_of_row(const sn_model_muscle *m) { return sizeof(sn_hinge_row) + (m->hinge_softness != NULL ? 3 : 2) * sizeof(double); }
+/* Rest angle, factor on the softness, lambda. */
+static size_t bytes_of_row(const sn_model_muscle *m) {
+    size_t numbers = (m->hinge_softness != NULL ? 2U : 1U) + (m->quasi_newton ? 0U : 1U);
+    return sizeof(sn_hinge_row) + numbers * sizeof(double);
+}
 
 const sn_row_ops sn_rows_dihedral = {.info = {"dihedral", "error of dihedral angles, rad", "no angle", 4, .inside = false},
                                      .guarded = true,

@@ -124,28 +124,38 @@ static void set_factors(const sn_build *build, sn_row_kind kind, sn_index row, s
     if (m->distance_share != NULL) m->distance_share[row] = map_mean(build, build->source->activation_map, p[0], p[1]);
 }
 
+/* An end of a row: its point, and the fibre axis there. */
+typedef struct row_end {
+    sn_index point;
+    sn_vec3 axis;
+} row_end;
+
+static row_end end_at_sample(const sn_build *build, sn_index sample) {
+    return (row_end){build->sample_points[sample], sample_axis(build, sample)};
+}
+
+static row_end end_at_vertex(const sn_build *build, sn_index vertex) { return (row_end){vertex, vertex_axis(build, vertex)}; }
+
 /* Append a row, unless both of its points are carried by bones. area: of the triangles beside it, m^2. */
-static void add_row(const sn_build *build, sn_row_kind kind, sn_index p0, sn_index p1, sn_vec3 f0, sn_vec3 f1, double area) {
+static void add_row(const sn_build *build, sn_row_kind kind, row_end a, row_end b, double area) {
     sn_model_muscle *m = build->model;
-    if (m->inverse_mass[p0] == 0.0 && m->inverse_mass[p1] == 0.0) {
+    if (m->inverse_mass[a.point] == 0.0 && m->inverse_mass[b.point] == 0.0) {
         build->plan->groups[kind].kinematic++;
         return;
     }
     sn_index row = m->distance_start[kind + 1]++;
-    m->distances[row] = (sn_distance_row){{p0, p1}};
-    set_factors(build, kind, row, edge_axis(build->source->law, f0, f1), area);
+    m->distances[row] = (sn_distance_row){{a.point, b.point}};
+    set_factors(build, kind, row, edge_axis(build->source->law, a.axis, b.axis), area);
     double share = m->distance_share != NULL ? m->distance_share[row] : 1.0;
     double a0 = m->contracts ? share * build->source->contraction * build->source->rest_activation : 0.0;
-    sn_law_terms(build->source->law, sn_sub(m->rest[p0], m->rest[p1]), f0, f1, a0, m->distance_terms[row]);
+    sn_law_terms(build->source->law, sn_sub(m->rest[a.point], m->rest[b.point]), a.axis, b.axis, a0, m->distance_terms[row]);
 }
 
 /* Samples to the samples above them. */
 static void add_internal(const sn_build *build) {
-    const sn_index *points = build->sample_points;
     for (sn_index i = 0; i < build->source->rig.structure.sample_count; i++) {
         sn_index parent = build->sample_parents[i];
-        if (parent != SN_NONE)
-            add_row(build, SN_ROWS_INTERNAL, points[parent], points[i], sample_axis(build, parent), sample_axis(build, i), 0.0);
+        if (parent != SN_NONE) add_row(build, SN_ROWS_INTERNAL, end_at_sample(build, parent), end_at_sample(build, i), 0.0);
     }
 }
 
@@ -158,8 +168,7 @@ static void add_radial(const sn_build *build) {
     for (sn_index i = 0; i < run; i++) {
         for (sn_index place = 0; place < PLACES; place++) {
             sn_index v = place * run + i, sample = v < first ? structure->vertex_sample[v] : SN_NONE;
-            if (sample != SN_NONE)
-                add_row(build, SN_ROWS_RADIAL, build->sample_points[sample], v, sample_axis(build, sample), vertex_axis(build, v), 0.0);
+            if (sample != SN_NONE) add_row(build, SN_ROWS_RADIAL, end_at_sample(build, sample), end_at_vertex(build, v), 0.0);
         }
     }
 }
@@ -170,7 +179,7 @@ static void add_mesh(const sn_build *build) {
         const sn_index *v = edge->v;
         double area = 0.0;
         for (int k = 0; k < 2; k++) area += edge->triangle[k] != SN_NONE ? build->model->rest_area[edge->triangle[k]] : 0.0;
-        add_row(build, SN_ROWS_MESH, v[0], v[1], vertex_axis(build, v[0]), vertex_axis(build, v[1]), area);
+        add_row(build, SN_ROWS_MESH, end_at_vertex(build, v[0]), end_at_vertex(build, v[1]), area);
     }
 }
 
@@ -188,7 +197,8 @@ static sn_status batch_kind(const sn_build *build, sn_row_kind kind, sn_index *o
         {m->distance_gain != NULL ? m->distance_gain + begin : NULL, sizeof(double)},
         {m->distance_share != NULL ? m->distance_share + begin : NULL, sizeof(double)},
     };
-    sn_status status = sn_batch_order(count, 2, m->distances[begin].point, m->point_count, order, &m->distance_batched[kind], error);
+    sn_status status =
+        sn_batch_order(&(sn_point_rows){count, 2, m->distances[begin].point, m->point_count}, order, &m->distance_batched[kind], error);
     for (size_t i = 0; status == SN_OK && i < sizeof columns / sizeof *columns; i++)
         status = sn_batch_sort(columns[i].array, count, columns[i].size, order, error);
     if (status == SN_OK && m->single) sn_batch_pair(m->distance_batched[kind], 2, m->distances[begin].point, m->distance_pairs + begin / 4);
@@ -317,21 +327,26 @@ static void errors_of_kind(const sn_model_muscle *m, const sn_muscle_state *s, s
 
 static double least_goal(const sn_model_muscle *m) { return SN_LEAST_GOAL * m->mean_edge; }
 
+/* Of rows: goal lengths, errors over `unit` = the mean edge; a goal below `least` counts as that. */
+typedef struct goals_and_errors {
+    const double *goals, *errors;
+    double unit, least;
+} goals_and_errors;
+
 /* By its error a row is no longer than goal + error x mean edge, to rounding: may one of `lanes` rows be longer over its goal than `ratio`?
  */
-SN_INLINE bool may_be_longer(const double *goals, const double *errors, double unit, double least, double ratio, int lanes) {
-    wide goal = wide_load(goals, lanes), floor = wide_splat(least), slack = wide_splat(1.0 + 1e-12);
-    wide most = slack * (goal + wide_load(errors, lanes) * wide_splat(unit));
+SN_INLINE bool may_be_longer(const goals_and_errors *in, sn_index r, double ratio, int lanes) {
+    wide goal = wide_load(in->goals + r, lanes), floor = wide_splat(in->least), slack = wide_splat(1.0 + 1e-12);
+    wide most = slack * (goal + wide_load(in->errors + r, lanes) * wide_splat(in->unit));
     return wide_any(wide_less(wide_splat(ratio) * wide_select(wide_less(goal, floor), floor, goal), most));
 }
 
 /* The first row from r on that may be longer, to within a batch; end where there is none. */
-SN_WIDE_KERNEL static sn_index next_longer(const double *goals, const double *errors, double unit, double least, double ratio, sn_index r,
-                                           sn_index end) {
+SN_WIDE_KERNEL static sn_index next_longer(const goals_and_errors *in, double ratio, sn_index r, sn_index end) {
     for (; r + WIDE_LANES <= end; r += WIDE_LANES)
-        if (may_be_longer(goals + r, errors + r, unit, least, ratio, WIDE_LANES)) return r;
+        if (may_be_longer(in, r, ratio, WIDE_LANES)) return r;
     for (; r < end; r++)
-        if (may_be_longer(goals + r, errors + r, unit, least, ratio, 1)) return r;
+        if (may_be_longer(in, r, ratio, 1)) return r;
     return end;
 }
 
@@ -342,13 +357,12 @@ static void compare_edge(const sn_model_muscle *m, const sn_muscle_state *s, sn_
     if (ratio > longest->ratio) *longest = (sn_longest_edge){ratio, {p[0], p[1]}};
 }
 
-static void longest_of_kind(const sn_model_muscle *m, const sn_muscle_state *s, sn_row_kind kind, sn_index begin, sn_index end,
-                            const double *errors, sn_longest_edge *longest) {
-    sn_index first = m->distance_start[kind] + begin, count = end - begin;
-    const double *goals = s->inputs->goals + first;
-    double unit = m->mean_edge, least = least_goal(m);
+static void longest_of_kind(const sn_model_muscle *m, const sn_muscle_state *s, sn_row_kind kind, const sn_row_span *span,
+                            sn_longest_edge *longest) {
+    sn_index first = m->distance_start[kind] + span->begin, count = span->end - span->begin;
+    const goals_and_errors in = {s->inputs->goals + first, span->errors, m->mean_edge, least_goal(m)};
     for (sn_index r = 0; r < count; r += SN_BATCH) {
-        r = next_longer(goals, errors, unit, least, longest->ratio, r, count);
+        r = next_longer(&in, longest->ratio, r, count);
         for (sn_index i = r; i < count && i < r + SN_BATCH; i++) compare_edge(m, s, first + i, longest);
     }
 }
@@ -376,10 +390,10 @@ static const sn_index *points_of(const sn_model_muscle *m, sn_row_kind kind, sn_
     return m->distances[m->distance_start[kind] + row].point;
 }
 
-/* With goal and lambda; of an array that is NULL there are none. */
+/* With goal, and lambda under xpbd; of an array that is NULL there are none. */
 static size_t bytes_of_row(const sn_model_muscle *m) {
     const void *extra[] = {m->distance_softness, m->distance_gain, m->distance_share};
-    size_t bytes = sizeof(sn_distance_row) + sizeof(*m->distance_terms) + 2 * sizeof(double);
+    size_t bytes = sizeof(sn_distance_row) + sizeof(*m->distance_terms) + (m->quasi_newton ? 1 : 2) * sizeof(double);
     for (int i = 0; i < 3; i++) bytes += extra[i] != NULL ? sizeof(double) : 0;
     return bytes;
 }

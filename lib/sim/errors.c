@@ -35,7 +35,7 @@ sn_residual sn_rows_residual(const sn_model_muscle *m, const sn_muscle_state *s,
     for (sn_index begin = 0; begin < count; begin += BLOCK) {
         sn_index rows = count - begin < BLOCK ? count - begin : BLOCK;
         ops->errors(m, s, kind, begin, begin + rows, errors);
-        if (longest != NULL) ops->longest(m, s, kind, begin, begin + rows, errors, longest);
+        if (longest != NULL) ops->longest(m, s, kind, &(sn_row_span){begin, begin + rows, errors}, longest);
         for (sn_index i = 0; i < rows; i++) {
             if (ops->guarded && isnan(errors[i])) continue; /* it has no value now */
             sum += errors[i] * errors[i];

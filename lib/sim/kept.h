@@ -13,7 +13,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* ---- a cursor that counts, writes or reads (restart.c) ---------------------------------------------------------------------- */
+/* ---- a cursor that counts, writes or reads (kept.c) ------------------------------------------------------------------------- */
 
 typedef struct sn_cursor {
     const char *from; /* what it reads */
@@ -23,7 +23,7 @@ typedef struct sn_cursor {
 } sn_cursor;
 void sn_cursor_pass(sn_cursor *c, void *data, size_t size);
 
-/* ---- what every number may be (restart.c) ------------------------------------------------------------------------------------ */
+/* ---- what every number may be (kept.c) --------------------------------------------------------------------------------------- */
 
 bool sn_sound_flag(const bool *flag);
 bool sn_sound_flags(const bool *values, size_t count);

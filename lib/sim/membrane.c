@@ -218,10 +218,10 @@ static void errors_of_kind(const sn_model_muscle *m, const sn_muscle_state *s, s
     for (sn_index r = begin; r < end; r++) *errors++ = strain(m, s, r);
 }
 
-/* Ratio of one edge (now, and in the goal shape) that lies between two points. */
-static void compare_edge(const sn_model_muscle *m, sn_vec3 now, double x, double y, sn_index a, sn_index b, sn_longest_edge *longest) {
-    double ratio = sn_norm(now) / fmax(sqrt(x * x + y * y), SN_LEAST_GOAL * m->mean_edge);
-    if (ratio > longest->ratio) *longest = (sn_longest_edge){ratio, {a, b}};
+/* One edge, now and in the goal shape, between two points; least: the goal that any shorter one counts as. */
+static void compare_edge(double now, double goal, double least, const sn_index points[2], sn_longest_edge *longest) {
+    double ratio = now / fmax(goal, least);
+    if (ratio > longest->ratio) *longest = (sn_longest_edge){ratio, {points[0], points[1]}};
 }
 
 /* The edges of the goal shape are the columns of the inverse of D, and their difference. */
@@ -233,17 +233,18 @@ static void compare_edges(const sn_model_muscle *m, const sn_muscle_state *s, sn
     double x1 = scale * goal[3 * n], y1 = -scale * goal[2 * n], x2 = -scale * goal[n], y2 = scale * goal[0];
     sn_vec3 origin = sn_point_position(&s->points[v[0]]);
     sn_vec3 d1 = sn_sub(sn_point_position(&s->points[v[1]]), origin), d2 = sn_sub(sn_point_position(&s->points[v[2]]), origin);
-    compare_edge(m, d1, x1, y1, v[0], v[1], longest);
-    compare_edge(m, d2, x2, y2, v[0], v[2], longest);
-    compare_edge(m, sn_sub(d2, d1), x2 - x1, y2 - y1, v[1], v[2], longest);
+    double x3 = x2 - x1, y3 = y2 - y1, least = SN_LEAST_GOAL * m->mean_edge;
+    compare_edge(sn_norm(d1), sqrt(x1 * x1 + y1 * y1), least, (const sn_index[2]){v[0], v[1]}, longest);
+    compare_edge(sn_norm(d2), sqrt(x2 * x2 + y2 * y2), least, (const sn_index[2]){v[0], v[2]}, longest);
+    compare_edge(sn_norm(sn_sub(d2, d1)), sqrt(x3 * x3 + y3 * y3), least, (const sn_index[2]){v[1], v[2]}, longest);
 }
 
 /* No direction is stretched by more than the root of 1 + 2 |E|, E Green's strain: most triangles need no closer look. */
-static void longest_of_kind(const sn_model_muscle *m, const sn_muscle_state *s, sn_row_kind kind, sn_index begin, sn_index end,
-                            const double *errors, sn_longest_edge *longest) {
+static void longest_of_kind(const sn_model_muscle *m, const sn_muscle_state *s, sn_row_kind kind, const sn_row_span *span,
+                            sn_longest_edge *longest) {
     (void)kind;
-    for (sn_index r = begin; r < end; r++)
-        if (longest->ratio * longest->ratio < (1.0 + 1e-12) * (1.0 + 2.0 * errors[r - begin])) compare_edges(m, s, r, longest);
+    for (sn_index r = span->begin; r < span->end; r++)
+        if (longest->ratio * longest->ratio < (1.0 + 1e-12) * (1.0 + 2.0 * span->errors[r - span->begin])) compare_edges(m, s, r, longest);
 }
 
 /* ---- at another shape -------------------------------------------------------------------------------------------------------- */

@@ -50,8 +50,6 @@ static double longest(sn_index n, const sn_vec3 *a) {
 /* The slot of the pair `age` pairs ago; 0 is the latest. */
 static size_t slot_of(const sn_qn *qn, sn_index age) { return (size_t)((qn->pair_next + SN_QN_MEMORY - 1 - age) % SN_QN_MEMORY); }
 
-void sn_qn_forget_pairs(sn_qn *qn) { qn->pair_count = qn->pair_next = 0; }
-
 static void remember_pair(sn_index count, sn_qn *qn, double length) {
     size_t n = (size_t)count, slot = (size_t)qn->pair_next;
     sn_vec3 *step = qn->pair_steps + slot * n, *change = qn->pair_changes + slot * n;
@@ -86,49 +84,7 @@ static bool find_direction(sn_index n, sn_qn *qn) {
     return true;
 }
 
-/* ---- the matrix ------------------------------------------------------------------------------------------------------------- */
-
-void sn_qn_take_stiffness(const sn_group *g, sn_group_state *s) {
-    sn_qn *qn = sn_qn_of(s);
-    for (sn_index i = 0; i < g->count; i++) {
-        qn->stiffness[i] = s->members[i]->inputs->stiffness;
-        qn->volume_stiffness[i] = g->members[i]->keeps_volume ? sn_row_stiffness(g->members[i], s->members[i], SN_ROWS_VOLUME) : 0.0;
-    }
-}
-
-bool sn_qn_go_by(const sn_group *g, sn_group_state *s, double h, bool *changed) {
-    sn_qn *qn = sn_qn_of(s);
-    sn_quat *turns = qn->turned && g->corotated ? qn->turns : NULL;
-    return sn_preconditioner_update(qn->preconditioner, h, qn->stiffness, turns, qn->factor_stiffness, changed);
-}
-
-void sn_qn_set_volume_rows(const sn_group *g, sn_group_state *s, const sn_vec3 *gradient) {
-    sn_qn *qn = sn_qn_of(s);
-    (void)g;
-    sn_preconditioner_set_volume(qn->preconditioner, gradient, qn->volume_stiffness);
-}
-
-void sn_qn_take_volume_gradient(const sn_group *g, sn_group_state *s) {
-    sn_qn *qn = sn_qn_of(s);
-    if (g->keeps_volume) memcpy(qn->row_gradient, qn->volume_gradient, (size_t)g->point_count * sizeof *qn->row_gradient);
-    sn_qn_set_volume_rows(g, s, qn->row_gradient);
-}
-
-/* From here on the matrix is that of the group as it is torn: near a collapsed triangle the rest shape's is too soft by orders of
- * magnitude, and a step that is too long for one hinge is cut short for all of the muscle. */
-static void take_matrix_here(const sn_group *g, sn_group_state *s, double h) {
-    sn_qn *qn = sn_qn_of(s);
-    if (!sn_preconditioner_stand(qn->preconditioner, s->points, h, qn->stiffness)) sn_qn_stop(s, g, SN_STOP_FAILED);
-    for (sn_index i = 0; i < g->count; i++) s->members[i]->statistics.refactorisations++;
-    sn_qn_take_volume_gradient(g, s);
-}
-
 /* ---- one iteration ------------------------------------------------------------------------------------------------------------ */
-
-double sn_qn_double_area(const sn_point *points, const sn_index *v) {
-    sn_vec3 a = sn_point_position(&points[v[0]]), b = sn_point_position(&points[v[1]]), c = sn_point_position(&points[v[2]]);
-    return sn_norm(sn_area_vector(a, b, c));
-}
 
 /* Does no triangle of a member shrink too much from its points to those of the trial? */
 static bool keeps_areas(const sn_model_muscle *m, const sn_muscle_state *s, const sn_point *trial) {
@@ -245,11 +201,6 @@ static void accept(const sn_group *g, sn_group_state *s, double length) {
     memcpy(qn->gradient, qn->trial_gradient, (size_t)g->point_count * sizeof *qn->gradient);
 }
 
-void sn_qn_stop(sn_group_state *s, const sn_group *g, sn_stop_reason reason) {
-    sn_qn_of(s)->stopped = reason;
-    for (sn_index i = 0; i < g->count; i++) s->members[i]->statistics.stop_reason = reason;
-}
-
 /* The gradient is up to date before and after. */
 static void search_once(const sn_group *g, sn_group_state *s, double h, sn_index iteration) {
     sn_qn *qn = sn_qn_of(s);
@@ -301,7 +252,7 @@ static void iterate(const sn_group *g, sn_group_state *s, const sn_substep *subs
     bool mends = qn->torn && !substep->halved; /* of a step that was halved, that is to help */
     sn_index each = mends ? TORN_EFFORT : qn->torn || qn->abrupt ? ABRUPT_EFFORT : 1;
     for (sn_index i = each * substep->begin; i < each * substep->end && qn->stopped == SN_STOP_ITERATIONS; i++) {
-        if (mends && i % TORN_EFFORT == 0) take_matrix_here(g, s, substep->h);
+        if (mends && i % TORN_EFFORT == 0) sn_qn_take_matrix_here(g, s, substep->h);
         if (qn->stopped == SN_STOP_ITERATIONS) search_once(g, s, substep->h, i);
     }
     leave_residuals(g, s);

@@ -100,6 +100,25 @@ bool sn_preconditioner_apply(sn_preconditioner *p, const sn_vec3 *in, sn_vec3 *o
 void sn_preconditioner_add_jump(const sn_preconditioner *p, const sn_vec3 *jump, const sn_vec3 *volume_gradient,
                                 const double *volume_stiffness, sn_vec3 *in);
 
+/* ---- qn_matrix.c ---- */
+
+void sn_qn_forget_pairs(sn_qn *qn);
+/* No further iteration in this step; SN_STOP_ITERATIONS: there may be. */
+void sn_qn_stop(sn_group_state *s, const sn_group *g, sn_stop_reason reason);
+/* From here on the matrix has the volume rows with this gradient (point_count). */
+void sn_qn_set_volume_rows(const sn_group *g, sn_group_state *s, const sn_vec3 *gradient);
+/* With the gradient of the points that were evaluated last. */
+void sn_qn_take_volume_gradient(const sn_group *g, sn_group_state *s);
+/* Stiffness of each member, and k_V, now. */
+void sn_qn_take_stiffness(const sn_group *g, sn_group_state *s);
+/* The matrix that the step goes by. false: no memory, no factor. */
+bool sn_qn_go_by(const sn_group *g, sn_group_state *s, double h, bool *changed);
+/* From here on the matrix is that of the group as it is torn: near a collapsed triangle the rest shape's is too soft by orders of
+ * magnitude, and a step that is too long for one hinge is cut short for all of the muscle. */
+void sn_qn_take_matrix_here(const sn_group *g, sn_group_state *s, double h);
+/* Twice the area of a triangle. */
+double sn_qn_double_area(const sn_point *points, const sn_index *v);
+
 /* ---- qn_start.c ---- */
 
 /* From the inputs of the step's end to the points where its iterations begin: energy, gradient and matrix are there. false: the step is
@@ -134,19 +153,5 @@ bool sn_qn_tears(const sn_group *g, const sn_group_state *s);
 void sn_qn_go_back(const sn_group *g, sn_group_state *s);
 /* Begin at the trial's points instead where the energy is lower there: energy and gradients are those of the state's points then. */
 void sn_qn_prefer_trial(const sn_group *g, sn_group_state *s, double h);
-
-/* ---- qn.c ---- */
-
-void sn_qn_forget_pairs(sn_qn *qn);
-void sn_qn_stop(sn_group_state *s, const sn_group *g, sn_stop_reason reason);
-/* From here on the matrix has the volume rows with this gradient (point_count). */
-void sn_qn_set_volume_rows(const sn_group *g, sn_group_state *s, const sn_vec3 *gradient);
-/* With the gradient of the points that were evaluated last. */
-void sn_qn_take_volume_gradient(const sn_group *g, sn_group_state *s);
-/* Stiffness of each member, and k_V, now. */
-void sn_qn_take_stiffness(const sn_group *g, sn_group_state *s);
-/* The matrix that the step goes by. false: no memory, no factor. */
-bool sn_qn_go_by(const sn_group *g, sn_group_state *s, double h, bool *changed);
-double sn_qn_double_area(const sn_point *points, const sn_index *v);
 
 #endif

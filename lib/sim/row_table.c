@@ -16,10 +16,6 @@ const sn_row_info *sn_row_info_of(sn_row_kind kind) { return &sn_row_ops_of(kind
 
 const char *sn_row_kind_name(sn_row_kind kind) { return sn_row_info_of(kind)->name; }
 
-bool sn_has_stiffness(const sn_scene_muscle *source, double factor) {
-    return factor > 0.0 && (source->stiffness_relaxed > 0.0 || source->stiffness_active > 0.0);
-}
-
 /* ---- what walks the whole table --------------------------------------------------------------------------------------------- */
 
 double sn_row_stiffness(const sn_model_muscle *m, const sn_muscle_state *s, sn_row_kind kind) {

@@ -73,9 +73,14 @@ void sn_plan_decide(const sn_build *build);
 void sn_plan_count(const sn_build *build);
 
 /* ---- batch.c ---- */
-/* An order of rows of `size` points each, points (count x size): the first *batched rows come in fours that share no point. */
-SN_MUST_CHECK sn_status sn_batch_order(sn_index count, sn_index size, const sn_index *points, sn_index point_count, sn_index *order,
-                                       sn_index *batched, sn_error *error);
+/* Rows of `size` points each: points (count x size), below point_count. */
+typedef struct sn_point_rows {
+    sn_index count, size;
+    const sn_index *points;
+    sn_index point_count;
+} sn_point_rows;
+/* An order of rows: the first *batched come in fours that share no point. order (rows.count) */
+SN_MUST_CHECK sn_status sn_batch_order(const sn_point_rows *rows, sn_index *order, sn_index *batched, sn_error *error);
 /* For rows in that order: pairs (batched / 4), true where a four and the next one share no point either. */
 void sn_batch_pair(sn_index batched, sn_index size, const sn_index *points, bool *pairs);
 /* Put an array (count) of elements of `size` bytes into that order; NULL is fine. */
@@ -110,6 +115,12 @@ SN_MUST_CHECK sn_status sn_samples_build(sn_build *build, sn_error *error);
 void sn_samples_release(sn_build *build); /* what only the builders need */
 
 /* ---- the table of kinds: one source each ---- */
+
+/* Rows begin to end - 1 of a kind, and their errors (end - begin). */
+typedef struct sn_row_span {
+    sn_index begin, end;
+    const double *errors;
+} sn_row_span;
 
 /* The longest edge so far, over its goal. */
 typedef struct sn_longest_edge {
@@ -163,20 +174,24 @@ typedef struct sn_row_ops {
     bool (*linearise)(const sn_model_muscle *m, sn_row_kind kind, const sn_vec3 *at, sn_rest_visit visit, void *user);
     /* |C| of rows begin to end - 1 at the state's points, in the unit of info.errors; NaN: it has no value now. */
     void (*errors)(const sn_model_muscle *m, const sn_muscle_state *s, sn_row_kind kind, sn_index begin, sn_index end, double *errors);
-    /* Kinds that the surface is stretched by: go on with rows begin to end - 1, whose errors are at hand and tell which need a closer look.
-     */
-    void (*longest)(const sn_model_muscle *m, const sn_muscle_state *s, sn_row_kind kind, sn_index begin, sn_index end,
-                    const double *errors, sn_longest_edge *longest);
+    /* Kinds that the surface is stretched by: go on with these rows, whose errors tell which need a closer look. */
+    void (*longest)(const sn_model_muscle *m, const sn_muscle_state *s, sn_row_kind kind, const sn_row_span *span,
+                    sn_longest_edge *longest);
 } sn_row_ops;
 
 #define SN_ROW_OPS(id, name) extern const sn_row_ops sn_rows_##name;
 SN_ROW_LIST(SN_ROW_OPS)
 #undef SN_ROW_OPS
 
-/* ---- row_table.c ---- */
-const sn_row_ops *sn_row_ops_of(sn_row_kind kind);
+/* ---- stiffness.c ---- */
 /* Does a stiffness of this share of the edges' ever differ from 0? */
 bool sn_has_stiffness(const sn_scene_muscle *source, double factor);
+/* k of the edges, N/m: between relaxed and active in log scale; a stiffness of 0 at one end is 0 at every activation but the other end's.
+ */
+double sn_stiffness_at(const sn_model_muscle *m, double activation);
+
+/* ---- row_table.c ---- */
+const sn_row_ops *sn_row_ops_of(sn_row_kind kind);
 /* Stiffness of one kind of rows now, before the factors of single rows; 0 = none. */
 double sn_row_stiffness(const sn_model_muscle *m, const sn_muscle_state *s, sn_row_kind kind);
 /* Energy of one kind of rows at these points, J; its gradient is added. */

@@ -7,16 +7,6 @@
  */
 #include "backend.h"
 
-const sn_backend *sn_backend_of(const sn_scene *scene) {
-    switch (scene->solver.method) {
-    case SN_SOLVER_XPBD:
-        return &sn_backend_xpbd;
-    case SN_SOLVER_QN:
-        return &sn_backend_qn;
-    }
-    return &sn_backend_xpbd;
-}
-
 /* How far into a frame: substeps done, and iterations of the next one. */
 typedef struct moment {
     sn_index substep, iteration;
