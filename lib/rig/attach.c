@@ -402,8 +402,8 @@ static sn_status find_along(const detection *d, double *along, sn_error *error) 
     double *other = SN_NEW(double, mesh->vertex_count);
     sn_status status = other != NULL ? survey_surface(mesh, &d->topology, &survey, error) : sn_fail_memory(error, "attachments");
     if (status == SN_OK) status = find_tips(mesh, &d->topology, survey.main_vertex, NULL, &ends, error);
-    if (status == SN_OK) status = sn_edge_distance(mesh, &d->topology, 1, &ends.end[0], along, NULL, error);
-    if (status == SN_OK) status = sn_edge_distance(mesh, &d->topology, 1, &ends.end[1], other, NULL, error);
+    if (status == SN_OK) status = sn_edge_distance(mesh, &d->topology, 1, &ends.end[0], along, error);
+    if (status == SN_OK) status = sn_edge_distance(mesh, &d->topology, 1, &ends.end[1], other, error);
     for (sn_index v = 0; v < mesh->vertex_count && status == SN_OK; v++) along[v] = along[v] / (along[v] + other[v]);
     free(other);
     return status;

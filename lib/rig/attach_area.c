@@ -213,7 +213,7 @@ static sn_status measure_by_edges(const outline *o, between *b, sn_error *error)
     sn_status status = SN_OK;
     for (sn_index i = 0; i < b->count && status == SN_OK; i++) {
         sn_index start = corner_near(mesh, o->landmark[i].triangle, o->landmark[i].point);
-        status = sn_edge_distance(mesh, o->ground->topology, 1, &start, distance, NULL, error);
+        status = sn_edge_distance(mesh, o->ground->topology, 1, &start, distance, error);
         for (sn_index j = 0; j < b->count && status == SN_OK; j++) {
             sn_index end = corner_near(mesh, o->landmark[j].triangle, o->landmark[j].point);
             *pair_length(b, i, j) = fmax(distance[end], sn_distance(o->landmark[i].point, o->landmark[j].point));

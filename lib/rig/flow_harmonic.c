@@ -38,7 +38,7 @@ sn_status harmonic_directions(const sn_muscle *muscle, const sn_topology *topolo
     if (!u) status = sn_fail_memory(error, "the field between the muscle's ends");
     if (!status) status = find_ends(muscle, topology, params, &e, error);
     *source = e.source;
-    if (!status) status = sn_harmonic_field(mesh, topology, e.count, e.vertices, e.values, u, error);
+    if (!status) status = sn_harmonic_field(mesh, topology, &(sn_fixed_values){e.count, e.vertices, e.values}, u, error);
     for (sn_index v = 0; v < mesh->vertex_count; v++) directions[v] = sn_v3(0, 0, 0);
     for (sn_index t = 0; !status && t < mesh->triangle_count; t++) add_gradient(mesh, mesh->triangles[t], u, directions);
     if (!status &&

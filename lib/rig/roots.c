@@ -45,7 +45,7 @@ static sn_status harmonic_between(selection *s, bool known, double *u, sn_error 
     sn_status status = ends_alloc(s->mesh->vertex_count, &e, error);
     if (!status) status = find_ends(s, known, &e, error);
     s->report.ends = e.source;
-    if (!status) status = sn_harmonic_field(s->mesh, &s->topology, e.count, e.vertices, e.values, u, error);
+    if (!status) status = sn_harmonic_field(s->mesh, &s->topology, &(sn_fixed_values){e.count, e.vertices, e.values}, u, error);
     if (!status &&
         SN_TRACE(s->trace, "field", sn_trace_text("ends", sn_ends_source_names[e.source]), sn_trace_indices("fixed", e.vertices, e.count)))
         status = SN_STOPPED;

@@ -14,8 +14,8 @@ sn_status show_bones(sn_view *view, const sn_scene *scene, double time, sn_error
     sn_status status = SN_OK;
     for (sn_index i = 0; i < scene->bone_count && !status; i++) {
         const sn_scene_bone *bone = &scene->bones[i];
-        const sn_rigid *pose = bone->joint == SN_NONE ? NULL : &poses[bone->joint];
-        if (bone->mesh.triangle_count > 0) status = sn_view_add_bone(view, NULL, &bone->mesh, bone->meters_per_unit, pose, error);
+        const sn_placement placement = {bone->meters_per_unit, bone->joint == SN_NONE ? NULL : &poses[bone->joint]};
+        if (bone->mesh.triangle_count > 0) status = sn_view_add_bone(view, NULL, &bone->mesh, placement, error);
     }
     free(poses);
     return status;
