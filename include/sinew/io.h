@@ -16,8 +16,8 @@
 /* ---- bytes (lib/io/stream.c) ---------------------------------------------------------------------------------------- */
 
 typedef struct sn_blob {
-    char *name;  /* as the user gave it; "<stdin>" for "-" */
-    char *data;  /* size bytes and a terminating 0 */
+    char *name; /* as the user gave it; "<stdin>" for "-" */
+    char *data; /* size bytes and a terminating 0 */
     size_t size;
 } sn_blob;
 SN_MUST_CHECK sn_status sn_blob_read(const char *path, sn_blob *out, sn_error *error); /* files and pipes; a directory is an error */
@@ -33,7 +33,7 @@ sn_status sn_output_print(sn_output *output, const char *format, ...) SN_PRINTF(
 sn_status sn_output_patch(sn_output *output, uint64_t offset, const void *data, size_t size, sn_error *error);
 bool sn_output_is_terminal(const sn_output *output);
 SN_MUST_CHECK sn_status sn_output_commit(sn_output *output, sn_error *error); /* flush, close checked, rename; frees output */
-void sn_output_abort(sn_output *output); /* nothing appears; frees output; NULL is fine */
+void sn_output_abort(sn_output *output);                                      /* nothing appears; frees output; NULL is fine */
 
 /* ---- JSON out (lib/io/json_write.c): a streaming writer over an output ------------------------------------------------ */
 
@@ -42,7 +42,7 @@ sn_json *sn_json_begin(sn_output *output, bool pretty); /* NULL = out of memory;
 /* key is NULL inside arrays and at the top. */
 void sn_json_object(sn_json *json, const char *key);
 void sn_json_array(sn_json *json, const char *key);
-void sn_json_close(sn_json *json); /* the innermost object or array */
+void sn_json_close(sn_json *json);                                 /* the innermost object or array */
 void sn_json_number(sn_json *json, const char *key, double value); /* NaN and infinity become null */
 void sn_json_integer(sn_json *json, const char *key, int64_t value);
 void sn_json_text(sn_json *json, const char *key, const char *text); /* NULL becomes null; bytes that are not UTF-8 become U+FFFD */
@@ -57,16 +57,20 @@ SN_MUST_CHECK sn_status sn_json_end(sn_json *json, sn_error *error);
 /* ---- meshes (lib/io/mesh_io.c and one file per format) ----------------------------------------------------------------- */
 
 typedef enum sn_mesh_format {
-    SN_MESH_UNKNOWN, SN_MESH_OBJ, SN_MESH_PLY, SN_MESH_STL, SN_MESH_OFF,
+    SN_MESH_UNKNOWN,
+    SN_MESH_OBJ,
+    SN_MESH_PLY,
+    SN_MESH_STL,
+    SN_MESH_OFF,
     SN_MESH_VTK, /* legacy VTK PolyData: read only */
     SN_MESH_VTP  /* VTK XML PolyData */
 } sn_mesh_format;
 typedef enum sn_mesh_encoding { SN_ENCODING_DEFAULT, SN_ENCODING_ASCII, SN_ENCODING_LITTLE, SN_ENCODING_BIG } sn_mesh_encoding;
 
-sn_mesh_format sn_mesh_detect(const sn_blob *blob);                  /* from content; the name decides only where content cannot */
-sn_mesh_format sn_mesh_format_from_name(const char *path);           /* from the extension */
+sn_mesh_format sn_mesh_detect(const sn_blob *blob);        /* from content; the name decides only where content cannot */
+sn_mesh_format sn_mesh_format_from_name(const char *path); /* from the extension */
 const char *sn_mesh_format_name(sn_mesh_format format);
-bool sn_mesh_format_has_attributes(sn_mesh_format format);           /* any: PLY and VTP. OBJ and OFF have colours alone */
+bool sn_mesh_format_has_attributes(sn_mesh_format format); /* any: PLY and VTP. OBJ and OFF have colours alone */
 /* Parse any known format; *out is a mesh with indices in range (polygons fanned); coordinates may be non-finite only if
  * allow_nonfinite. Errors name line (text) or byte offset (binary). */
 SN_MUST_CHECK sn_status sn_mesh_parse(const sn_blob *blob, bool allow_nonfinite, sn_mesh *out, sn_error *error);
@@ -78,8 +82,7 @@ typedef struct sn_mesh_frame {
     sn_up up;
 } sn_mesh_frame;
 /* As sn_mesh_parse, and what the file says of unit and axis; coordinates stay as they are in the file. */
-SN_MUST_CHECK sn_status sn_mesh_parse_frame(const sn_blob *blob, bool allow_nonfinite, sn_mesh *out, sn_mesh_frame *frame,
-                                            sn_error *error);
+SN_MUST_CHECK sn_status sn_mesh_parse_frame(const sn_blob *blob, bool allow_nonfinite, sn_mesh *out, sn_mesh_frame *frame, sn_error *error);
 /* A file; finite coordinates only. frame is nullable. */
 SN_MUST_CHECK sn_status sn_mesh_read(const char *path, sn_mesh *out, sn_mesh_frame *frame, sn_error *error);
 /* Turn y up to z up, where up_y: (x, y, z) becomes (x, -z, y); and scale. */
@@ -123,27 +126,32 @@ typedef struct sn_read_options {
 typedef struct sn_history_entry {
     const char *tool;
     int arg_count;
-    const char *const *args;  /* canonical: long option, value, ...; files as sha256:... */
-    const char *input;        /* "sha256:..." of the tool's input */
+    const char *const *args; /* canonical: long option, value, ...; files as sha256:... */
+    const char *input;       /* "sha256:..." of the tool's input */
 } sn_history_entry;
 
 /* Parse a muscle document, or a bare mesh (then *document is a fresh one). Errors carry line and column. A mesh given by uri is read
  * relative to the document and its hash checked. */
 SN_MUST_CHECK sn_status sn_muscle_parse(const sn_blob *blob, const sn_read_options *options, sn_muscle *out, sn_document **document,
                                         sn_error *error);
-/* Write: sections in `changed` (bits of sn_section) from muscle, the others and unknown members as they were. A changed mesh drops
- * roots, structure, fibers, attachments; changed roots drop structure and fibers; a changed structure drops fibers (each said by the
- * log as a warning). entry (nullable) is appended to the history; keep_history false leaves all of it out. */
-SN_MUST_CHECK sn_status sn_muscle_write(const sn_muscle *muscle, const sn_document *document, unsigned changed,
-                                        const sn_history_entry *entry, bool keep_history, sn_output *output, sn_error *error);
+typedef struct sn_write_options {
+    unsigned changed;              /* bits of sn_section: these from the muscle, the others and unknown members as they were */
+    const sn_history_entry *entry; /* nullable: appended to the history */
+    bool drop_history;             /* leave all of it out */
+} sn_write_options;
+
+/* Write. A changed mesh drops roots, structure, fibers, attachments; changed roots drop structure and fibers; a changed structure drops
+ * fibers (each said by the log as a warning). */
+SN_MUST_CHECK sn_status sn_muscle_write(const sn_muscle *muscle, const sn_document *document, const sn_write_options *options,
+                                        sn_output *output, sn_error *error);
 void sn_document_free(sn_document *document);
 
 /* ---- what a user adds to a muscle (lib/io/sites.c polylines.c) ----------------------------------------------------------------- */
 
 /* Lines "origin X Y Z" and "insertion X Y Z" (blanks, tabs or commas between; # begins a comment); *sites is freed by the caller. */
 SN_MUST_CHECK sn_status sn_sites_read(const char *path, sn_index *count, sn_end_site **sites, sn_error *error);
-/* Fibres: the lines (l) of an OBJ file, or the polylines of a muscle document or of any JSON object {"polylines": [{"points": [x,y,z,...]}]};
- * at least one. Free with sn_fibers_free. */
+/* Fibres: the lines (l) of an OBJ file, or the polylines of a muscle document or of any JSON object {"polylines": [{"points":
+ * [x,y,z,...]}]}; at least one. Free with sn_fibers_free. */
 SN_MUST_CHECK sn_status sn_polylines_read(const char *path, sn_fibers *out, sn_error *error);
 
 /* ---- the scene document (lib/io/scene_document.c) -------------------------------------------------------------------------- */
@@ -189,7 +197,7 @@ SN_MUST_CHECK sn_status sn_pc2_create(const char *path, sn_index point_count, do
                                       sn_error *error);
 SN_MUST_CHECK sn_status sn_pc2_append(sn_pc2 *cache, const sn_vec3 *positions, sn_error *error);
 SN_MUST_CHECK sn_status sn_pc2_commit(sn_pc2 *cache, sn_error *error); /* frees cache */
-void sn_pc2_abort(sn_pc2 *cache);                                     /* frees cache; NULL is fine */
+void sn_pc2_abort(sn_pc2 *cache);                                      /* frees cache; NULL is fine */
 
 typedef struct sn_pc2_data {
     sn_index point_count, sample_count;
