@@ -355,12 +355,14 @@ static sn_status detect(cli *c, sn_muscle *muscle, const pin_list *pins, outcome
         const bone *b = &o->bones.items[i];
         bones[i] = (sn_attach_bone){b->name, &b->mesh, b->list != NULL && strcmp(pair_names[pairs], "nearby") == 0};
     }
+    params.bone_count = (sn_index)o->bones.count;
+    params.bones = bones;
     sn_attachments_free(muscle->attachments, muscle->attachment_count);
-    muscle->attachments = NULL;
-    muscle->attachment_count = 0;
     muscle->has_attachments = true;
-    sn_status status = sn_attach_detect(muscle, (sn_index)o->bones.count, bones, &params, &c->trace, &muscle->attachment_count,
-                                        &muscle->attachments, &o->report, error);
+    sn_attachment_list found;
+    sn_status status = sn_attach_detect(muscle, &params, &c->trace, &found, &o->report, error);
+    muscle->attachment_count = found.count;
+    muscle->attachments = found.items;
     free(bones);
     if (status == SN_OK || status == SN_STOPPED) mark_used(o);
     return status;
@@ -460,8 +462,9 @@ static sn_status find_neighbours(cli *c, sn_muscle *muscle, sn_error *error) {
         muscle->externals = NULL;
         muscle->external_count = 0;
         muscle->has_externals = true;
-        status =
-            sn_find_neighbours(muscle, list.count, list.targets, &params, &c->trace, &muscle->external_count, &muscle->externals, error);
+        params.target_count = list.count;
+        params.targets = list.targets;
+        status = sn_find_neighbours(muscle, &params, &c->trace, &muscle->external_count, &muscle->externals, error);
     }
     free_neighbours(&list);
     return status;

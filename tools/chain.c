@@ -168,7 +168,8 @@ void cli_history_free(cli_history *history) {
 static sn_status write_document(cli *c, const cli_muscle *muscle, unsigned changed, sn_output *output, sn_error *error) {
     cli_history history = {0};
     sn_status status = c->history ? cli_history_make(c, &history, error) : SN_OK;
-    if (status == SN_OK) status = sn_muscle_write(&muscle->muscle, muscle->document, changed, &history.entry, c->history, output, error);
+    const sn_write_options options = {changed, &history.entry, !c->history};
+    if (status == SN_OK) status = sn_muscle_write(&muscle->muscle, muscle->document, &options, output, error);
     cli_history_free(&history);
     return status;
 }

@@ -232,8 +232,8 @@ static sn_status make_reference(job *j, sn_error *error) {
      * an equilibrium is crept up to by many steps */
     j->params.tolerance = fmax(j->params.tolerance, fmin((given.equilibrium ? 1e-4 : 1e-2) * given.floor, 1e-5));
     j->params.rest = fmax(j->params.rest, 1e-2 * j->params.tolerance);
-    sn_status status = given.equilibrium ? sn_reference_rest(&j->scene, &j->yardstick, &j->request, &j->params, r, error)
-                                         : sn_reference_motion(&j->scene, &j->yardstick, &j->request, &j->params, r, error);
+    const sn_reference_task task = {&j->scene, &j->yardstick, &j->request, &j->params};
+    sn_status status = given.equilibrium ? sn_reference_rest(&task, r, error) : sn_reference_motion(&task, r, error);
     if (status == SN_OK) say_reference(j);
     return status;
 }
@@ -328,8 +328,8 @@ static sn_status add_motion_point(job *j, const repeated *r, sn_index setting, s
         const sn_rung *rung;
         sn_run_request request = j->request;
         request.most_seconds = INFINITY;
-        sn_status status = sn_reference_solve(&j->scene, &j->yardstick, &request, &j->params, sn_solver_substeps(&j->scene.solver),
-                                              &j->report.reference, &rung, error);
+        const sn_reference_task task = {&j->scene, &j->yardstick, &request, &j->params};
+        sn_status status = sn_reference_solve(&task, sn_solver_substeps(&j->scene.solver), &j->report.reference, &rung, error);
         if (status != SN_OK) return status;
         p.solver = sn_difference_between(&j->yardstick, moments, track->positions, rung->track.positions, NULL);
         s->solved_strain = rung->strain;

@@ -239,9 +239,10 @@ static sn_status save_embedding(const sn_muscle *muscle, outcome *o, sn_error *e
     with.pool = params.pool;
     sn_status status = points != NULL ? SN_OK : sn_fail_memory(error, "the fibres");
     if (status == SN_OK) status = sn_embedding_hash(&muscle->mesh, count, points, &with, hash, error);
-    if (status == SN_OK) status = sn_embedding_build(&muscle->mesh, count, points, &with, &embedding, &o->embedding, error);
+    if (status == SN_OK) status = sn_embedding_build(&muscle->mesh, count, points, &with, &embedding, error);
     if (status == SN_OK) status = write_weights(&embedding, hash, error);
     o->embedded = status == SN_OK;
+    o->embedding = embedding.report;
     sn_embedding_free(&embedding);
     free(points);
     return status;

@@ -89,7 +89,7 @@ static sn_status build_weights(const fiber_run *run, const sn_mesh *mesh, fiber_
     sn_embedding_params params = sn_embedding_defaults();
     params.cut = run->with.cut;
     params.pool = run->pool;
-    return sn_embedding_build(mesh, f->bundle.point_count, f->bundle.points, &params, &f->embedding, &f->report, error);
+    return sn_embedding_build(mesh, f->bundle.point_count, f->bundle.points, &params, &f->embedding, error);
 }
 
 static sn_status find_weights(const fiber_run *run, const cli *c, const sn_mesh *mesh, fiber_muscle *f, sn_error *error) {
@@ -144,18 +144,17 @@ static sn_status look_for_fibers(const sn_model *model, sn_error *error) {
     return sn_fail(error, SN_ERROR_INPUT, "no muscle of the scene has fibres to carry; fiber-fill makes them");
 }
 
-sn_status fibers_bind(fiber_run *run, const cli *c, const fiber_choices *with, const sn_scene *scene, const sn_model *model, sn_pool *pool,
-                      sn_error *error) {
+sn_status fibers_bind(fiber_run *run, const cli *c, const fiber_choices *with, const sn_model *model, sn_pool *pool, sn_error *error) {
     if (!fibers_wanted(c, with)) return SN_OK;
     double started = cli_seconds();
-    *run = (fiber_run){.with = *with, .scene = scene, .model = model, .pool = pool};
+    *run = (fiber_run){.with = *with, .scene = model->scene, .model = model, .pool = pool};
     sn_status status = look_for_fibers(model, error);
     if (status == SN_OK && with->cache != NULL) status = make_cache_folder(with->cache, error);
     if (status != SN_OK) return status;
     run->muscles = SN_NEW(fiber_muscle, model->muscle_count);
-    run->poses = SN_NEW(sn_rigid, scene->motion.joint_count);
+    run->poses = SN_NEW(sn_rigid, run->scene->motion.joint_count);
     if (run->muscles == NULL || run->poses == NULL) return sn_fail_memory(error, "the fibres");
-    if (with->penetration) status = sn_bone_probe_create(scene, &run->probe, error);
+    if (with->penetration) status = sn_bone_probe_create(run->scene, &run->probe, error);
     for (sn_index i = 0; i < model->muscle_count && status == SN_OK; i++) status = bind_muscle(run, c, i, error);
     run->bind_seconds = cli_seconds() - started;
     return status;
@@ -421,9 +420,9 @@ static void plan_weights(const fiber_run *run, const fiber_muscle *f, sn_json *j
     sn_json_number(json, "cut", run->with.cut);
     if (f->cached) sn_json_bool(json, "cached", true);
     if (f->cached) return; /* what was dropped was known when they were made */
-    sn_json_number(json, "droppedMean", f->report.dropped_mean);
-    sn_json_number(json, "droppedWorst", f->report.dropped_worst);
-    sn_json_number(json, "affineError", f->report.error);
+    sn_json_number(json, "droppedMean", f->embedding.report.dropped_mean);
+    sn_json_number(json, "droppedWorst", f->embedding.report.dropped_worst);
+    sn_json_number(json, "affineError", f->embedding.report.error);
 }
 
 void fibers_plan(const fiber_run *run, const sn_state *state, sn_index muscle, sn_json *json) {

@@ -27,8 +27,7 @@ typedef struct fiber_choices {
 typedef struct fiber_muscle {
     sn_fiber_bundle bundle;
     sn_embedding embedding;
-    sn_embedding_report report;
-    bool cached;        /* the weights came from the cache: the report knows only how many they are */
+    bool cached;        /* the weights came from the cache: their report is empty */
     sn_vec3 *positions; /* (vertex_count) of the surface */
     sn_vec3 *points;    /* (point_count) that follow it */
     double *lengths;    /* (fiber_count) document units */
@@ -57,9 +56,9 @@ typedef struct fiber_run {
 /* Did an option ask for fibres? Options that make no sense together are wrong usage and exit. */
 bool fibers_wanted(const cli *c, const fiber_choices *with);
 /* Bind the fibres of all muscles to their surfaces. SN_ERROR_INPUT where no muscle has any; one without is warned of. The run keeps
- * references to scene, model and pool (nullable). */
-SN_MUST_CHECK sn_status fibers_bind(fiber_run *run, const cli *c, const fiber_choices *with, const sn_scene *scene, const sn_model *model,
-                                    sn_pool *pool, sn_error *error);
+ * references to model and pool (nullable). */
+SN_MUST_CHECK sn_status fibers_bind(fiber_run *run, const cli *c, const fiber_choices *with, const sn_model *model, sn_pool *pool,
+                                    sn_error *error);
 /* Open the table of lengths, of `rows` frames. */
 SN_MUST_CHECK sn_status fibers_open_lengths(fiber_run *run, int64_t rows, sn_error *error);
 /* Open the frames of one muscle from `first` on, beside its own at `path`: its extension, if any, gives way to "-fibers". */

@@ -312,7 +312,7 @@ static sn_status add_muscle(album *a, const sn_blob *blob, const char *path, sn_
     for (size_t i = 0; i < a->bones.count && !status; i++) {
         const bone *b = &a->bones.items[i];
         double unit = b->own_unit > 0.0 ? b->own_unit : muscle.meters_per_unit;
-        status = sn_view_add_bone(&item.view, b->name, &b->mesh, unit, NULL, error);
+        status = sn_view_add_bone(&item.view, b->name, &b->mesh, (sn_placement){unit, NULL}, error);
     }
     sn_muscle_free(&muscle);
     if (!status) return album_add(a, &item, error);
@@ -465,15 +465,16 @@ static sn_status set_frame(const sn_scene *scene, caches *k, int64_t frame, sn_e
     return SN_OK;
 }
 
-static sn_status add_frame(album *a, const sn_scene *scene, caches *k, int64_t frame, bool one, const char *path, sn_error *error) {
+/* scene_path: NULL where the scene has several frames in the album; a lone one has the scene's name, and its moment as the subtitle. */
+static sn_status add_frame(album *a, const sn_scene *scene, caches *k, int64_t frame, const char *scene_path, sn_error *error) {
     content item = {.group = a->group_count};
     double time = (double)frame / scene->rate;
     char text[64];
     snprintf(text, sizeof text, "frame %lld, %.2f s", (long long)frame, time);
-    item.caption = one ? caption_of(path) : sn_strdup(text);
+    item.caption = scene_path ? caption_of(scene_path) : sn_strdup(text);
     sn_status status = item.caption ? set_frame(scene, k, frame, error) : sn_fail_memory(error, "a caption");
     if (!status) status = sn_view_add_scene(&item.view, scene, time, (const sn_vec3 *const *)k->positions, a->show, error);
-    if (!status && one && !(item.view.subtitle = sn_strdup(text))) status = sn_fail_memory(error, "the subtitle");
+    if (!status && scene_path && !(item.view.subtitle = sn_strdup(text))) status = sn_fail_memory(error, "the subtitle");
     if (!status) return album_add(a, &item, error);
     sn_view_free(&item.view);
     free(item.caption);
@@ -550,7 +551,8 @@ static char *state_caption(const sn_state *state) {
 static sn_status add_state(album *a, const stills *s, const sn_state *state, sn_index kind, sn_error *error) {
     content item = {.group = a->group_count, .caption = state_caption(state)};
     sn_status status = item.caption ? SN_OK : sn_fail_memory(error, "a caption");
-    if (!status) status = sn_view_add_state(&item.view, s->model, state, s->kinds.items[kind], s->ranges[kind], a->show, error);
+    const sn_state_look what = {s->kinds.items[kind], s->ranges[kind], a->show};
+    if (!status) status = sn_view_add_state(&item.view, s->model, state, &what, error);
     if (!status) {
         char text[512];
         bool alone = given.states.count == 1 && s->kinds.count == 1;
@@ -586,7 +588,7 @@ static sn_status add_frames(album *a, const sn_scene *scene, const char *path, s
     if (frames.count == 0) frames = (frame_list){1, {scene->first_frame}};
     sn_status status = load_caches(scene, &k, error);
     for (sn_index i = 0; i < frames.count && !status; i++)
-        status = add_frame(a, scene, &k, frames.items[i], frames.count == 1, path, error);
+        status = add_frame(a, scene, &k, frames.items[i], frames.count == 1 ? path : NULL, error);
     caches_free(&k);
     return status;
 }

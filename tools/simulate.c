@@ -545,7 +545,7 @@ static sn_status prepare(job *j, sn_error *error) {
     sn_status status = outcome_start(&j->outcome, j->model, error);
     if (status == SN_OK) status = sn_state_create(j->model, &j->state, error);
     if (status == SN_OK && given.from != NULL) status = read_state(j, error);
-    if (status == SN_OK) status = fibers_bind(&j->fibers, &j->c, &given.fibers, &j->scene, j->model, j->pool, error);
+    if (status == SN_OK) status = fibers_bind(&j->fibers, &j->c, &given.fibers, j->model, j->pool, error);
     if (status == SN_OK) status = fibers_open_lengths(&j->fibers, rows_to_write(j), error);
     if (status == SN_OK) status = open_targets(j, error);
     if (status == SN_OK) status = sn_output_open(given.log, true, &j->log, error);
@@ -653,7 +653,7 @@ static sn_status print_plan(job *j, sn_error *error) {
     sn_output *output = NULL;
     sn_status status = sn_state_create(j->model, &j->state, error);
     if (status == SN_OK && (j->pool = sn_pool_create(j->scene.solver.threads)) == NULL) status = sn_fail_memory(error, "threads");
-    if (status == SN_OK) status = fibers_bind(&j->fibers, &j->c, &given.fibers, &j->scene, j->model, j->pool, error);
+    if (status == SN_OK) status = fibers_bind(&j->fibers, &j->c, &given.fibers, j->model, j->pool, error);
     if (status == SN_OK) status = sn_output_open("-", false, &output, error);
     if (status != SN_OK) return status;
     sn_json *json = sn_json_begin(output, true);

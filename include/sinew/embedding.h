@@ -18,11 +18,6 @@ typedef struct sn_embedding_row {
     double *weights;    /* (count) */
 } sn_embedding_row;
 
-typedef struct sn_embedding {
-    sn_index point_count, vertex_count;
-    sn_embedding_row *rows; /* (point_count) */
-} sn_embedding;
-
 typedef struct sn_embedding_params {
     double near;   /* a point nearer to the surface than this share of the box diagonal hangs on its closest triangle; default 1e-7.
                       There the formulas divide by the sines of angles near 0 and pi */
@@ -39,11 +34,17 @@ typedef struct sn_embedding_report {
     double dropped_worst; /* do moves the point by at most dropped x d less or more than all weights would; 0 without a cut */
 } sn_embedding_report;
 
+typedef struct sn_embedding {
+    sn_index point_count, vertex_count;
+    sn_embedding_row *rows;     /* (point_count) */
+    sn_embedding_report report; /* of how it was built; zeros in one that was read */
+} sn_embedding;
+
 sn_embedding_params sn_embedding_defaults(void);
 /* Weights of `count` points. The surface should be closed, the points inside; outside, too, the weights are right unless they vanish in
  * sum (SN_ERROR_INPUT). The same bits for any number of threads. */
 SN_MUST_CHECK sn_status sn_embedding_build(const sn_mesh *mesh, sn_index count, const sn_vec3 *points, const sn_embedding_params *params,
-                                           sn_embedding *out, sn_embedding_report *report, sn_error *error);
+                                           sn_embedding *out, sn_error *error);
 /* points (point_count) = sum w_j positions_j; positions (vertex_count). pool may be NULL. */
 void sn_embedding_apply(const sn_embedding *embedding, const sn_vec3 *positions, sn_pool *pool, sn_vec3 *points);
 /* Names what the weights depend on: surface, points and params. */

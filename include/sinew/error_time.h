@@ -103,6 +103,14 @@ typedef struct sn_reference_params {
 } sn_reference_params;
 sn_reference_params sn_reference_defaults(void);
 
+/* What a reference is made for. */
+typedef struct sn_reference_task {
+    sn_scene *scene; /* its solver settings are changed */
+    const sn_yardstick *yardstick;
+    const sn_run_request *request;
+    const sn_reference_params *params;
+} sn_reference_task;
+
 /* Extrapolation is trusted where the observed order is within these. */
 #define SN_ORDER_LOW 0.8
 #define SN_ORDER_HIGH 1.25
@@ -111,15 +119,12 @@ sn_reference_params sn_reference_defaults(void);
 
 /* h -> 0: rungs of 1, 2, 4, ... substeps until the floor is low enough. The scene's solver settings are
  * then those of the last rung. */
-SN_MUST_CHECK sn_status sn_reference_motion(sn_scene *scene, const sn_yardstick *yardstick, const sn_run_request *request,
-                                            const sn_reference_params *params, sn_reference *out, sn_error *error);
+SN_MUST_CHECK sn_status sn_reference_motion(const sn_reference_task *task, sn_reference *out, sn_error *error);
 /* The equilibrium that the last frame's inputs lead to; its twin comes there with 2 substeps. Its track has one moment. */
-SN_MUST_CHECK sn_status sn_reference_rest(sn_scene *scene, const sn_yardstick *yardstick, const sn_run_request *request,
-                                          const sn_reference_params *params, sn_reference *out, sn_error *error);
+SN_MUST_CHECK sn_status sn_reference_rest(const sn_reference_task *task, sn_reference *out, sn_error *error);
 /* A converged run with so many substeps, appended to the rungs where it is not among them (a rung off the powers of two has no step). */
-SN_MUST_CHECK sn_status sn_reference_solve(sn_scene *scene, const sn_yardstick *yardstick, const sn_run_request *request,
-                                           const sn_reference_params *params, sn_index substeps, sn_reference *reference,
-                                           const sn_rung **out, sn_error *error);
+SN_MUST_CHECK sn_status sn_reference_solve(const sn_reference_task *task, sn_index substeps, sn_reference *reference, const sn_rung **out,
+                                           sn_error *error);
 void sn_reference_free(sn_reference *reference);
 /* track, floor, order of the rungs at hand (their steps and errors too), as sn_reference_motion makes them: for tests. */
 SN_MUST_CHECK sn_status sn_reference_extrapolate(const sn_yardstick *yardstick, sn_reference *reference, sn_error *error);

@@ -115,16 +115,23 @@ sn_vec3 sn_closest_on_triangle(sn_vec3 point, sn_vec3 a, sn_vec3 b, sn_vec3 c, d
 
 /* ---- fields on a surface (lib/geom/field.c eigen.c distance.c geodesic.c) ------------------------------------------------ */
 
+/* What a field is to be at some vertices. */
+typedef struct sn_fixed_values {
+    sn_index count;
+    const sn_index *vertices; /* (count) */
+    const double *values;     /* (count) finite */
+} sn_fixed_values;
+
 /* Harmonic field u (vertex_count) with u = value at the fixed vertices: cotangent Laplacian, weights clamped below at 1e-3.
  * Vertices of components without a fixed vertex get NaN. */
-SN_MUST_CHECK sn_status sn_harmonic_field(const sn_mesh *mesh, const sn_topology *topology, sn_index fixed_count, const sn_index *fixed,
-                                          const double *values, double *u, sn_error *error);
+SN_MUST_CHECK sn_status sn_harmonic_field(const sn_mesh *mesh, const sn_topology *topology, const sn_fixed_values *fixed, double *u,
+                                          sn_error *error);
 /* The Fiedler eigenfunction of the cotangent Laplacian of a surface of one component: its extremes are the far ends of the shape. On entry
  * u (vertex_count) is where the iteration starts, not constant; its sign decides that of the result. */
 SN_MUST_CHECK sn_status sn_fiedler_field(const sn_mesh *mesh, const sn_topology *topology, double *u, sn_error *error);
-/* Shortest path along edges from a set of source vertices (Dijkstra); unreached = INFINITY. from (nullable): previous vertex. */
+/* Shortest distance along edges from a set of source vertices (Dijkstra). distance (vertex_count), unreached = INFINITY. */
 SN_MUST_CHECK sn_status sn_edge_distance(const sn_mesh *mesh, const sn_topology *topology, sn_index source_count, const sn_index *sources,
-                                         double *distance, sn_index *from, sn_error *error);
+                                         double *distance, sn_error *error);
 /* Distance along the surface from a set of source vertices by fast marching (Kimmel, Sethian 1998): exact on flat pieces from a straight
  * line of sources; unlike edge distance it hardly depends on the mesh. distance (vertex_count), unreached = INFINITY. No vertex but a
  * source lies lower than all its neighbours. */

@@ -134,11 +134,16 @@ typedef struct sn_history_entry {
  * relative to the document and its hash checked. */
 SN_MUST_CHECK sn_status sn_muscle_parse(const sn_blob *blob, const sn_read_options *options, sn_muscle *out, sn_document **document,
                                         sn_error *error);
-/* Write: sections in `changed` (bits of sn_section) from muscle, the others and unknown members as they were. A changed mesh drops
- * roots, structure, fibers, attachments; changed roots drop structure and fibers; a changed structure drops fibers (each said by the
- * log as a warning). entry (nullable) is appended to the history; keep_history false leaves all of it out. */
-SN_MUST_CHECK sn_status sn_muscle_write(const sn_muscle *muscle, const sn_document *document, unsigned changed,
-                                        const sn_history_entry *entry, bool keep_history, sn_output *output, sn_error *error);
+typedef struct sn_write_options {
+    unsigned changed;              /* bits of sn_section: these from the muscle, the others and unknown members as they were */
+    const sn_history_entry *entry; /* nullable: appended to the history */
+    bool drop_history;             /* leave all of it out */
+} sn_write_options;
+
+/* Write. A changed mesh drops roots, structure, fibers, attachments; changed roots drop structure and fibers; a changed structure drops
+ * fibers (each said by the log as a warning). */
+SN_MUST_CHECK sn_status sn_muscle_write(const sn_muscle *muscle, const sn_document *document, const sn_write_options *options,
+                                        sn_output *output, sn_error *error);
 void sn_document_free(sn_document *document);
 
 /* ---- what a user adds to a muscle (lib/io/sites.c polylines.c) ----------------------------------------------------------------- */

@@ -220,8 +220,10 @@ typedef struct sn_landmark_area {
 void sn_landmark_areas_free(sn_landmark_area *areas, sn_index count);
 
 typedef struct sn_attach_params {
-    unsigned methods;     /* bits of sn_attach_method; default both; 0 = pins and areas only */
-    double distance;      /* proximity: vertices closer than this; < 0 (default) = 0.1 mean edges with contact, 1 mean edge alone */
+    sn_index bone_count;
+    const sn_attach_bone *bones; /* (bone_count) those that may hold vertices by contact or proximity */
+    unsigned methods;            /* bits of sn_attach_method; default both; 0 = pins and areas only */
+    double distance;             /* proximity: vertices closer than this; < 0 (default) = 0.1 mean edges with contact, 1 mean edge alone */
     sn_index voxels;      /* contact also where the vertex is in a cell that the bone's surface runs through, of about this many cells
                            * in the bone's box ([K21] 3.2); 0 (default) = exact contact only */
     double pair_distance; /* the pair rule: a bone with if_nearby holds vertices only where the muscle penetrates it, or more than */
@@ -258,6 +260,11 @@ typedef struct sn_attach_area {
     double area_share; /* of the muscle's surface */
 } sn_attach_area;
 
+typedef struct sn_attachment_list {
+    sn_index count;
+    sn_attachment *items; /* (count) free with sn_attachments_free */
+} sn_attachment_list;
+
 typedef struct sn_attach_report {
     sn_index pair_count;
     sn_attach_pair *pairs; /* (pair_count) one per bone, in the order given; fewer only where the trace stopped; owned */
@@ -272,9 +279,8 @@ sn_attach_params sn_attach_defaults(void);
 /* A vertex within reach of several bones goes to the nearest (signed distance; ties to the bone given first). Bones with no vertex
  * are left out. Each attached vertex has a reason and a confidence: 1 for pins and areas; else by how deep in or how near the bone it
  * is, lower where another bone is about as near, and halved where the pair looks like a sliding tendon (lib/rig/attach.c).
- * Trace steps: landmark, geodesic, tour, patch; pair, bone. *out (*count) is owned by the caller. */
-SN_MUST_CHECK sn_status sn_attach_detect(const sn_muscle *muscle, sn_index bone_count, const sn_attach_bone *bones,
-                                         const sn_attach_params *params, sn_trace *trace, sn_index *count, sn_attachment **out,
+ * Trace steps: landmark, geodesic, tour, patch; pair, bone. */
+SN_MUST_CHECK sn_status sn_attach_detect(const sn_muscle *muscle, const sn_attach_params *params, sn_trace *trace, sn_attachment_list *out,
                                          sn_attach_report *report, sn_error *error);
 void sn_attach_report_free(sn_attach_report *report);
 
@@ -287,20 +293,21 @@ typedef struct sn_neighbour {
 } sn_neighbour;
 
 typedef struct sn_neighbours_params {
-    double reach;          /* how far a target's surface may be; < 0 (default) = 5 mm */
-    double opposing;       /* surfaces face each other where n . n' < -opposing; default 0.2; n . n' > opposing: held in */
-    double minimum;        /* minimum distance, document units; default 0 */
-    double weights[3];     /* slide, soft, hard in [0,1]; default 1, 0, 0 */
-    const double *maps[3]; /* (vertex_count) instead of a weight, per vertex; nullable */
-    int threads;           /* 0 = all */
+    sn_index target_count;
+    const sn_neighbour *targets; /* (target_count) names differ */
+    double reach;                /* how far a target's surface may be; < 0 (default) = 5 mm */
+    double opposing;             /* surfaces face each other where n . n' < -opposing; default 0.2; n . n' > opposing: held in */
+    double minimum;              /* minimum distance, document units; default 0 */
+    double weights[3];           /* slide, soft, hard in [0,1]; default 1, 0, 0 */
+    const double *maps[3];       /* (vertex_count) instead of a weight, per vertex; nullable */
+    int threads;                 /* 0 = all */
 } sn_neighbours_params;
 
 sn_neighbours_params sn_neighbours_defaults(void);
 /* For every vertex the closest point on each target within reach: where the normals oppose (deep fascia), or, for a vertex that faces no
  * target, where an envelope's normal agrees (superficial fascia). A trace step for each target. *out (*count) is owned by the caller. */
-SN_MUST_CHECK sn_status sn_find_neighbours(const sn_muscle *muscle, sn_index target_count, const sn_neighbour *targets,
-                                           const sn_neighbours_params *params, sn_trace *trace, sn_index *count, sn_external **out,
-                                           sn_error *error);
+SN_MUST_CHECK sn_status sn_find_neighbours(const sn_muscle *muscle, const sn_neighbours_params *params, sn_trace *trace, sn_index *count,
+                                           sn_external **out, sn_error *error);
 
 /* ---- fibres through the volume (methods.md 5; lib/rig/fiber_fill.c) ----------------------------------------------------------- */
 

@@ -18,11 +18,15 @@ typedef enum sn_function_kind {
     SN_FUNCTION_SPLINE      /* cubic through the knots, straight outside of them: OpenSim's SimmSpline */
 } sn_function_kind;
 typedef struct sn_function sn_function;
-/* x (count; not read for a polynomial) ascending, y (count), both finite and copied; count >= 1, >= 2 with knots. The value is
- * multiplied by scale. The spline is Forsythe, Malcolm and Moler's (1977): its third derivative at each end is that of the cubic through
- * the four points there; three points give a parabola, two a line. */
-SN_MUST_CHECK sn_status sn_function_create(sn_function_kind kind, sn_index count, const double *x, const double *y, double scale,
-                                           sn_function **out, sn_error *error);
+typedef struct sn_function_numbers {
+    sn_index count;  /* >= 1; >= 2 with knots */
+    const double *x; /* (count) ascending, finite; not read for a polynomial */
+    const double *y; /* (count) finite */
+} sn_function_numbers;
+/* Numbers are copied. The value is multiplied by scale. The spline is Forsythe, Malcolm and Moler's (1977): its third derivative at each
+ * end is that of the cubic through the four points there; three points give a parabola, two a line. */
+SN_MUST_CHECK sn_status sn_function_create(sn_function_kind kind, sn_function_numbers numbers, double scale, sn_function **out,
+                                           sn_error *error);
 double sn_function_at(const sn_function *function, double t);
 bool sn_function_constant(const sn_function *function); /* the same value everywhere, by its form */
 bool sn_function_identity(const sn_function *function); /* t itself, but for a constant added */

@@ -31,9 +31,14 @@ SN_MUST_CHECK sn_status sn_image_to_png(const sn_image *image, unsigned char **d
 
 /* ---- text: a stroke font of our own (lib/view/text.c) ---------------------------------------------------------------- */
 
-/* Draw text with its baseline starting at pixel (x, y); size is the height of a capital in pixels, weight the stroke's thickness
- * relative to the font's own (1 = regular, 1.6 = bold). Text is UTF-8; what is outside ASCII shows as a box. */
-void sn_text_draw(sn_image *image, double x, double y, double size, double weight, sn_color color, const char *text);
+typedef struct sn_text_style {
+    double size;   /* height of a capital, pixels */
+    double weight; /* the stroke's thickness relative to the font's own: 1 = regular, 1.6 = bold */
+    sn_color color;
+} sn_text_style;
+
+/* Draw text with its baseline starting at pixel (x, y). Text is UTF-8; what is outside ASCII shows as a box. */
+void sn_text_draw(sn_image *image, double x, double y, sn_text_style style, const char *text);
 double sn_text_width(double size, const char *text); /* pixels */
 
 /* ---- what a picture shows ---------------------------------------------------------------------------------------------- */
@@ -101,10 +106,16 @@ typedef struct sn_view {
 } sn_view;
 
 void sn_view_free(sn_view *view); /* frees what it owns and zeroes it */
-/* Add a copy of a valid mesh, each point turned into pose(meters_per_unit x point); pose NULL = as it is. Colour, opacity 1, gloss 0
- * and no paint; *out (nullable) lets the caller change that and lives until the next mesh is added. */
-SN_MUST_CHECK sn_status sn_view_add_mesh(sn_view *view, const sn_mesh *mesh, double meters_per_unit, const sn_rigid *pose, sn_color color,
-                                         sn_view_mesh **out, sn_error *error);
+/* Where a mesh goes: each point p of it to pose(meters_per_unit x p). */
+typedef struct sn_placement {
+    double meters_per_unit;
+    const sn_rigid *pose; /* metres; NULL = as it lies */
+} sn_placement;
+
+/* Add a copy of a valid mesh. Colour, opacity 1, gloss 0 and no paint; *out (nullable) lets the caller change that and lives until the
+ * next mesh is added. */
+SN_MUST_CHECK sn_status sn_view_add_mesh(sn_view *view, const sn_mesh *mesh, sn_placement placement, sn_color color, sn_view_mesh **out,
+                                         sn_error *error);
 SN_MUST_CHECK sn_status sn_view_add_tube(sn_view *view, sn_view_tube tube, sn_error *error);
 /* Add a line to the legend; one with the same text and colour is not added again. */
 SN_MUST_CHECK sn_status sn_view_add_entry(sn_view *view, sn_view_mark mark, sn_color color, const char *text, sn_error *error);
@@ -122,8 +133,7 @@ sn_color sn_scale_color(double t);
  * subtitle (counts) where there is none yet. */
 SN_MUST_CHECK sn_status sn_view_add_muscle(sn_view *view, const sn_muscle *muscle, unsigned show, sn_error *error);
 /* A bone, as sn_view_add_mesh; name (nullable) goes into the legend. */
-SN_MUST_CHECK sn_status sn_view_add_bone(sn_view *view, const char *name, const sn_mesh *mesh, double meters_per_unit, const sn_rigid *pose,
-                                         sn_error *error);
+SN_MUST_CHECK sn_status sn_view_add_bone(sn_view *view, const char *name, const sn_mesh *mesh, sn_placement placement, sn_error *error);
 
 /* A scene at a time in seconds: bones in their pose, muscles coloured by activation. positions (nullable; muscle_count; entries
  * nullable): the muscle's vertices at that time, in metres; without, the muscle is at rest. SN_SHOW_AUTO is surfaces and bones here;
@@ -132,13 +142,20 @@ SN_MUST_CHECK sn_status sn_view_add_bone(sn_view *view, const char *name, const 
 SN_MUST_CHECK sn_status sn_view_add_scene(sn_view *view, const sn_scene *scene, double time, const sn_vec3 *const *positions, unsigned show,
                                           sn_error *error);
 
+/* What of a state is shown. */
+typedef struct sn_state_look {
+    sn_row_kind kind;
+    double range;  /* the end of the scale of colours; NaN = sn_view_state_range */
+    unsigned show; /* bits of sn_view_show */
+} sn_state_look;
+
 /* The muscles of a simulation at a state's points, coloured by the error |C| of their rows of one kind (sim.h: units of
  * sn_statistics): the surface by the greatest error of the rows at each vertex, or for internal and radial rows the edges inside a
  * translucent surface. SN_ROWS_VOLUME colours by sn_volume_moves. The worst row has a ring. SN_SHOW_STRUCTURE draws the internal edges
  * under mesh errors too, on the same scale; SN_SHOW_BONES the bones at the state's time; SN_SHOW_AUTO is the surface here.
- * range: the end of the scale; NaN = sn_view_state_range. Sets title and subtitle where there is none yet. */
-SN_MUST_CHECK sn_status sn_view_add_state(sn_view *view, const sn_model *model, const sn_state *state, sn_row_kind kind, double range,
-                                          unsigned show, sn_error *error);
+ * Sets title and subtitle where there is none yet. */
+SN_MUST_CHECK sn_status sn_view_add_state(sn_view *view, const sn_model *model, const sn_state *state, const sn_state_look *look,
+                                          sn_error *error);
 /* A round number at or above 98 of 100 errors of the rows of a kind; above all of them where those are 0; 1 where all are. */
 SN_MUST_CHECK sn_status sn_view_state_range(const sn_model *model, const sn_state *state, sn_row_kind kind, double *range, sn_error *error);
 /* The moment that a state has reached, in frames: a part of one where it was stopped inside a frame. */

@@ -15,9 +15,9 @@ static locale_t c_locale;
 static pthread_once_t c_locale_once = PTHREAD_ONCE_INIT;
 static void make_c_locale(void) { c_locale = newlocale(LC_ALL_MASK, "C", (locale_t)0); }
 
-static double strtod_c(const char *text, char **end) {
+static double strtod_c(const char *text) {
     pthread_once(&c_locale_once, make_c_locale);
-    return c_locale != (locale_t)0 ? strtod_l(text, end, c_locale) : strtod(text, end);
+    return c_locale != (locale_t)0 ? strtod_l(text, NULL, c_locale) : strtod(text, NULL);
 }
 
 static bool is_digit(char c) { return c >= '0' && c <= '9'; }
@@ -87,7 +87,7 @@ static double slow_number(const char *text, const char *end) {
     if (length >= sizeof small && (copy = sn_alloc(length + 1, 1)) == NULL) return NAN;
     memcpy(copy, text, length);
     copy[length] = '\0';
-    double value = strtod_c(copy, NULL);
+    double value = strtod_c(copy);
     if (copy != small) free(copy);
     return value;
 }

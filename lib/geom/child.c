@@ -86,13 +86,11 @@ static void be_child(sn_child_work work, void *user, const sn_child_limits *limi
     _exit(work(user, out) ? 0 : 1);
 }
 
-sn_status sn_child_run(sn_child_work work, void *user, const sn_child_limits *limits, void **answer, size_t *count, bool *ended_early,
-                       sn_error *error) {
+sn_status sn_child_run(sn_child_work work, void *user, const sn_child_limits *limits, sn_child_answer *answer, sn_error *error) {
     int ends[2];
     char *bytes = NULL;
-    *answer = NULL;
-    *count = 0;
-    *ended_early = false;
+    size_t size = 0;
+    *answer = (sn_child_answer){0};
     if (pipe(ends) != 0) return sn_fail(error, SN_ERROR_INTERNAL, "no pipe to a child process could be made");
     pid_t child = fork();
     if (child == 0) {
@@ -100,17 +98,17 @@ sn_status sn_child_run(sn_child_work work, void *user, const sn_child_limits *li
         be_child(work, user, limits, ends[1]);
     }
     close(ends[1]);
-    reading how = child > 0 ? read_answer(ends[0], limits, &bytes, count) : READ_FAILED;
+    reading how = child > 0 ? read_answer(ends[0], limits, &bytes, &size) : READ_FAILED;
     close(ends[0]);
     if (child > 0 && how != READ_ALL) kill(child, SIGKILL);
     int code = child > 0 ? reap(child) : -1;
-    *ended_early = how == READ_LATE;
+    answer->ended_early = how == READ_LATE;
     if (how == READ_ALL && code == 0) {
-        *answer = bytes;
+        answer->bytes = bytes;
+        answer->size = size;
         return SN_OK;
     }
     free(bytes);
-    *count = 0;
     if (child < 0) return sn_fail(error, SN_ERROR_INTERNAL, "no child process could be started");
     if (how == READ_LATE) return sn_fail(error, SN_ERROR_INTERNAL, "the work was not done after %g s", limits->seconds);
     return sn_fail(error, SN_ERROR_INTERNAL, "the child process failed");

@@ -15,11 +15,16 @@ typedef struct sn_child_limits {
 /* Runs in the child: do the work and write the answer to the descriptor `out`; false = failed. */
 typedef bool (*sn_child_work)(void *user, int out);
 
-/* Fork, let the child work, and read its answer (*answer: *count bytes, the caller frees it). A child that dies, fails, or takes longer
- * than the limits is ended and gives SN_ERROR_INTERNAL; *ended_early tells that the time was up. The child shares nothing with this
- * process but what it writes, and runs none of its exit handlers. */
-SN_MUST_CHECK sn_status sn_child_run(sn_child_work work, void *user, const sn_child_limits *limits, void **answer, size_t *count,
-                                     bool *ended_early, sn_error *error);
+typedef struct sn_child_answer {
+    void *bytes; /* (size) owned: free() */
+    size_t size;
+    bool ended_early; /* there is none: the time was up */
+} sn_child_answer;
+
+/* Fork, let the child work, and read its answer. A child that dies, fails, or takes longer than the limits is ended and gives
+ * SN_ERROR_INTERNAL and no bytes. The child shares nothing with this process but what it writes, and runs none of its exit handlers. */
+SN_MUST_CHECK sn_status sn_child_run(sn_child_work work, void *user, const sn_child_limits *limits, sn_child_answer *answer,
+                                     sn_error *error);
 /* Write all of it; false = the reader is gone. */
 bool sn_child_write(int out, const void *bytes, size_t count);
 

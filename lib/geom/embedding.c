@@ -346,7 +346,7 @@ static sn_status gather(const binding *b, sn_index chunks, sn_index count, sn_em
 sn_embedding_params sn_embedding_defaults(void) { return (sn_embedding_params){.near = 1e-7}; }
 
 sn_status sn_embedding_build(const sn_mesh *mesh, sn_index count, const sn_vec3 *points, const sn_embedding_params *params,
-                             sn_embedding *out, sn_embedding_report *report, sn_error *error) {
+                             sn_embedding *out, sn_error *error) {
     sn_surface *surface = NULL;
     *out = (sn_embedding){.point_count = count, .vertex_count = mesh->vertex_count};
     sn_status status = check_points(mesh, count, points, params, error);
@@ -363,7 +363,7 @@ sn_status sn_embedding_build(const sn_mesh *mesh, sn_index count, const sn_vec3 
     b.errors = SN_NEW(sn_error, chunks);
     if (b.rows && b.reports && b.errors) {
         sn_parallel_for(params->pool, count, GRAIN, bind_chunk, &b);
-        status = gather(&b, chunks, count, report, error);
+        status = gather(&b, chunks, count, &out->report, error);
     } else {
         status = sn_fail_memory(error, "an embedding");
     }

@@ -56,16 +56,17 @@ static void harmonic_free(harmonic *h) {
     free(h->right);
 }
 
-static sn_status set_fixed(harmonic *h, sn_index count, const sn_index *fixed, const double *values, double *u, sn_error *error) {
+static sn_status set_fixed(harmonic *h, const sn_fixed_values *fixed, double *u, sn_error *error) {
     for (sn_index v = 0; v < h->mesh->vertex_count; v++) {
         h->unknown[v] = UNREACHED;
         u[v] = NAN;
     }
-    for (sn_index i = 0; i < count; i++) {
-        if (fixed[i] < 0 || fixed[i] >= h->mesh->vertex_count || !isfinite(values[i]))
+    for (sn_index i = 0; i < fixed->count; i++) {
+        sn_index v = fixed->vertices[i];
+        if (v < 0 || v >= h->mesh->vertex_count || !isfinite(fixed->values[i]))
             return sn_fail(error, SN_ERROR_INPUT, "fixed value %d of a harmonic field is not finite or not at a vertex", (int)i);
-        h->unknown[fixed[i]] = FIXED;
-        u[fixed[i]] = values[i];
+        h->unknown[v] = FIXED;
+        u[v] = fixed->values[i];
     }
     return SN_OK;
 }
@@ -118,11 +119,10 @@ static sn_status solve_unknowns(harmonic *h, double *u, sn_error *error) {
     return status;
 }
 
-sn_status sn_harmonic_field(const sn_mesh *mesh, const sn_topology *topology, sn_index fixed_count, const sn_index *fixed,
-                            const double *values, double *u, sn_error *error) {
+sn_status sn_harmonic_field(const sn_mesh *mesh, const sn_topology *topology, const sn_fixed_values *fixed, double *u, sn_error *error) {
     harmonic h = {.mesh = mesh, .topology = topology};
     sn_status status = harmonic_alloc(&h) ? SN_OK : sn_fail_memory(error, "a harmonic field");
-    if (!status) status = set_fixed(&h, fixed_count, fixed, values, u, error);
+    if (!status) status = set_fixed(&h, fixed, u, error);
     if (!status) {
         number_unknowns(&h);
         status = solve_unknowns(&h, u, error);

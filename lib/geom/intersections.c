@@ -61,15 +61,16 @@ static sn_status read_told(const char *answer, size_t size, sn_bridge_mesh *out,
 static sn_status remove_in_child(const sn_mesh *mesh, double seconds, sn_mesh *after, bool *ended_early, sn_error *error) {
     sn_bridge_mesh in = {0}, out = {0};
     sn_bridge_frame where;
-    void *answer = NULL;
-    size_t size = 0, count = (size_t)mesh->triangle_count;
+    sn_child_answer answer = {0};
+    size_t count = (size_t)mesh->triangle_count;
     sn_child_limits limits = {seconds, BYTES_FIRST + count * BYTES_EACH, 4096 + MOST_GROWTH * count * sizeof(sn_bridge_mesh)};
     sn_status status = sn_to_bridge(mesh, &in, &where, error);
     if (status == SN_OK) status = sn_bridge_check_indices(mesh, error);
-    if (status == SN_OK) status = sn_child_run(remove_and_tell, &in, &limits, &answer, &size, ended_early, error);
-    if (status == SN_OK) status = read_told(answer, size, &out, error);
+    if (status == SN_OK) status = sn_child_run(remove_and_tell, &in, &limits, &answer, error);
+    if (status == SN_OK) status = read_told(answer.bytes, answer.size, &out, error);
     if (status == SN_OK) status = sn_from_bridge(mesh, &in, &out, where, after, error);
-    free(answer);
+    *ended_early = answer.ended_early;
+    free(answer.bytes);
     sn_bridge_free(&in);
     sn_bridge_free(&out);
     return status;

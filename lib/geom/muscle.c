@@ -259,8 +259,8 @@ static sn_status fail_external(const sn_external *e, const char *what, sn_error 
     return sn_fail(error, SN_ERROR_INPUT, "externals: target '%s' %s", e->target, what);
 }
 
-static bool in_unit_range(const double *values, int count) {
-    for (int i = 0; i < count; i++)
+static bool in_unit_range(const double values[3]) {
+    for (int i = 0; i < 3; i++)
         if (!(values[i] >= 0.0 && values[i] <= 1.0)) return false;
     return true;
 }
@@ -275,10 +275,10 @@ static sn_status check_external(const sn_muscle *muscle, sn_index i, sn_error *e
         if (e->vertices[k] < 0 || e->vertices[k] >= muscle->mesh.vertex_count || (k > 0 && e->vertices[k] <= e->vertices[k - 1]))
             return fail_external(e, "has vertices that do not ascend, or that the mesh does not have", error);
         if (e->triangles[k] < 0) return fail_external(e, "has a triangle that cannot be", error);
-        if (!in_unit_range(b, 3) || fabs(b[0] + b[1] + b[2] - 1.0) > 1e-6)
+        if (!in_unit_range(b) || fabs(b[0] + b[1] + b[2] - 1.0) > 1e-6)
             return fail_external(e, "has barycentric coordinates that are no point of a triangle", error);
         if (!isfinite(e->distances[k]) || !isfinite(e->minimum[k])) return fail_external(e, "has a distance that is not finite", error);
-        if (!in_unit_range(&e->weights[3 * (size_t)k], 3)) return fail_external(e, "has a weight that is not within [0,1]", error);
+        if (!in_unit_range(&e->weights[3 * (size_t)k])) return fail_external(e, "has a weight that is not within [0,1]", error);
     }
     return SN_OK;
 }

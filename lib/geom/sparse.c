@@ -41,13 +41,13 @@ static sn_status check_entries(sn_index n, sn_index entry_count, const sn_entry 
     return SN_OK;
 }
 
-/* Stable counting sort of order[] by the row or column of its entries; start (n + 1) is scratch. */
-static void sort_entries(sn_index n, sn_index count, const sn_entry *entries, sn_index (*key)(sn_entry), sn_index *start,
-                         const sn_index *order, sn_index *sorted) {
-    memset(start, 0, ((size_t)n + 1) * sizeof *start);
-    for (sn_index i = 0; i < count; i++) start[key(entries[i]) + 1]++;
-    for (sn_index k = 0; k < n; k++) start[k + 1] += start[k];
-    for (sn_index i = 0; i < count; i++) {
+/* Stable counting sort of order[] (NULL: as they come) by the row or column of its entries; start (n + 1) is scratch. */
+static void sort_entries(const sn_sparse *s, const sn_entry *entries, sn_index (*key)(sn_entry), sn_index *start, const sn_index *order,
+                         sn_index *sorted) {
+    memset(start, 0, ((size_t)s->n + 1) * sizeof *start);
+    for (sn_index i = 0; i < s->entry_count; i++) start[key(entries[i]) + 1]++;
+    for (sn_index k = 0; k < s->n; k++) start[k + 1] += start[k];
+    for (sn_index i = 0; i < s->entry_count; i++) {
         sn_index e = order ? order[i] : i;
         sorted[start[key(entries[e])]++] = e;
     }
@@ -88,8 +88,8 @@ static bool build_matrix(sn_sparse *s, const sn_entry *entries) {
     s->slot = SN_NEW(sn_index, count);
     sn_index *by_row = SN_NEW(sn_index, count), *sorted = SN_NEW(sn_index, count), *start = SN_NEW(sn_index, (size_t)s->n + 1);
     if (s->slot && by_row && sorted && start) {
-        sort_entries(s->n, s->entry_count, entries, row_of, start, NULL, by_row);
-        sort_entries(s->n, s->entry_count, entries, column_of, start, by_row, sorted);
+        sort_entries(s, entries, row_of, start, NULL, by_row);
+        sort_entries(s, entries, column_of, start, by_row, sorted);
         sn_index used = assign_slots(s->entry_count, entries, sorted, s->slot);
         size_t n = (size_t)s->n;
         s->matrix = cholmod_allocate_sparse(n, n, (size_t)used, true, true, -1, CHOLMOD_REAL, &s->common);

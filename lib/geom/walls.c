@@ -17,6 +17,39 @@ typedef struct patch {
     bool holds;      /* it must stay: an edge carries an even number above two, or the patch twice */
 } patch;
 
+/* What a round of dropping looks at; arrays by patch have a place for every triangle, as a patch's name is one. */
+typedef struct wall_round {
+    const sn_mesh *mesh;
+    const sn_topology *topology;
+    sn_index *name;     /* (triangle_count) of a triangle's patch */
+    sn_index *last;     /* (edge_count) the patch that touched an edge last: meeting it again means that the patch lies on both sides */
+    sn_index *start;    /* (triangle_count + 1) by patch: into members */
+    sn_index *members;  /* (triangle_count) patch by patch */
+    patch *patches;     /* (triangle_count) */
+    bool *taken, *goes; /* (edge_count) by a patch that goes; (triangle_count) by patch */
+} wall_round;
+
+static bool round_alloc(wall_round *r) {
+    size_t triangles = (size_t)r->mesh->triangle_count, edges = (size_t)r->topology->edge_count;
+    r->last = SN_NEW(sn_index, edges);
+    r->start = SN_NEW(sn_index, triangles + 1);
+    r->members = SN_NEW(sn_index, triangles);
+    r->patches = SN_NEW(patch, triangles);
+    r->taken = SN_NEW(bool, edges);
+    r->goes = SN_NEW(bool, triangles);
+    return r->last && r->start && r->members && r->patches && r->taken && r->goes;
+}
+
+static void round_free(wall_round *r) {
+    free(r->name);
+    free(r->last);
+    free(r->start);
+    free(r->members);
+    free(r->patches);
+    free(r->taken);
+    free(r->goes);
+}
+
 static sn_status name_patches(const sn_mesh *mesh, const sn_topology *topology, sn_index **out, sn_error *error) {
     sn_index *name = SN_NEW(sn_index, mesh->triangle_count);
     *out = name;
@@ -35,23 +68,23 @@ static double area_of(const sn_mesh *mesh, sn_index t) {
     return 0.5 * sn_norm(sn_area_vector(mesh->positions[v[0]], mesh->positions[v[1]], mesh->positions[v[2]]));
 }
 
-/* last (edge_count) holds the patch that touched an edge last: meeting it again means the patch lies on both sides. */
-static void measure_patches(const sn_mesh *mesh, const sn_topology *topology, const sn_index *name, sn_index *last, patch *patches) {
-    for (sn_index e = 0; e < topology->edge_count; e++) last[e] = SN_NONE;
-    for (sn_index t = 0; t < mesh->triangle_count; t++) {
-        patch *p = &patches[name[t]];
-        p->name = name[t];
+static void measure_patches(wall_round *r) {
+    const sn_topology *topology = r->topology;
+    for (sn_index e = 0; e < topology->edge_count; e++) r->last[e] = SN_NONE;
+    for (sn_index t = 0; t < r->mesh->triangle_count; t++) {
+        patch *p = &r->patches[r->name[t]];
+        p->name = r->name[t];
         p->triangles++;
-        p->area += area_of(mesh, t);
+        p->area += area_of(r->mesh, t);
     }
-    for (sn_index t = 0; t < mesh->triangle_count; t++) {
-        patch *p = &patches[name[t]];
+    for (sn_index t = 0; t < r->mesh->triangle_count; t++) {
+        patch *p = &r->patches[r->name[t]];
         for (int k = 0; k < 3; k++) {
             sn_index e = topology->triangle_edges[t][k];
             if (e == SN_NONE || topology->edges[e].triangle_count <= 2) continue;
-            if (topology->edges[e].triangle_count % 2 == 0 || last[e] == name[t]) p->holds = true;
+            if (topology->edges[e].triangle_count % 2 == 0 || r->last[e] == p->name) p->holds = true;
             p->joints++;
-            last[e] = name[t];
+            r->last[e] = p->name;
         }
     }
 }
@@ -72,52 +105,43 @@ static sn_index gather(patch *patches, sn_index count) {
     return gathered;
 }
 
-/* Two patches on one edge cannot both go in the same round. taken (edge_count), goes (triangle_count by patch name). */
-static void choose(const sn_topology *topology, const patch *patches, sn_index count, const sn_index *start, const sn_index *members,
-                   bool *taken, bool *goes) {
-    for (sn_index i = 0; i < count; i++) {
-        bool blocked = false;
-        sn_index first = start[patches[i].name], end = start[patches[i].name + 1];
-        for (int mark = 0; mark < 2 && !blocked; mark++) {
-            for (sn_index m = first; m < end; m++) {
-                for (int k = 0; k < 3; k++) {
-                    sn_index e = topology->triangle_edges[members[m]][k];
-                    if (e == SN_NONE || topology->edges[e].triangle_count <= 2) continue;
-                    if (mark == 0)
-                        blocked = blocked || taken[e];
-                    else
-                        taken[e] = true;
-                }
-            }
+/* Does a patch have an edge that is taken? With `take`, its edges with three triangles or more are from then on. */
+static bool patch_blocked(wall_round *r, sn_index name, bool take) {
+    bool blocked = false;
+    for (sn_index m = r->start[name]; m < r->start[name + 1]; m++)
+        for (int k = 0; k < 3; k++) {
+            sn_index e = r->topology->triangle_edges[r->members[m]][k];
+            if (e == SN_NONE || r->topology->edges[e].triangle_count <= 2) continue;
+            blocked = blocked || r->taken[e];
+            if (take) r->taken[e] = true;
         }
-        goes[patches[i].name] = !blocked;
+    return blocked;
+}
+
+/* Two patches on one edge cannot both go in the same round: the first of `count` does. */
+static void choose(wall_round *r, sn_index count) {
+    for (sn_index i = 0; i < count; i++) {
+        sn_index name = r->patches[i].name;
+        r->goes[name] = !patch_blocked(r, name, false);
+        if (r->goes[name]) patch_blocked(r, name, true);
     }
 }
 
 static sn_status drop_round(sn_mesh *mesh, const sn_topology *topology, sn_index *dropped, sn_error *error) {
-    sn_index count = mesh->triangle_count, *name = NULL;
-    sn_status status = name_patches(mesh, topology, &name, error);
+    sn_index count = mesh->triangle_count;
+    wall_round r = {.mesh = mesh, .topology = topology};
+    sn_status status = name_patches(mesh, topology, &r.name, error);
     if (status != SN_OK) return status;
-    sn_index *last = SN_NEW(sn_index, topology->edge_count), *start = SN_NEW(sn_index, (size_t)count + 1),
-             *members = SN_NEW(sn_index, count);
-    patch *patches = SN_NEW(patch, count);
-    bool *taken = SN_NEW(bool, topology->edge_count), *goes = SN_NEW(bool, count), *keep = SN_NEW(bool, count);
-    bool enough = last && start && members && patches && taken && goes && keep;
+    bool *keep = SN_NEW(bool, count), enough = round_alloc(&r) && keep;
     if (enough) {
-        measure_patches(mesh, topology, name, last, patches);
-        sn_counting_sort(count, NULL, name, count, start, members);
-        choose(topology, patches, gather(patches, count), start, members, taken, goes);
-        for (sn_index t = 0; t < count; t++) keep[t] = !goes[name[t]];
+        measure_patches(&r);
+        sn_counting_sort(count, NULL, r.name, count, r.start, r.members);
+        choose(&r, gather(r.patches, count));
+        for (sn_index t = 0; t < count; t++) keep[t] = !r.goes[r.name[t]];
         sn_mesh_keep_triangles(mesh, keep);
         *dropped += count - mesh->triangle_count;
     }
-    free(name);
-    free(last);
-    free(start);
-    free(members);
-    free(patches);
-    free(taken);
-    free(goes);
+    round_free(&r);
     free(keep);
     return enough ? SN_OK : sn_fail_memory(error, "finding walls");
 }

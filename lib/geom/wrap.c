@@ -21,11 +21,13 @@ static sn_status wrap_by_library(const sn_mesh *mesh, double alpha, double offse
     return status;
 }
 
-/* The way from every vertex of the wrap back towards the soup, all but `rest` of the offset: back (vertex_count). */
-static void find_ways_back(const sn_mesh *wrap, const sn_surface *soup, double offset, double rest, sn_vec3 *back) {
+#define REST 0.25 /* share of the offset that is left between soup and wrap */
+
+/* The way from every vertex of the wrap back towards the soup, all but that: back (vertex_count). */
+static void find_ways_back(const sn_mesh *wrap, const sn_surface *soup, double offset, sn_vec3 *back) {
     for (sn_index v = 0; v < wrap->vertex_count; v++) {
         sn_closest closest = sn_surface_closest(soup, wrap->positions[v], INFINITY);
-        double way = fmin(offset * (1.0 - rest), closest.distance - offset * rest);
+        double way = fmin(offset * (1.0 - REST), closest.distance - offset * REST);
         if (!(way > 0.0)) continue; /* zero already */
         back[v] = sn_scale(sn_sub(closest.point, wrap->positions[v]), way / closest.distance);
     }
@@ -33,7 +35,6 @@ static void find_ways_back(const sn_mesh *wrap, const sn_surface *soup, double o
 
 /* Shares of the way back that are tried until no triangles cross; none is the last. */
 static const double tried_shares[] = {1.0, 0.75, 0.5, 0.25};
-#define REST 0.25
 
 static sn_status draw_back(sn_mesh *wrap, const sn_vec3 *back, sn_error *error) {
     sn_mesh drawn;
@@ -70,7 +71,7 @@ sn_status sn_wrap(const sn_mesh *mesh, double alpha, double offset, sn_mesh *out
         if (back == NULL) status = sn_fail_memory(error, "wrapping");
     }
     if (status == SN_OK) {
-        find_ways_back(out, soup, offset, REST, back);
+        find_ways_back(out, soup, offset, back);
         status = draw_back(out, back, error);
     }
     free(back);

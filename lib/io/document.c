@@ -107,7 +107,8 @@ static sn_status parse_groups(const sn_json_value *value, sn_mesh *mesh, sn_erro
         status = sn_json_get_text(&name, &mesh->group_names[i], error);
     }
     if (status != SN_OK) return status;
-    return sn_json_get_indices(&triangles, 1, mesh->triangle_count, SN_NONE, count - 1, NULL, &mesh->triangle_group, error);
+    return sn_json_get_indices(&triangles, (sn_index_rule){1, mesh->triangle_count, SN_NONE, count - 1}, NULL, &mesh->triangle_group,
+                               error);
 }
 
 static sn_status parse_inline_mesh(const sn_json_value *value, sn_mesh *mesh, sn_error *error) {
@@ -120,7 +121,7 @@ static sn_status parse_inline_mesh(const sn_json_value *value, sn_mesh *mesh, sn
     if (status != SN_OK) return status;
     mesh->positions = (sn_vec3 *)coordinates;
     mesh->vertex_count = count / 3;
-    status = sn_json_get_indices(&triangles, 3, -1, 0, mesh->vertex_count - 1, &count, &corners, error);
+    status = sn_json_get_indices(&triangles, (sn_index_rule){3, -1, 0, mesh->vertex_count - 1}, &count, &corners, error);
     if (status != SN_OK) return status;
     mesh->triangles = (sn_triangle *)corners;
     mesh->triangle_count = count / 3;
@@ -172,7 +173,8 @@ static sn_status parse_roots(const sn_json_value *value, sn_index vertex_count, 
     if (!sn_json_has(value)) return SN_OK;
     sn_json_value vertices = sn_json_member(value, "vertices"), rule = sn_json_member(value, "rule");
     sn_status status = sn_json_expect_object(value, error);
-    if (status == SN_OK) status = sn_json_get_indices(&vertices, 1, -1, 0, vertex_count - 1, &roots->count, &roots->vertices, error);
+    if (status == SN_OK)
+        status = sn_json_get_indices(&vertices, (sn_index_rule){1, -1, 0, vertex_count - 1}, &roots->count, &roots->vertices, error);
     if (status == SN_OK) status = sn_json_get_text(&rule, &roots->rule, error);
     return status;
 }
@@ -181,7 +183,7 @@ static sn_status parse_roots(const sn_json_value *value, sn_index vertex_count, 
 static sn_status parse_sample_vertices(const sn_json_value *value, sn_index vertex_count, sn_index sample, sn_index *vertex_sample,
                                        sn_error *error) {
     sn_index count = 0, *vertices = NULL;
-    sn_status status = sn_json_get_indices(value, 1, -1, 0, vertex_count - 1, &count, &vertices, error);
+    sn_status status = sn_json_get_indices(value, (sn_index_rule){1, -1, 0, vertex_count - 1}, &count, &vertices, error);
     for (sn_index i = 0; i < count && status == SN_OK; i++) {
         sn_index *of_vertex = &vertex_sample[vertices[i]];
         if (*of_vertex != SN_NONE)
@@ -289,10 +291,11 @@ static sn_status parse_attachment(const sn_json_value *value, sn_index vertex_co
     if (status == SN_OK) status = sn_json_require(&bone, "the name of a bone", error);
     if (status == SN_OK) status = sn_json_get_text(&bone, &out->bone, error);
     if (status == SN_OK) status = sn_json_get_text(&method, &out->method, error);
-    if (status == SN_OK) status = sn_json_get_indices(&vertices, 1, -1, 0, vertex_count - 1, &out->count, &out->vertices, error);
+    if (status == SN_OK)
+        status = sn_json_get_indices(&vertices, (sn_index_rule){1, -1, 0, vertex_count - 1}, &out->count, &out->vertices, error);
     if (status == SN_OK && sn_json_has(&distances)) status = sn_json_get_numbers(&distances, 1, out->count, NULL, &out->distances, error);
     if (status == SN_OK && sn_json_has(&reasons))
-        status = sn_json_get_indices(&reasons, 1, out->count, 1, SN_REASON_COUNT - 1, NULL, &out->reasons, error);
+        status = sn_json_get_indices(&reasons, (sn_index_rule){1, out->count, 1, SN_REASON_COUNT - 1}, NULL, &out->reasons, error);
     if (status == SN_OK && sn_json_has(&confidence))
         status = sn_json_get_numbers(&confidence, 1, out->count, NULL, &out->confidence, error);
     return status;
@@ -322,10 +325,11 @@ static sn_status parse_external(const sn_json_value *value, sn_index vertex_coun
     if (status == SN_OK) status = sn_json_require(&target, "the name of a muscle or an envelope", error);
     if (status == SN_OK) status = sn_json_get_text(&target, &out->target, error);
     if (status == SN_OK) status = sn_json_get_text(&fascia, &out->fascia, error);
-    if (status == SN_OK) status = sn_json_get_indices(&vertices, 1, -1, 0, vertex_count - 1, &out->count, &out->vertices, error);
+    if (status == SN_OK)
+        status = sn_json_get_indices(&vertices, (sn_index_rule){1, -1, 0, vertex_count - 1}, &out->count, &out->vertices, error);
     if (status == SN_OK && out->count > SN_INDEX_MAX / 3) return sn_json_complain(value, error, "more numbers than sinew can count");
     sn_index count = out->count;
-    if (status == SN_OK) status = sn_json_get_indices(&triangles, 1, count, 0, SN_INDEX_MAX, NULL, &out->triangles, error);
+    if (status == SN_OK) status = sn_json_get_indices(&triangles, (sn_index_rule){1, count, 0, SN_INDEX_MAX}, NULL, &out->triangles, error);
     if (status == SN_OK) status = sn_json_get_numbers(&barycentric, 3, 3 * count, NULL, &out->barycentric, error);
     if (status == SN_OK) status = sn_json_get_numbers(&distances, 1, count, NULL, &out->distances, error);
     if (status == SN_OK) status = sn_json_get_numbers(&minimum, 1, count, NULL, &out->minimum, error);
@@ -713,9 +717,10 @@ void sn_history_write(const sn_json_tree *tree, const sn_history_entry *entry, s
     sn_json_close(json);
 }
 
-sn_status sn_muscle_write(const sn_muscle *muscle, const sn_document *document, unsigned changed, const sn_history_entry *entry,
-                          bool keep_history, sn_output *output, sn_error *error) {
+sn_status sn_muscle_write(const sn_muscle *muscle, const sn_document *document, const sn_write_options *options, sn_output *output,
+                          sn_error *error) {
     const sn_json_tree *tree = tree_of(document);
+    unsigned changed = options->changed;
     unsigned in_tree = sections_in(tree), in_muscle = sn_muscle_sections(muscle);
     unsigned stale = find_stale(in_tree | in_muscle, changed);
     unsigned from_tree = in_tree & ~changed & ~stale, from_muscle = in_muscle & ~stale & (tree != NULL ? changed : ~0U);
@@ -731,7 +736,7 @@ sn_status sn_muscle_write(const sn_muscle *muscle, const sn_document *document, 
     sn_json_number(json, "metersPerUnit", muscle->meters_per_unit);
     status = write_sections(muscle, tree, from_tree, from_muscle, json, error);
     pass_unknown_members(tree, json);
-    if (keep_history) sn_history_write(tree, entry, json);
+    if (!options->drop_history) sn_history_write(tree, options->entry, json);
     sn_status ended = sn_json_end(json, status == SN_OK ? error : NULL);
     return status != SN_OK ? status : ended;
 }

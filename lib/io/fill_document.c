@@ -57,9 +57,11 @@ sn_status sn_fiber_ends_parse(const sn_blob *blob, sn_index vertex_count, sn_fib
     if (status != SN_OK) return status;
     sn_json_value top = sn_json_top(tree), origin = sn_json_member(&top, "origin"), insertion = sn_json_member(&top, "insertion");
     status = sn_json_expect_format(&top, "sinew-fiber-ends", NEWEST_ENDS, error);
-    if (status == SN_OK) status = sn_json_get_indices(&origin, 1, -1, 0, vertex_count - 1, &out->origin_count, &out->origin, error);
     if (status == SN_OK)
-        status = sn_json_get_indices(&insertion, 1, -1, 0, vertex_count - 1, &out->insertion_count, &out->insertion, error);
+        status = sn_json_get_indices(&origin, (sn_index_rule){1, -1, 0, vertex_count - 1}, &out->origin_count, &out->origin, error);
+    if (status == SN_OK)
+        status =
+            sn_json_get_indices(&insertion, (sn_index_rule){1, -1, 0, vertex_count - 1}, &out->insertion_count, &out->insertion, error);
     if (status == SN_OK && (out->origin_count == 0 || out->insertion_count == 0))
         status = sn_json_complain(&top, error, "\"origin\" and \"insertion\" must each list at least one vertex");
     sn_json_tree_free(tree);

@@ -642,15 +642,14 @@ sn_status sn_json_get_numbers(const sn_json_value *value, sn_index multiple, sn_
     return SN_OK;
 }
 
-sn_status sn_json_get_indices(const sn_json_value *value, sn_index multiple, sn_index count, sn_index low, sn_index high,
-                              sn_index *out_count, sn_index **out, sn_error *error) {
+sn_status sn_json_get_indices(const sn_json_value *value, sn_index_rule rule, sn_index *out_count, sn_index **out, sn_error *error) {
     const span *numbers;
-    sn_status status = find_numbers(value, multiple, count, &numbers, error);
+    sn_status status = find_numbers(value, rule.multiple, rule.count, &numbers, error);
     if (status != SN_OK) return status;
     size_t found = numbers != NULL ? numbers->count : 0;
     sn_index *values = SN_NEW(sn_index, found);
     if (values == NULL) return sn_fail_memory(error, "an array of indices");
-    if (numbers != NULL) status = scan_indices(value, numbers, low, high, values, error);
+    if (numbers != NULL) status = scan_indices(value, numbers, rule.low, rule.high, values, error);
     if (status != SN_OK) {
         free(values);
         return status;

@@ -73,9 +73,14 @@ SN_MUST_CHECK sn_status sn_json_get_fixed(const sn_json_value *value, sn_index c
 /* An allocated array: a multiple of `multiple` numbers, or exactly `count` where count >= 0. Required: absent is an error. */
 SN_MUST_CHECK sn_status sn_json_get_numbers(const sn_json_value *value, sn_index multiple, sn_index count, sn_index *out_count,
                                             double **out, sn_error *error);
-/* The same for whole numbers within low..high. */
-SN_MUST_CHECK sn_status sn_json_get_indices(const sn_json_value *value, sn_index multiple, sn_index count, sn_index low, sn_index high,
-                                            sn_index *out_count, sn_index **out, sn_error *error);
+/* What a list of whole numbers must be: as many as above, each within low..high. */
+typedef struct sn_index_rule {
+    sn_index multiple, count;
+    sn_index low, high;
+} sn_index_rule;
+/* The same for whole numbers. */
+SN_MUST_CHECK sn_status sn_json_get_indices(const sn_json_value *value, sn_index_rule rule, sn_index *out_count, sn_index **out,
+                                            sn_error *error);
 
 /* The members "format" and "version" of a document: the right format, and no version newer than we know. */
 SN_MUST_CHECK sn_status sn_json_expect_format(const sn_json_value *top, const char *format, sn_index newest, sn_error *error);

@@ -101,12 +101,21 @@ static bool same(const char *name, cell c) {
     return name == NULL ? c.length == 0 : strlen(name) == c.length && memcmp(name, c.text, c.length) == 0;
 }
 
+/* Reads lines into areas. */
+typedef struct line_reader {
+    const sn_blob *blob;
+    int64_t line; /* under way, from 1 */
+    sn_landmarks *out;
+    size_t capacity; /* of out->areas */
+} line_reader;
+
 /* The area of a line: an old one, or a new one at the end. NULL = out of memory, or too many. */
-static sn_landmark_area *find_area(sn_landmarks *out, size_t *capacity, const cell cells[COLUMNS]) {
+static sn_landmark_area *find_area(line_reader *r, const cell cells[COLUMNS]) {
+    sn_landmarks *out = r->out;
     for (sn_index i = 0; i < out->count; i++)
         if (same(out->areas[i].bone, cells[0]) && same(out->areas[i].name, cells[1])) return &out->areas[i];
     void *areas = out->areas;
-    if (out->count >= MOST_AREAS || !sn_grow(&areas, capacity, (size_t)out->count + 1, sizeof *out->areas)) return NULL;
+    if (out->count >= MOST_AREAS || !sn_grow(&areas, &r->capacity, (size_t)out->count + 1, sizeof *out->areas)) return NULL;
     out->areas = areas;
     sn_landmark_area *area = &out->areas[out->count++];
     *area = (sn_landmark_area){.bone = sn_strndup(cells[0].text, cells[0].length)};
@@ -131,30 +140,29 @@ static bool read_coordinate(cell c, double *out) {
     return c.length > 0 && sn_scan_number(c.text, c.text + c.length, &next, out) && next == c.text + c.length && isfinite(*out);
 }
 
-static sn_status parse_line(sn_landmarks *out, size_t *capacity, const sn_blob *blob, int64_t line, const char *text, const char *end,
-                            sn_error *error) {
+static sn_status parse_line(line_reader *r, const char *text, const char *end, sn_error *error) {
     cell cells[COLUMNS];
     double xyz[3] = {0};
     int count = split_line(text, end, cells);
     if ((count == 1 && cells[0].length == 0) || (cells[0].length > 0 && *cells[0].text == '#')) return SN_OK;
-    if (line == 1 && count >= 2 && same("bone", cells[0])) return SN_OK; /* names of the columns */
+    if (r->line == 1 && count >= 2 && same("bone", cells[0])) return SN_OK; /* names of the columns */
     bool good = count == COLUMNS && cells[0].length > 0;
     for (int k = 0; k < 3 && good; k++) good = read_coordinate(cells[2 + k], &xyz[k]);
     if (!good)
-        return sn_fail_at(error, SN_ERROR_INPUT, blob->name, line, "not a landmark: write bone, area, x, y, z with a tab between them");
-    sn_landmark_area *area = find_area(out, capacity, cells);
+        return sn_fail_at(error, SN_ERROR_INPUT, r->blob->name, r->line,
+                          "not a landmark: write bone, area, x, y, z with a tab between them");
+    sn_landmark_area *area = find_area(r, cells);
     if (area == NULL || !add_landmark(area, sn_v3(xyz[0], xyz[1], xyz[2]))) return sn_fail_memory(error, "landmarks");
     return SN_OK;
 }
 
 static sn_status parse_lines(const sn_blob *blob, sn_landmarks *out, sn_error *error) {
     sn_status status = SN_OK;
-    size_t capacity = 0;
-    int64_t line = 1;
-    for (const char *text = blob->data, *all = text + blob->size; text < all && status == SN_OK; line++) {
+    line_reader r = {.blob = blob, .line = 1, .out = out};
+    for (const char *text = blob->data, *all = text + blob->size; text < all && status == SN_OK; r.line++) {
         const char *end = memchr(text, '\n', (size_t)(all - text));
         if (end == NULL) end = all;
-        status = parse_line(out, &capacity, blob, line, text, end, error);
+        status = parse_line(&r, text, end, error);
         text = end + 1;
     }
     return status;

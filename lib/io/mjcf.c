@@ -155,7 +155,7 @@ static sn_status read_rotation(const mjcf *m, sn_index element, sn_span childcla
         sn_span text = look_up(m, element, childclass, ways[i].name);
         double numbers[6] = {0};
         if (text.length == 0) continue;
-        sn_status status = sn_xml_numbers(m->tree, element, ways[i].name, text, ways[i].count, numbers, m->error);
+        sn_status status = sn_xml_numbers((sn_xml_value){m->tree, element, ways[i].name, text}, ways[i].count, numbers, m->error);
         if (status == SN_OK && !make_rotation(m, i, numbers, out))
             return sn_xml_fail(m->tree, element, m->error, "%s: no orientation is given by a vector without length", ways[i].name);
         return status;
@@ -163,9 +163,13 @@ static sn_status read_rotation(const mjcf *m, sn_index element, sn_span childcla
     return SN_OK;
 }
 
+static sn_xml_value find_value(const mjcf *m, sn_index element, sn_span childclass, const char *name) {
+    return (sn_xml_value){m->tree, element, name, look_up(m, element, childclass, name)};
+}
+
 static sn_status read_vec3(const mjcf *m, sn_index element, sn_span childclass, const char *name, sn_vec3 *out) {
     double xyz[3] = {out->x, out->y, out->z};
-    sn_status status = sn_xml_numbers(m->tree, element, name, look_up(m, element, childclass, name), 3, xyz, m->error);
+    sn_status status = sn_xml_numbers(find_value(m, element, childclass, name), 3, xyz, m->error);
     *out = sn_v3(xyz[0], xyz[1], xyz[2]);
     return status;
 }
@@ -245,7 +249,7 @@ static sn_status read_range(const mjcf *m, sn_index element, sn_span childclass,
     sn_span limited = look_up(m, element, childclass, "limited"), range = look_up(m, element, childclass, "range");
     double ends[2] = {0, 0};
     if (range.length == 0 || sn_span_is(limited, "false") || (limited.text == NULL && !m->auto_limits)) return SN_OK;
-    sn_status status = sn_xml_numbers(m->tree, element, "range", range, 2, ends, m->error);
+    sn_status status = sn_xml_numbers((sn_xml_value){m->tree, element, "range", range}, 2, ends, m->error);
     if (status != SN_OK) return status;
     if (ends[0] > ends[1]) return sn_xml_fail(m->tree, element, m->error, "the range is upside down");
     c->low = c->angular ? angle(m, ends[0]) : ends[0];
@@ -261,15 +265,15 @@ static sn_status add_axis(mjcf *m, sn_index element, sn_index body, const scope 
     sn_move move = {.kind = turns ? SN_MOVE_TURN : SN_MOVE_SHIFT, .coordinates = {m->out->coordinate_count}};
     sn_status status = add_coordinate(m, element, "", turns, &c);
     if (status == SN_OK) status = read_vec3(m, element, s->childclass, "axis", &axis);
-    if (status == SN_OK)
-        status = sn_xml_numbers(m->tree, element, "ref", look_up(m, element, s->childclass, "ref"), 1, &reference, m->error);
+    if (status == SN_OK) status = sn_xml_numbers(find_value(m, element, s->childclass, "ref"), 1, &reference, m->error);
     if (status == SN_OK && c != NULL) status = read_range(m, element, s->childclass, c);
     if (status != SN_OK || c == NULL) return status;
     move.axis = sn_normalize(sn_quat_rotate(s->frame.rotation, axis));
     if (!(sn_norm2(move.axis) > 0.0)) return sn_xml_fail(m->tree, element, m->error, "the axis has no length");
     c->rest = turns ? angle(m, reference) : reference;
     const double line[] = {1.0, -c->rest};
-    if (c->rest != 0.0) status = sn_function_create(SN_FUNCTION_POLYNOMIAL, 2, NULL, line, 1.0, &move.function, m->error);
+    if (c->rest != 0.0)
+        status = sn_function_create(SN_FUNCTION_POLYNOMIAL, (sn_function_numbers){2, NULL, line}, 1.0, &move.function, m->error);
     return status == SN_OK ? sn_skeleton_add_move(&m->out->bodies[body], move, m->error) : status;
 }
 
@@ -433,7 +437,7 @@ static sn_status read_compiler(mjcf *m, sn_index element) {
     }
     if (folder.text == NULL) folder = assets;
     if (folder.text != NULL) m->mesh_folder = folder;
-    return sn_xml_bool(tree, element, "autolimits", sn_xml_attribute_text(tree, element, "autolimits"), &m->auto_limits, m->error);
+    return sn_xml_bool(sn_xml_attribute_value(tree, element, "autolimits"), &m->auto_limits, m->error);
 }
 
 static sn_status read_model(mjcf *m) {

@@ -13,7 +13,8 @@ enum { DEEPEST_FRAME = 32 };
 sn_status sn_osim_vec3(const sn_osim *o, sn_index element, const char *name, sn_vec3 *out) {
     double xyz[3] = {out->x, out->y, out->z};
     sn_index child = sn_xml_child(o->tree, element, name);
-    sn_status status = sn_xml_numbers(o->tree, child != SN_NONE ? child : element, name, sn_xml_text(o->tree, child), 3, xyz, o->error);
+    const sn_xml_value value = {o->tree, child != SN_NONE ? child : element, name, sn_xml_text(o->tree, child)};
+    sn_status status = sn_xml_numbers(value, 3, xyz, o->error);
     *out = sn_v3(xyz[0], xyz[1], xyz[2]);
     return status;
 }
@@ -341,7 +342,7 @@ static sn_status read_meshes_4(sn_osim *o) {
 /* Version 3: six numbers, rotations about x, y, z and where it is. */
 static sn_status read_transform_3(const sn_osim *o, sn_index element, sn_rigid *out, sn_vec3 *scale) {
     double six[6] = {0};
-    sn_status status = sn_xml_numbers(o->tree, element, "transform", sn_xml_child_text(o->tree, element, "transform"), 6, six, o->error);
+    sn_status status = sn_xml_numbers(sn_xml_child_value(o->tree, element, "transform"), 6, six, o->error);
     *out = (sn_rigid){sn_osim_rotation(sn_v3(six[0], six[1], six[2])), sn_v3(six[3], six[4], six[5])};
     *scale = sn_v3(1, 1, 1);
     return status == SN_OK ? sn_osim_vec3(o, element, "scale_factors", scale) : status;
@@ -386,7 +387,7 @@ static sn_status check_document(const sn_osim *o) {
     double version = 0.0;
     if (!sn_xml_is(o->tree, 0, "OpenSimDocument"))
         return sn_xml_fail(o->tree, 0, o->error, "not an OpenSim document: its root is not OpenSimDocument");
-    sn_status status = sn_xml_numbers(o->tree, 0, "Version", sn_xml_attribute_text(o->tree, 0, "Version"), 1, &version, o->error);
+    sn_status status = sn_xml_numbers(sn_xml_attribute_value(o->tree, 0, "Version"), 1, &version, o->error);
     if (status == SN_OK && version > 0.0 && version < 20000.0)
         return sn_xml_fail(o->tree, 0, o->error, "the document is of version %.0f; open it in OpenSim 3 or 4 and save it again", version);
     if (status == SN_OK && o->model == SN_NONE) return sn_xml_fail(o->tree, 0, o->error, "the document holds no model");

@@ -20,15 +20,16 @@ static sn_status read_polynomial(const sn_xml_tree *tree, sn_index element, cons
     static const double LINE[] = {1.0, 0.0}, NOTHING[] = {0.0};
     sn_index count = 0;
     double *numbers = NULL;
-    sn_status status = sn_xml_all_numbers(tree, element, member, sn_xml_child_text(tree, element, member), &count, &numbers, error);
+    sn_status status = sn_xml_all_numbers(sn_xml_child_value(tree, element, member), &count, &numbers, error);
     if (status != SN_OK) return status;
     bool line = sn_xml_is(tree, element, "LinearFunction"), constant = sn_xml_is(tree, element, "Constant");
     if (count == 0) /* OpenSim's defaults */
-        status = sn_function_create(SN_FUNCTION_POLYNOMIAL, line ? 2 : 1, NULL, line ? LINE : NOTHING, scale, out, error);
+        status =
+            sn_function_create(SN_FUNCTION_POLYNOMIAL, (sn_function_numbers){line ? 2 : 1, NULL, line ? LINE : NOTHING}, scale, out, error);
     else if ((line && count != 2) || (constant && count != 1))
         status = sn_xml_fail(tree, element, error, "%s: %d numbers where %d are needed", member, (int)count, line ? 2 : 1);
     else
-        status = sn_function_create(SN_FUNCTION_POLYNOMIAL, count, NULL, numbers, scale, out, error);
+        status = sn_function_create(SN_FUNCTION_POLYNOMIAL, (sn_function_numbers){count, NULL, numbers}, scale, out, error);
     free(numbers);
     return status;
 }
@@ -38,11 +39,11 @@ static sn_status read_knots(const sn_xml_tree *tree, sn_index element, sn_functi
     sn_index x_count = 0, y_count = 0;
     double *x = NULL, *y = NULL;
     sn_error said = {0}; /* knows no line */
-    sn_status status = sn_xml_all_numbers(tree, element, "x", sn_xml_child_text(tree, element, "x"), &x_count, &x, error);
-    if (status == SN_OK) status = sn_xml_all_numbers(tree, element, "y", sn_xml_child_text(tree, element, "y"), &y_count, &y, error);
+    sn_status status = sn_xml_all_numbers(sn_xml_child_value(tree, element, "x"), &x_count, &x, error);
+    if (status == SN_OK) status = sn_xml_all_numbers(sn_xml_child_value(tree, element, "y"), &y_count, &y, error);
     if (status == SN_OK && x_count != y_count)
         status = sn_xml_fail(tree, element, error, "the function has %d numbers x and %d numbers y", (int)x_count, (int)y_count);
-    if (status == SN_OK && (status = sn_function_create(kind, x_count, x, y, scale, out, &said)) != SN_OK)
+    if (status == SN_OK && (status = sn_function_create(kind, (sn_function_numbers){x_count, x, y}, scale, out, &said)) != SN_OK)
         status = status == SN_ERROR_INPUT ? sn_xml_fail(tree, element, error, "%s", said.text) : sn_fail_memory(error, "a function");
     free(x);
     free(y);
@@ -58,7 +59,7 @@ sn_status sn_osim_read_function(const sn_xml_tree *tree, sn_index element, doubl
     *out = NULL;
     for (int depth = 0; sn_xml_is(tree, element, "MultiplierFunction"); depth++) {
         double factor = 1.0;
-        sn_status status = sn_xml_numbers(tree, element, "scale", sn_xml_child_text(tree, element, "scale"), 1, &factor, error);
+        sn_status status = sn_xml_numbers(sn_xml_child_value(tree, element, "scale"), 1, &factor, error);
         if (status != SN_OK) return status;
         sn_index inner = sn_osim_find_function(tree, element, "function");
         if (inner == SN_NONE || depth == DEEPEST_FUNCTION)

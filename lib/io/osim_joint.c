@@ -54,10 +54,10 @@ static sn_status read_coordinate(joint_reader *r, sn_index element) {
     if (number == 6) return sn_xml_fail(tree, element, o->error, "a joint cannot have more than 6 coordinates");
     sn_status status = make_coordinate(r, sn_xml_attribute_text(tree, element, "name"), number, &c);
     if (status != SN_OK || c == NULL) return status;
-    status = sn_xml_numbers(tree, element, "default_value", sn_xml_child_text(tree, element, "default_value"), 1, &c->rest, o->error);
-    if (status == SN_OK) status = sn_xml_numbers(tree, element, "range", sn_xml_child_text(tree, element, "range"), 2, range, o->error);
-    if (status == SN_OK) status = sn_xml_bool(tree, element, "locked", sn_xml_child_text(tree, element, "locked"), &c->locked, o->error);
-    if (status == SN_OK) status = sn_xml_bool(tree, element, "clamped", sn_xml_child_text(tree, element, "clamped"), &c->clamped, o->error);
+    status = sn_xml_numbers(sn_xml_child_value(tree, element, "default_value"), 1, &c->rest, o->error);
+    if (status == SN_OK) status = sn_xml_numbers(sn_xml_child_value(tree, element, "range"), 2, range, o->error);
+    if (status == SN_OK) status = sn_xml_bool(sn_xml_child_value(tree, element, "locked"), &c->locked, o->error);
+    if (status == SN_OK) status = sn_xml_bool(sn_xml_child_value(tree, element, "clamped"), &c->clamped, o->error);
     if (status == SN_OK && range[0] > range[1]) return sn_xml_fail(tree, element, o->error, "the range is upside down");
     c->low = range[0];
     c->high = range[1];
@@ -149,7 +149,8 @@ static sn_status read_axis_function(const joint_reader *r, sn_index axis, bool m
     static const double LINE[] = {1.0, 0.0}, NOTHING[] = {0.0};
     sn_index element = sn_osim_find_function(r->o->tree, axis, "function");
     if (element != SN_NONE) return sn_osim_read_function(r->o->tree, element, 1.0, out, r->o->error);
-    return sn_function_create(SN_FUNCTION_POLYNOMIAL, moves ? 2 : 1, NULL, moves ? LINE : NOTHING, 1.0, out, r->o->error);
+    return sn_function_create(SN_FUNCTION_POLYNOMIAL, (sn_function_numbers){moves ? 2 : 1, NULL, moves ? LINE : NOTHING}, 1.0, out,
+                              r->o->error);
 }
 
 static sn_status add_fixed(const joint_reader *r, bool turns, sn_vec3 axis, double by) {
@@ -222,7 +223,7 @@ static sn_status reverse_if_asked(const joint_reader *r, sn_index first) {
     const sn_xml_tree *tree = r->o->tree;
     sn_index element = r->joint->element;
     if (sn_xml_child(tree, element, "parent_body") == SN_NONE) return SN_OK;
-    sn_status status = sn_xml_bool(tree, element, "reverse", sn_xml_child_text(tree, element, "reverse"), &reverse, r->o->error);
+    sn_status status = sn_xml_bool(sn_xml_child_value(tree, element, "reverse"), &reverse, r->o->error);
     if (reverse) sn_skeleton_reverse_moves(&r->joint->moves, first, r->joint->moves.move_count);
     return status;
 }
@@ -264,12 +265,11 @@ static sn_status read_coupler(sn_osim *o, sn_index element) {
     double scale = 1.0;
     sn_skeleton_coupler coupler = {0};
     sn_index function = sn_osim_find_function(tree, element, "coupled_coordinates_function");
-    sn_status status = sn_xml_bool(tree, element, "isEnforced", sn_xml_child_text(tree, element, "isEnforced"), &enforced, o->error);
-    if (status == SN_OK)
-        status = sn_xml_bool(tree, element, "isDisabled", sn_xml_child_text(tree, element, "isDisabled"), &disabled, o->error);
+    sn_status status = sn_xml_bool(sn_xml_child_value(tree, element, "isEnforced"), &enforced, o->error);
+    if (status == SN_OK) status = sn_xml_bool(sn_xml_child_value(tree, element, "isDisabled"), &disabled, o->error);
     if (status != SN_OK || !enforced || disabled) return status;
     if (function == SN_NONE) return sn_xml_fail(tree, element, o->error, "a coupler without a function");
-    status = sn_xml_numbers(tree, element, "scale_factor", sn_xml_child_text(tree, element, "scale_factor"), 1, &scale, o->error);
+    status = sn_xml_numbers(sn_xml_child_value(tree, element, "scale_factor"), 1, &scale, o->error);
     if (status == SN_OK) status = find_any_coordinate(o, element, "independent_coordinate_names", &coupler.independent);
     if (status == SN_OK) status = find_any_coordinate(o, element, "dependent_coordinate_name", &coupler.dependent);
     if (status == SN_OK) status = sn_osim_read_function(tree, function, scale, &coupler.function, o->error);

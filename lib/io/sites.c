@@ -25,10 +25,11 @@ static bool take_word(site_reader *r, const char *word) {
     return true;
 }
 
-static bool take_numbers(site_reader *r, double *numbers, int count) {
-    for (int i = 0; i < count; i++) {
+/* The rest of a line: three numbers. */
+static bool take_point(site_reader *r, double point[3]) {
+    for (int i = 0; i < 3; i++) {
         skip_spaces(r);
-        if (!sn_scan_number(r->at, r->end, &r->at, &numbers[i]) || !isfinite(numbers[i])) return false;
+        if (!sn_scan_number(r->at, r->end, &r->at, &point[i]) || !isfinite(point[i])) return false;
     }
     skip_spaces(r);
     return r->at == r->end || *r->at == '\n' || *r->at == '#';
@@ -37,7 +38,7 @@ static bool take_numbers(site_reader *r, double *numbers, int count) {
 static sn_status read_site(site_reader *r, sn_error *error) {
     bool insertion = take_word(r, "insertion");
     double point[3];
-    if ((!insertion && !take_word(r, "origin")) || !take_numbers(r, point, 3))
+    if ((!insertion && !take_word(r, "origin")) || !take_point(r, point))
         return sn_fail_at(error, SN_ERROR_INPUT, r->name, r->line,
                           "a site must be \"origin X Y Z\" or \"insertion X Y Z\", in the muscle's unit");
     if (r->count == SN_INDEX_MAX || !sn_grow((void **)&r->sites, &r->capacity, (size_t)r->count + 1, sizeof *r->sites))

@@ -90,9 +90,9 @@ static sn_status keep_failure(sn_output *output, sn_status code, const char *tex
     return output->failure.code;
 }
 
-static sn_status keep_system_failure(sn_output *output, const char *what) {
+static sn_status keep_system_failure(sn_output *output) {
     char text[256];
-    snprintf(text, sizeof text, "%s: %s", what, strerror(errno));
+    snprintf(text, sizeof text, "cannot be written: %s", strerror(errno));
     return keep_failure(output, SN_ERROR_IO, text);
 }
 
@@ -220,10 +220,10 @@ static bool write_fully(int fd, const char *data, size_t size) {
 /* Hand the first `size` bytes of the buffer to the system. */
 static sn_status flush_bytes(sn_output *output, size_t size) {
     if (output->untruncated) {
-        if (ftruncate(output->fd, 0) != 0) return keep_system_failure(output, "cannot be written");
+        if (ftruncate(output->fd, 0) != 0) return keep_system_failure(output);
         output->untruncated = false;
     }
-    if (!write_fully(output->fd, output->buffer, size)) return keep_system_failure(output, "cannot be written");
+    if (!write_fully(output->fd, output->buffer, size)) return keep_system_failure(output);
     output->written += size;
     output->used -= size;
     if (output->used > 0) memmove(output->buffer, output->buffer + size, output->used);
@@ -282,7 +282,7 @@ sn_status sn_output_patch(sn_output *output, uint64_t offset, const void *data, 
     if (output->hold) {
         memcpy(output->buffer + offset, data, size);
     } else if (output->used == 0 || flush_bytes(output, output->used) == SN_OK) {
-        if (pwrite(output->fd, data, size, (off_t)offset) != (ssize_t)size) keep_system_failure(output, "cannot be written");
+        if (pwrite(output->fd, data, size, (off_t)offset) != (ssize_t)size) keep_system_failure(output);
     }
     return report_failure(output, error);
 }
@@ -308,18 +308,18 @@ static void name_temporary(sn_output *output) {
         errno = reason;
         if (errno != EEXIST) break;
     }
-    keep_system_failure(output, "cannot be written");
+    keep_system_failure(output);
 }
 
 static void replace_target(sn_output *output) {
-    if (fsync(output->fd) != 0) keep_system_failure(output, "cannot be written");
+    if (fsync(output->fd) != 0) keep_system_failure(output);
     if (output->failure.code == SN_OK && !output->temporary) name_temporary(output);
     int fd = output->fd;
     output->fd = -1;
-    if (close(fd) != 0) keep_system_failure(output, "cannot be written");
+    if (close(fd) != 0) keep_system_failure(output);
     if (output->failure.code != SN_OK) return;
     if (rename(output->temporary, output->target) != 0) {
-        keep_system_failure(output, "cannot be written");
+        keep_system_failure(output);
     } else {
         free(output->temporary);
         output->temporary = NULL;
@@ -329,7 +329,7 @@ static void replace_target(sn_output *output) {
 static void finish_in_place(sn_output *output) {
     int fd = output->fd;
     output->fd = -1;
-    if (close(fd) != 0) keep_system_failure(output, "cannot be written");
+    if (close(fd) != 0) keep_system_failure(output);
 }
 
 sn_status sn_output_commit(sn_output *output, sn_error *error) {

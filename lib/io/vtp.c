@@ -255,27 +255,36 @@ static sn_status read_offsets(vtp_file *file, const sn_vtp_array *array, int64_t
     return status;
 }
 
-static sn_status read_corner(vtp_file *file, sn_vtp_values *values, sn_index first, int64_t points) {
+/* Cells of one kind in a piece. */
+typedef struct cell_block {
+    section kind;
+    int64_t count;
+    int64_t *ends;  /* (count) of each cell among the corners */
+    sn_index first; /* vertex of the mesh that is the piece's first point */
+    int64_t points; /* of the piece */
+} cell_block;
+
+static sn_status read_corner(vtp_file *file, sn_vtp_values *values, const cell_block *cells) {
     double vertex = 0.0;
     sn_status status = sn_vtp_next(values, &vertex);
     if (status != SN_OK) return status;
-    if (vertex >= 0.0 && vertex < (double)points && vertex == floor(vertex)) {
-        return sn_reader_add_corner(file->reader, first + (int64_t)vertex);
+    if (vertex >= 0.0 && vertex < (double)cells->points && vertex == floor(vertex)) {
+        return sn_reader_add_corner(file->reader, cells->first + (int64_t)vertex);
     }
-    return sn_reader_fail(file->reader, SN_NONE, "a face names vertex %.17g, but the piece has %lld points", vertex, (long long)points);
+    return sn_reader_fail(file->reader, SN_NONE, "a face names vertex %.17g, but the piece has %lld points", vertex,
+                          (long long)cells->points);
 }
 
-static sn_status read_connectivity(vtp_file *file, const sn_vtp_array *array, const int64_t *ends, int64_t count, section kind,
-                                   sn_index first, int64_t points) {
+static sn_status read_connectivity(vtp_file *file, const sn_vtp_array *array, const cell_block *cells) {
     sn_reader *reader = file->reader;
     sn_vtp_values values = {0};
-    int64_t corners = ends[count - 1], triangles = corners - 2 * count;
+    int64_t corners = cells->ends[cells->count - 1], triangles = corners - 2 * cells->count;
     sn_status status = sn_vtp_open(reader, &file->layout, array, corners, "connectivity", &values);
     if (status == SN_OK && triangles > 0) status = sn_reader_reserve(reader, 0, reader->mesh.triangle_count + triangles);
-    for (int64_t i = 0; status == SN_OK && i < count; i++) {
-        int64_t begin = i > 0 ? ends[i - 1] : 0;
-        for (int64_t k = begin; status == SN_OK && k < ends[i]; k++) status = read_corner(file, &values, first, points);
-        if (status == SN_OK) status = kind == STRIPS ? sn_reader_add_strip(reader) : sn_reader_add_face(reader, SN_NONE);
+    for (int64_t i = 0; status == SN_OK && i < cells->count; i++) {
+        int64_t begin = i > 0 ? cells->ends[i - 1] : 0;
+        for (int64_t k = begin; status == SN_OK && k < cells->ends[i]; k++) status = read_corner(file, &values, cells);
+        if (status == SN_OK) status = cells->kind == STRIPS ? sn_reader_add_strip(reader) : sn_reader_add_face(reader, SN_NONE);
     }
     sn_vtp_close(&values);
     return status;
@@ -286,10 +295,10 @@ static sn_status read_cells(vtp_file *file, size_t piece_index, section kind, in
     const sn_vtp_array *offsets = find_array(file, piece_index, kind, "offsets");
     const sn_vtp_array *connectivity = find_array(file, piece_index, kind, "connectivity");
     if (offsets == NULL || connectivity == NULL) return fail_piece(file, piece_index, "has cells without connectivity and offsets");
-    int64_t *ends = NULL;
-    sn_status status = read_offsets(file, offsets, count, &ends);
-    if (status == SN_OK) { status = read_connectivity(file, connectivity, ends, count, kind, first, file->pieces[piece_index].points); }
-    free(ends);
+    cell_block cells = {.kind = kind, .count = count, .first = first, .points = file->pieces[piece_index].points};
+    sn_status status = read_offsets(file, offsets, count, &cells.ends);
+    if (status == SN_OK) status = read_connectivity(file, connectivity, &cells);
+    free(cells.ends);
     return status;
 }
 

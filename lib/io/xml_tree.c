@@ -190,29 +190,37 @@ sn_span sn_xml_word(sn_span *s) {
 
 /* ---- numbers ------------------------------------------------------------------------------------------------------------------------- */
 
-static sn_status read_number(const sn_xml_tree *tree, sn_index element, const char *what, sn_span word, double *out, sn_error *error) {
-    const char *next;
-    if (sn_scan_number(word.text, word.text + word.length, &next, out) && next == word.text + word.length && isfinite(*out)) return SN_OK;
-    return sn_xml_fail(tree, element, error, "%s: \"%.*s\" is no finite number", what, (int)(word.length < 40 ? word.length : 40),
-                       word.text);
+sn_xml_value sn_xml_child_value(const sn_xml_tree *tree, sn_index element, const char *name) {
+    return (sn_xml_value){tree, element, name, sn_xml_child_text(tree, element, name)};
 }
 
-sn_status sn_xml_all_numbers(const sn_xml_tree *tree, sn_index element, const char *what, sn_span span, sn_index *count, double **out,
-                             sn_error *error) {
+sn_xml_value sn_xml_attribute_value(const sn_xml_tree *tree, sn_index element, const char *name) {
+    return (sn_xml_value){tree, element, name, sn_xml_attribute_text(tree, element, name)};
+}
+
+static sn_status read_number(const sn_xml_value *value, sn_span word, double *out, sn_error *error) {
+    const char *next;
+    if (sn_scan_number(word.text, word.text + word.length, &next, out) && next == word.text + word.length && isfinite(*out)) return SN_OK;
+    return sn_xml_fail(value->tree, value->element, error, "%s: \"%.*s\" is no finite number", value->name,
+                       (int)(word.length < 40 ? word.length : 40), word.text);
+}
+
+sn_status sn_xml_all_numbers(sn_xml_value value, sn_index *count, double **out, sn_error *error) {
+    sn_span rest = value.text;
     size_t capacity = 0;
     void *numbers = NULL;
     sn_status status = SN_OK;
     *count = 0;
     *out = NULL;
     while (status == SN_OK) {
-        sn_span word = sn_xml_word(&span);
+        sn_span word = sn_xml_word(&rest);
         if (word.length == 0) break;
         if (*count == MOST_NUMBERS) {
-            status = sn_xml_fail(tree, element, error, "%s: more than %d numbers", what, (int)MOST_NUMBERS);
+            status = sn_xml_fail(value.tree, value.element, error, "%s: more than %d numbers", value.name, (int)MOST_NUMBERS);
         } else if (!sn_grow(&numbers, &capacity, (size_t)*count + 1, sizeof **out)) {
             status = sn_fail_memory(error, "numbers of a model");
         } else {
-            status = read_number(tree, element, what, word, (double *)numbers + *count, error);
+            status = read_number(&value, word, (double *)numbers + *count, error);
             (*count)++;
         }
     }
@@ -224,25 +232,23 @@ sn_status sn_xml_all_numbers(const sn_xml_tree *tree, sn_index element, const ch
     return status;
 }
 
-sn_status sn_xml_numbers(const sn_xml_tree *tree, sn_index element, const char *what, sn_span span, sn_index count, double *out,
-                         sn_error *error) {
-    sn_span rest = span;
+sn_status sn_xml_numbers(sn_xml_value value, sn_index count, double *out, sn_error *error) {
+    sn_span rest = value.text, words = value.text;
     sn_index found = 0;
     for (sn_span word = sn_xml_word(&rest); word.length > 0; word = sn_xml_word(&rest)) found++;
     if (found == 0) return SN_OK;
-    if (found != count) return sn_xml_fail(tree, element, error, "%s: %d numbers where %d are needed", what, (int)found, (int)count);
+    if (found != count)
+        return sn_xml_fail(value.tree, value.element, error, "%s: %d numbers where %d are needed", value.name, (int)found, (int)count);
     sn_status status = SN_OK;
-    for (sn_index i = 0; i < count && status == SN_OK; i++) {
-        sn_span word = sn_xml_word(&span);
-        status = read_number(tree, element, what, word, &out[i], error);
-    }
+    for (sn_index i = 0; i < count && status == SN_OK; i++) { status = read_number(&value, sn_xml_word(&words), &out[i], error); }
     return status;
 }
 
-sn_status sn_xml_bool(const sn_xml_tree *tree, sn_index element, const char *what, sn_span span, bool *out, sn_error *error) {
+sn_status sn_xml_bool(sn_xml_value value, bool *out, sn_error *error) {
+    sn_span span = value.text;
     if (span.length == 0) return SN_OK;
     bool yes = sn_span_is_like(span, "true") || sn_span_is(span, "1"), no = sn_span_is_like(span, "false") || sn_span_is(span, "0");
-    if (!yes && !no) return sn_xml_fail(tree, element, error, "%s: expected true or false", what);
+    if (!yes && !no) return sn_xml_fail(value.tree, value.element, error, "%s: expected true or false", value.name);
     *out = yes;
     return SN_OK;
 }

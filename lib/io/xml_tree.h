@@ -48,13 +48,22 @@ char *sn_xml_copy(sn_span span);
 /* The next word; it is taken off the span. Empty at the end. */
 sn_span sn_xml_word(sn_span *span);
 
-/* Exactly `count` finite numbers of the span, which belongs to `element`; an empty span leaves out alone. `what` for messages. */
-SN_MUST_CHECK sn_status sn_xml_numbers(const sn_xml_tree *tree, sn_index element, const char *what, sn_span span, sn_index count,
-                                       double *out, sn_error *error);
+/* A value as it is written, and what messages about it say: the element's line, and its name. */
+typedef struct sn_xml_value {
+    const sn_xml_tree *tree;
+    sn_index element;
+    const char *name;
+    sn_span text; /* empty: there is none */
+} sn_xml_value;
+/* The text of an element's child of that name; its attribute. */
+sn_xml_value sn_xml_child_value(const sn_xml_tree *tree, sn_index element, const char *name);
+sn_xml_value sn_xml_attribute_value(const sn_xml_tree *tree, sn_index element, const char *name);
+
+/* Exactly `count` finite numbers; an empty text leaves out alone. */
+SN_MUST_CHECK sn_status sn_xml_numbers(sn_xml_value value, sn_index count, double *out, sn_error *error);
 /* As many as there are; *out is allocated. */
-SN_MUST_CHECK sn_status sn_xml_all_numbers(const sn_xml_tree *tree, sn_index element, const char *what, sn_span span, sn_index *count,
-                                           double **out, sn_error *error);
-/* "true" or "false" in any case, 1 or 0; an empty span leaves *out alone. */
-SN_MUST_CHECK sn_status sn_xml_bool(const sn_xml_tree *tree, sn_index element, const char *what, sn_span span, bool *out, sn_error *error);
+SN_MUST_CHECK sn_status sn_xml_all_numbers(sn_xml_value value, sn_index *count, double **out, sn_error *error);
+/* "true" or "false" in any case, 1 or 0; an empty text leaves *out alone. */
+SN_MUST_CHECK sn_status sn_xml_bool(sn_xml_value value, bool *out, sn_error *error);
 
 #endif

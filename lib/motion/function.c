@@ -67,36 +67,35 @@ static sn_status fit_spline(sn_function *f, sn_error *error) {
 
 /* ---- all of them ----------------------------------------------------------------------------------------------------------------- */
 
-static sn_status check_numbers(sn_function_kind kind, sn_index count, const double *x, const double *y, double scale, sn_error *error) {
+static sn_status check_numbers(sn_function_kind kind, sn_function_numbers n, double scale, sn_error *error) {
     bool knots = kind != SN_FUNCTION_POLYNOMIAL;
-    if (count < (knots ? 2 : 1))
+    if (n.count < (knots ? 2 : 1))
         return sn_fail(error, SN_ERROR_INPUT, "a function needs %s", knots ? "at least two knots" : "a coefficient");
     if (!isfinite(scale)) return sn_fail(error, SN_ERROR_INPUT, "the factor of a function is not finite");
-    for (sn_index i = 0; i < count; i++) {
-        if (!isfinite(y[i]) || (knots && !isfinite(x[i])))
+    for (sn_index i = 0; i < n.count; i++) {
+        if (!isfinite(n.y[i]) || (knots && !isfinite(n.x[i])))
             return sn_fail(error, SN_ERROR_INPUT, "number %d of a function is not finite", (int)i + 1);
-        if (knots && i > 0 && x[i] < x[i - 1])
+        if (knots && i > 0 && n.x[i] < n.x[i - 1])
             return sn_fail(error, SN_ERROR_INPUT, "knot %d of a function is less than the one before it; sort the knots", (int)i + 1);
     }
     return SN_OK;
 }
 
-sn_status sn_function_create(sn_function_kind kind, sn_index count, const double *x, const double *y, double scale, sn_function **out,
-                             sn_error *error) {
+sn_status sn_function_create(sn_function_kind kind, sn_function_numbers n, double scale, sn_function **out, sn_error *error) {
     *out = NULL;
-    sn_status status = check_numbers(kind, count, x, y, scale, error);
+    sn_status status = check_numbers(kind, n, scale, error);
     if (status != SN_OK) return status;
     bool knots = kind != SN_FUNCTION_POLYNOMIAL;
     sn_function *f = SN_NEW(sn_function, 1);
-    double *numbers = SN_NEW(double, (knots ? 3 : 1) * (size_t)count);
+    double *numbers = SN_NEW(double, (knots ? 3 : 1) * (size_t)n.count);
     if (f == NULL || numbers == NULL) {
         free(f);
         free(numbers);
         return sn_fail_memory(error, "a function");
     }
-    *f = (sn_function){kind, count, scale, numbers, knots ? numbers + count : NULL, knots ? numbers + 2 * count : NULL};
-    memcpy(f->y, y, (size_t)count * sizeof *y);
-    if (knots) memcpy(f->x, x, (size_t)count * sizeof *x);
+    *f = (sn_function){kind, n.count, scale, numbers, knots ? numbers + n.count : NULL, knots ? numbers + 2 * n.count : NULL};
+    memcpy(f->y, n.y, (size_t)n.count * sizeof *n.y);
+    if (knots) memcpy(f->x, n.x, (size_t)n.count * sizeof *n.x);
     if (kind == SN_FUNCTION_SPLINE && (status = fit_spline(f, error)) != SN_OK) {
         sn_function_free(f);
         return status;

@@ -13,8 +13,6 @@ enum { VERTICES_PER_CHUNK = 256 };
 /* A detection under way. A "holder" is what a vertex may hang on: the bones in the order given, then bones that only pins or areas name. */
 typedef struct detection {
     const sn_muscle *muscle;
-    sn_index bone_count;
-    const sn_attach_bone *bones;
     const sn_attach_params *params;
     sn_trace *trace;
     sn_attach_report *report;
@@ -48,16 +46,16 @@ sn_attach_params sn_attach_defaults(void) {
 static sn_status check_bone(const detection *d, sn_index b, sn_error *error) {
     sn_error reason = {0};
     for (sn_index other = 0; other < b; other++) {
-        if (strcmp(d->bones[other].name, d->bones[b].name) == 0)
-            return sn_fail(error, SN_ERROR_INPUT, "bone \"%s\" is given twice; give each bone a name of its own", d->bones[b].name);
+        if (strcmp(d->params->bones[other].name, d->params->bones[b].name) == 0)
+            return sn_fail(error, SN_ERROR_INPUT, "bone \"%s\" is given twice; give each bone a name of its own", d->params->bones[b].name);
     }
-    sn_status status = sn_mesh_validate(d->bones[b].mesh, &reason);
-    return status == SN_OK ? SN_OK : sn_fail(error, status, "bone \"%s\": %s", d->bones[b].name, reason.text);
+    sn_status status = sn_mesh_validate(d->params->bones[b].mesh, &reason);
+    return status == SN_OK ? SN_OK : sn_fail(error, status, "bone \"%s\": %s", d->params->bones[b].name, reason.text);
 }
 
 static sn_status check_input(const detection *d, sn_error *error) {
     sn_status status = sn_mesh_validate(&d->muscle->mesh, error);
-    for (sn_index b = 0; b < d->bone_count && status == SN_OK; b++) status = check_bone(d, b, error);
+    for (sn_index b = 0; b < d->params->bone_count && status == SN_OK; b++) status = check_bone(d, b, error);
     if (status == SN_OK && !isfinite(d->params->distance))
         status = sn_fail(error, SN_ERROR_USAGE, "the distance of attachment must be a finite number");
     if (status == SN_OK && d->params->voxels < 0) status = sn_fail(error, SN_ERROR_USAGE, "the number of voxels cannot be negative");
@@ -86,10 +84,10 @@ static sn_index add_holder(detection *d, const char *name) {
 
 /* Where bones are given, an area's bone must be one of them: anything else is a slip of the pen. */
 static sn_status name_holders(detection *d, sn_error *error) {
-    for (sn_index b = 0; b < d->bone_count; b++) d->holders[d->holder_count++] = d->bones[b].name;
+    for (sn_index b = 0; b < d->params->bone_count; b++) d->holders[d->holder_count++] = d->params->bones[b].name;
     for (sn_index a = 0; a < d->params->area_count; a++) {
         const char *name = d->params->areas[a].bone;
-        if (d->bone_count > 0 && (find_holder(d, name) == SN_NONE || find_holder(d, name) >= d->bone_count))
+        if (d->params->bone_count > 0 && (find_holder(d, name) == SN_NONE || find_holder(d, name) >= d->params->bone_count))
             return sn_fail(error, SN_ERROR_INPUT,
                            "the landmarks name bone \"%s\", which is not among the bones given; give its mesh, or correct the name", name);
         d->has_area[add_holder(d, name)] = true;
@@ -100,7 +98,7 @@ static sn_status name_holders(detection *d, sn_error *error) {
 
 static sn_status allocate(detection *d, sn_error *error) {
     sn_index vertices = d->muscle->mesh.vertex_count;
-    size_t holders = (size_t)d->bone_count + (size_t)d->params->pin_count + (size_t)d->params->area_count;
+    size_t holders = (size_t)d->params->bone_count + (size_t)d->params->pin_count + (size_t)d->params->area_count;
     d->holders = SN_NEW(const char *, holders);
     d->has_area = SN_NEW(bool, holders);
     d->holder_of = SN_NEW(sn_index, vertices);
@@ -110,7 +108,7 @@ static sn_status allocate(detection *d, sn_error *error) {
     d->candidate = SN_NEW(double, vertices);
     d->list = SN_NEW(sn_index, vertices);
     d->chunk_nearest = SN_NEW(double, sn_chunk_count(vertices, VERTICES_PER_CHUNK));
-    d->report->pairs = SN_NEW(sn_attach_pair, d->bone_count);
+    d->report->pairs = SN_NEW(sn_attach_pair, d->params->bone_count);
     d->report->areas = SN_NEW(sn_attach_area, d->params->area_count);
     bool complete = d->holders && d->has_area && d->holder_of && d->distance && d->runner_up && d->reason && d->candidate && d->list &&
                     d->chunk_nearest && d->report->pairs && d->report->areas;
@@ -174,10 +172,9 @@ static sn_status apply_pin(detection *d, const sn_attach_pin *pin, sn_error *err
 static sn_status apply_area(detection *d, const sn_area_ground *ground, sn_index number, bool *inside, sn_error *error) {
     const sn_landmark_area *area = &d->params->areas[number];
     sn_attach_area *report = &d->report->areas[number];
-    double reach = d->params->landmark_reach >= 0.0 ? d->params->landmark_reach : 0.010 / d->muscle->meters_per_unit;
     *report = (sn_attach_area){.area = number};
     if (sn_trace_stopped(d->trace)) return SN_STOPPED;
-    sn_status status = sn_area_patch(ground, area, reach, d->trace, inside, report, error);
+    sn_status status = sn_area_patch(ground, area, d->trace, inside, report, error);
     if (status != SN_OK && status != SN_STOPPED) return status;
     d->report->area_count = number + 1;
     for (sn_index v = 0; v < d->muscle->mesh.vertex_count; v++)
@@ -190,6 +187,7 @@ static sn_status apply_areas(detection *d, sn_error *error) {
     sn_area_ground ground = {0};
     bool *inside = SN_NEW(bool, d->muscle->mesh.vertex_count);
     sn_status status = inside != NULL ? sn_area_ground_create(d->muscle, &d->topology, &ground, error) : sn_fail_memory(error, "areas");
+    ground.reach = d->params->landmark_reach >= 0.0 ? d->params->landmark_reach : 0.010 / d->muscle->meters_per_unit;
     for (sn_index a = 0; a < d->params->area_count && status == SN_OK; a++) status = apply_area(d, &ground, a, inside, error);
     sn_area_ground_free(&ground);
     free(inside);
@@ -251,7 +249,7 @@ static double measure(detection *d, const sn_bone_search *search, sn_index bone,
 /* Bones with areas, and all bones where only pins and areas count, hold nothing by distance. */
 static bool holds_by_distance(const detection *d, sn_index bone) { return d->params->methods != 0 && !d->has_area[bone]; }
 
-static bool asks_pair_rule(const detection *d, sn_index bone) { return d->bones[bone].if_nearby && holds_by_distance(d, bone); }
+static bool asks_pair_rule(const detection *d, sn_index bone) { return d->params->bones[bone].if_nearby && holds_by_distance(d, bone); }
 
 /* How far from a bone anything is looked for. */
 static double bone_reach(const detection *d, sn_index bone) {
@@ -306,7 +304,8 @@ static sn_status hold_bone(detection *d, const sn_bone_search *search, const sn_
         if (status != SN_OK) return status;
     }
     bool both = (d->params->methods & SN_ATTACH_CONTACT) && (d->params->methods & SN_ATTACH_PROXIMITY);
-    if (offer_all(d, pair->bone, &voxels) == 0 && both && d->bones[pair->bone].if_nearby) offer_nearest(d, pair->bone, pair->nearest);
+    if (offer_all(d, pair->bone, &voxels) == 0 && both && d->params->bones[pair->bone].if_nearby)
+        offer_nearest(d, pair->bone, pair->nearest);
     sn_voxels_free(&voxels);
     return SN_OK;
 }
@@ -324,7 +323,7 @@ static sn_status judge(detection *d, const sn_bone_search *search, sn_attach_pai
         pair->area_share = probe.area_share;
         pair->nearby = probe.penetrates || probe.area_share > d->params->pair_share;
     }
-    return SN_TRACE(d->trace, "pair", sn_trace_text("bone", d->bones[pair->bone].name), sn_trace_number("nearest", pair->nearest),
+    return SN_TRACE(d->trace, "pair", sn_trace_text("bone", d->params->bones[pair->bone].name), sn_trace_number("nearest", pair->nearest),
                     sn_trace_number("penetrates", pair->penetrates), sn_trace_number("areaShare", pair->area_share),
                     sn_trace_number("nearby", pair->nearby))
                ? SN_STOPPED
@@ -332,7 +331,7 @@ static sn_status judge(detection *d, const sn_bone_search *search, sn_attach_pai
 }
 
 static sn_status search_bone(detection *d, sn_pool *pool, sn_attach_pair *pair, sn_box box, sn_error *error) {
-    const sn_attach_bone *bone = &d->bones[pair->bone];
+    const sn_attach_bone *bone = &d->params->bones[pair->bone];
     sn_surface *surface = NULL;
     sn_error reason = {0};
     sn_status status = sn_surface_create(bone->mesh, &surface, &reason);
@@ -354,7 +353,7 @@ static bool holds_any(const detection *d, sn_index holder) {
 
 /* A bone whose box is out of reach can hold nothing: no search structure is built for it. */
 static sn_status try_bone(detection *d, sn_pool *pool, sn_index bone, sn_attach_pair *pair, sn_error *error) {
-    sn_box box = sn_mesh_box(d->bones[bone].mesh);
+    sn_box box = sn_mesh_box(d->params->bones[bone].mesh);
     *pair = (sn_attach_pair){.bone = bone, .nearest = sn_box_gap(d->box, box), .area_share = NAN, .position = NAN, .girth = NAN};
     pair->culled = pair->nearest > bone_reach(d, bone) && !holds_any(d, bone);
     return pair->culled ? SN_OK : search_bone(d, pool, pair, box, error);
@@ -362,14 +361,14 @@ static sn_status try_bone(detection *d, sn_pool *pool, sn_index bone, sn_attach_
 
 static bool trace_bone(const detection *d, const sn_attach_pair *pair) {
     sn_index count = sn_trace_wanted(d->trace) ? held_vertices(d, pair->bone, d->list) : 0;
-    return SN_TRACE(d->trace, "bone", sn_trace_text("bone", d->bones[pair->bone].name), sn_trace_number("culled", pair->culled),
+    return SN_TRACE(d->trace, "bone", sn_trace_text("bone", d->params->bones[pair->bone].name), sn_trace_number("culled", pair->culled),
                     sn_trace_number("nearest", pair->nearest), sn_trace_indices("vertices", d->list, count));
 }
 
 static sn_status try_bones(detection *d, sn_error *error) {
     sn_status status = SN_OK;
     sn_pool *pool = sn_pool_create(d->params->threads); /* without one the loop runs on this thread */
-    for (sn_index b = 0; b < d->bone_count && status == SN_OK; b++) {
+    for (sn_index b = 0; b < d->params->bone_count && status == SN_OK; b++) {
         if (sn_trace_stopped(d->trace)) {
             status = SN_STOPPED;
             break;
@@ -402,8 +401,8 @@ static sn_status find_along(const detection *d, double *along, sn_error *error) 
     double *other = SN_NEW(double, mesh->vertex_count);
     sn_status status = other != NULL ? survey_surface(mesh, &d->topology, &survey, error) : sn_fail_memory(error, "attachments");
     if (status == SN_OK) status = find_tips(mesh, &d->topology, survey.main_vertex, NULL, &ends, error);
-    if (status == SN_OK) status = sn_edge_distance(mesh, &d->topology, 1, &ends.end[0], along, NULL, error);
-    if (status == SN_OK) status = sn_edge_distance(mesh, &d->topology, 1, &ends.end[1], other, NULL, error);
+    if (status == SN_OK) status = sn_edge_distance(mesh, &d->topology, 1, &ends.end[0], along, error);
+    if (status == SN_OK) status = sn_edge_distance(mesh, &d->topology, 1, &ends.end[1], other, error);
     for (sn_index v = 0; v < mesh->vertex_count && status == SN_OK; v++) along[v] = along[v] / (along[v] + other[v]);
     free(other);
     return status;
@@ -531,7 +530,7 @@ static sn_status fill_attachment(const detection *d, sn_index holder, sn_index c
 }
 
 /* One attachment for each holder that holds anything. */
-static sn_status collect(const detection *d, sn_index *count, sn_attachment **out, sn_error *error) {
+static sn_status collect(const detection *d, sn_attachment_list *out, sn_error *error) {
     sn_status status = SN_OK;
     sn_attach_report *report = d->report;
     sn_index *held = SN_NEW(sn_index, d->holder_count), made = 0;
@@ -551,24 +550,22 @@ static sn_status collect(const detection *d, sn_index *count, sn_attachment **ou
         sn_attachments_free(list, made);
         return status;
     }
-    *count = made;
-    *out = list;
+    *out = (sn_attachment_list){made, list};
     return SN_OK;
 }
 
-sn_status sn_attach_detect(const sn_muscle *muscle, sn_index bone_count, const sn_attach_bone *bones, const sn_attach_params *params,
-                           sn_trace *trace, sn_index *count, sn_attachment **out, sn_attach_report *report, sn_error *error) {
-    *count = 0;
-    *out = NULL;
+sn_status sn_attach_detect(const sn_muscle *muscle, const sn_attach_params *params, sn_trace *trace, sn_attachment_list *out,
+                           sn_attach_report *report, sn_error *error) {
+    *out = (sn_attachment_list){0};
     *report = (sn_attach_report){0};
-    detection d = {.muscle = muscle, .bone_count = bone_count, .bones = bones, .params = params, .trace = trace, .report = report};
+    detection d = {.muscle = muscle, .params = params, .trace = trace, .report = report};
     sn_status status = set_up(&d, error);
     for (sn_index p = 0; p < params->pin_count && status == SN_OK; p++) status = apply_pin(&d, &params->pins[p], error);
     if (status == SN_OK) status = apply_areas(&d, error);
     if (status == SN_OK) status = try_bones(&d, error);
     if (status == SN_OK) status = find_sliding(&d, error);
     bool stopped = status == SN_STOPPED;
-    if (status == SN_OK || stopped) status = collect(&d, count, out, error);
+    if (status == SN_OK || stopped) status = collect(&d, out, error);
     tear_down(&d);
     if (status != SN_OK) sn_attach_report_free(report);
     return status == SN_OK && stopped ? SN_STOPPED : status;

@@ -52,12 +52,13 @@ typedef struct sn_area_ground {
     sn_path_finder *finder;
     double *vertex_area; /* (vertex_count) a third of the triangles around it */
     double total_area;
+    double reach; /* a landmark farther from the surface is an error; the caller's to set */
 } sn_area_ground;
 
 SN_MUST_CHECK sn_status sn_area_ground_create(const sn_muscle *muscle, const sn_topology *topology, sn_area_ground *out, sn_error *error);
 void sn_area_ground_free(sn_area_ground *ground);
 /* inside (vertex_count): the vertices of the patch; where the trace stopped, those along what was drawn of its boundary. */
-SN_MUST_CHECK sn_status sn_area_patch(const sn_area_ground *ground, const sn_landmark_area *area, double reach, sn_trace *trace,
-                                      bool *inside, sn_attach_area *report, sn_error *error);
+SN_MUST_CHECK sn_status sn_area_patch(const sn_area_ground *ground, const sn_landmark_area *area, sn_trace *trace, bool *inside,
+                                      sn_attach_area *report, sn_error *error);
 
 #endif

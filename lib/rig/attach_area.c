@@ -57,8 +57,8 @@ static void move_inside(const sn_mesh *mesh, sn_closest *c) {
     }
 }
 
-static sn_status project(outline *o, double reach, double *farthest, sn_error *error) {
-    double mm = 1e3 * o->ground->muscle->meters_per_unit;
+static sn_status project(outline *o, double *farthest, sn_error *error) {
+    double reach = o->ground->reach, mm = 1e3 * o->ground->muscle->meters_per_unit;
     for (sn_index i = 0; i < o->area->count; i++) {
         if (!sn_finite3(o->area->landmarks[i])) return sn_fail(error, SN_ERROR_INPUT, "%s: landmark %d is not finite", o->name, (int)i + 1);
         sn_closest *c = &o->landmark[i];
@@ -213,7 +213,7 @@ static sn_status measure_by_edges(const outline *o, between *b, sn_error *error)
     sn_status status = SN_OK;
     for (sn_index i = 0; i < b->count && status == SN_OK; i++) {
         sn_index start = corner_near(mesh, o->landmark[i].triangle, o->landmark[i].point);
-        status = sn_edge_distance(mesh, o->ground->topology, 1, &start, distance, NULL, error);
+        status = sn_edge_distance(mesh, o->ground->topology, 1, &start, distance, error);
         for (sn_index j = 0; j < b->count && status == SN_OK; j++) {
             sn_index end = corner_near(mesh, o->landmark[j].triangle, o->landmark[j].point);
             *pair_length(b, i, j) = fmax(distance[end], sn_distance(o->landmark[i].point, o->landmark[j].point));
@@ -391,8 +391,8 @@ static sn_status trace_patch(const outline *o, sn_attach_area *report, sn_error 
     return stop ? SN_STOPPED : SN_OK;
 }
 
-static sn_status draw(outline *o, double reach, sn_attach_area *report, sn_error *error) {
-    sn_status status = project(o, reach, &report->farthest, error);
+static sn_status draw(outline *o, sn_attach_area *report, sn_error *error) {
+    sn_status status = project(o, &report->farthest, error);
     if (status == SN_OK) status = close_boundary(o, &report->reordered, error);
     for (sn_index i = 0; i < o->walked; i++) report->boundary += o->path[i].length;
     if (status == SN_STOPPED) show_unfinished(o);
@@ -400,8 +400,8 @@ static sn_status draw(outline *o, double reach, sn_attach_area *report, sn_error
     return status == SN_OK ? trace_patch(o, report, error) : status;
 }
 
-sn_status sn_area_patch(const sn_area_ground *ground, const sn_landmark_area *area, double reach, sn_trace *trace, bool *inside,
-                        sn_attach_area *report, sn_error *error) {
+sn_status sn_area_patch(const sn_area_ground *ground, const sn_landmark_area *area, sn_trace *trace, bool *inside, sn_attach_area *report,
+                        sn_error *error) {
     outline o = {.ground = ground, .area = area, .trace = trace, .inside = inside};
     give_name(&o);
     memset(inside, 0, (size_t)ground->muscle->mesh.vertex_count * sizeof *inside);
@@ -412,8 +412,7 @@ sn_status sn_area_patch(const sn_area_ground *ground, const sn_landmark_area *ar
     o.landmark = SN_NEW(sn_closest, area->count);
     o.order = SN_NEW(sn_index, area->count);
     o.path = SN_NEW(sn_surface_path, area->count);
-    sn_status status =
-        o.landmark != NULL && o.order != NULL && o.path != NULL ? draw(&o, reach, report, error) : sn_fail_memory(error, "an area");
+    sn_status status = o.landmark != NULL && o.order != NULL && o.path != NULL ? draw(&o, report, error) : sn_fail_memory(error, "an area");
     if (o.path != NULL) forget_paths(&o);
     free(o.landmark);
     free(o.order);

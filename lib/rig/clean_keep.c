@@ -48,14 +48,12 @@ static int larger_dropped_first(const void *left, const void *right) {
     return (a->centre.z > b->centre.z) - (a->centre.z < b->centre.z);
 }
 
-static void keep_ranked(sn_cleaning *c, const sn_index *component, const ranked *order, sn_index count, const sn_dropped_component *measure,
-                        bool *keep_component, bool *keep) {
+/* Which components stay (by number); the others are listed. */
+static void keep_first(sn_cleaning *c, const ranked *order, sn_index count, const sn_dropped_component *measure, bool *stays) {
     for (sn_index i = 0; i < count; i++) {
-        keep_component[order[i].number] = i < c->params->keep;
+        stays[order[i].number] = i < c->params->keep;
         if (i >= c->params->keep) c->report->dropped[c->report->dropped_count++] = measure[order[i].number];
     }
-    for (sn_index t = 0; t < c->mesh->triangle_count; t++) keep[t] = keep_component[component[t]];
-    sn_mesh_keep_triangles(c->mesh, keep);
 }
 
 static sn_status keep_largest(sn_cleaning *c, const sn_topology *topology) {
@@ -65,22 +63,24 @@ static sn_status keep_largest(sn_cleaning *c, const sn_topology *topology) {
     if (component != NULL) count = sn_mesh_components(c->mesh, topology, component);
     sn_dropped_component *measure = SN_NEW(sn_dropped_component, count);
     ranked *order = SN_NEW(ranked, count);
-    bool *keep_component = SN_NEW(bool, count);
+    bool *stays = SN_NEW(bool, count);
     sn_dropped_component *dropped = sn_realloc(c->report->dropped, (size_t)c->report->dropped_count + (size_t)count, sizeof *dropped);
     if (dropped != NULL) c->report->dropped = dropped;
-    bool enough = component && keep && measure && order && keep_component && dropped;
+    bool enough = component && keep && measure && order && stays && dropped;
     if (enough) {
         measure_components(c, component, count, measure);
         for (sn_index i = 0; i < count; i++) order[i] = (ranked){measure[i].area, i};
         qsort(order, (size_t)count, sizeof *order, larger_first);
-        keep_ranked(c, component, order, count, measure, keep_component, keep);
+        keep_first(c, order, count, measure, stays);
+        for (sn_index t = 0; t < triangles; t++) keep[t] = stays[component[t]];
+        sn_mesh_keep_triangles(c->mesh, keep);
         qsort(c->report->dropped, (size_t)c->report->dropped_count, sizeof *dropped, larger_dropped_first);
     }
     free(component);
     free(keep);
     free(measure);
     free(order);
-    free(keep_component);
+    free(stays);
     return enough ? SN_OK : sn_fail_memory(c->error, "sorting components");
 }
 

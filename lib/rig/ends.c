@@ -25,17 +25,23 @@ static void ends_add(ends *e, sn_index vertex, double value) {
     e->values[e->count++] = value;
 }
 
+/* What the patches of both ends grow from. */
+typedef struct seeds {
+    sn_index count[2];
+    sn_index *vertices[2]; /* (count) of each end */
+} seeds;
+
 /* Around each end's seeds all vertices within 5 % of L; what is near to both belongs to the nearer. */
-static sn_status grow_patches(const sn_mesh *mesh, const sn_topology *topology, const sn_index count[2], sn_index *const seeds[2],
-                              double length, ends *out, sn_error *error) {
+static sn_status grow_patches(const ends_surface *surface, const seeds *from, ends *out, sn_error *error) {
+    const sn_mesh *mesh = surface->mesh;
     double *distance[2] = {SN_NEW(double, mesh->vertex_count), SN_NEW(double, mesh->vertex_count)};
     sn_status status = distance[0] && distance[1] ? SN_OK : sn_fail_memory(error, "the distances from the muscle's ends");
     for (int end = 0; end < 2 && !status; end++)
-        status = sn_geodesic_distance(mesh, topology, count[end], seeds[end], distance[end], error);
+        status = sn_geodesic_distance(mesh, surface->topology, from->count[end], from->vertices[end], distance[end], error);
     out->count = 0;
     for (sn_index v = 0; !status && v < mesh->vertex_count; v++) {
         int end = distance[1][v] < distance[0][v];
-        if (distance[end][v] <= PATCH_SHARE * length) ends_add(out, v, end);
+        if (distance[end][v] <= PATCH_SHARE * surface->shape->length) ends_add(out, v, end);
     }
     free(distance[0]);
     free(distance[1]);
@@ -56,11 +62,11 @@ static sn_index nearest_vertex(const sn_mesh *mesh, const sn_topology *topology,
     return best;
 }
 
-static sn_status find_seeds(const sn_mesh *mesh, const sn_topology *topology, sn_index site_count, const sn_end_site *sites, double length,
-                            sn_index count[2], sn_index *const seeds[2], sn_error *error) {
+static sn_status find_seeds(const ends_surface *surface, sn_index site_count, const sn_end_site *sites, seeds *out, sn_error *error) {
+    double length = surface->shape->length;
     for (sn_index i = 0; i < site_count; i++) {
-        sn_index v = nearest_vertex(mesh, topology, sites[i].point);
-        double off = v == SN_NONE ? INFINITY : sn_distance(mesh->positions[v], sites[i].point);
+        sn_index v = nearest_vertex(surface->mesh, surface->topology, sites[i].point);
+        double off = v == SN_NONE ? INFINITY : sn_distance(surface->mesh->positions[v], sites[i].point);
         if (!(off <= SITE_REACH * length)) {
             sn_fail(
                 error, SN_ERROR_INPUT,
@@ -70,10 +76,10 @@ static sn_status find_seeds(const sn_mesh *mesh, const sn_topology *topology, sn
             return SN_ERROR_INPUT;
         }
         int end = sites[i].end != 0;
-        seeds[end][count[end]++] = v;
+        out->vertices[end][out->count[end]++] = v;
     }
     for (int end = 0; end < 2; end++)
-        if (count[end] == 0)
+        if (out->count[end] == 0)
             return sn_fail(error, SN_ERROR_INPUT, "no site is given for the %s; a muscle needs sites at both of its ends",
                            end == 0 ? "origin" : "insertion");
     return SN_OK;
@@ -85,18 +91,17 @@ static bool has_both(const ends *e) {
     return sum > 0.0 && sum < (double)e->count;
 }
 
-sn_status ends_from_sites(const sn_mesh *mesh, const sn_topology *topology, sn_index count, const sn_end_site *sites, double length,
-                          ends *out, sn_error *error) {
-    sn_index *seeds[2] = {SN_NEW(sn_index, count), SN_NEW(sn_index, count)}, per_end[2] = {0, 0};
-    sn_status status = seeds[0] && seeds[1] ? SN_OK : sn_fail_memory(error, "the sites of the muscle");
-    if (!status) status = find_seeds(mesh, topology, count, sites, length, per_end, seeds, error);
-    if (!status) status = grow_patches(mesh, topology, per_end, seeds, length, out, error);
+sn_status ends_from_sites(const ends_surface *surface, sn_index count, const sn_end_site *sites, ends *out, sn_error *error) {
+    seeds from = {.vertices = {SN_NEW(sn_index, count), SN_NEW(sn_index, count)}};
+    sn_status status = from.vertices[0] && from.vertices[1] ? SN_OK : sn_fail_memory(error, "the sites of the muscle");
+    if (!status) status = find_seeds(surface, count, sites, &from, error);
+    if (!status) status = grow_patches(surface, &from, out, error);
     if (!status && !has_both(out))
         status =
             sn_fail(error, SN_ERROR_INPUT, "the sites of origin and insertion lie on the same vertices; give sites that are farther apart");
     out->source = SN_ENDS_SITES;
-    free(seeds[0]);
-    free(seeds[1]);
+    free(from.vertices[0]);
+    free(from.vertices[1]);
     return status;
 }
 
@@ -141,9 +146,9 @@ bool ends_from_attachments(const sn_muscle *muscle, bool areas_only, ends *out) 
 
 /* ---- tips ----------------------------------------------------------------------------------------------------------------- */
 
-sn_status ends_from_tips(const sn_mesh *mesh, const sn_topology *topology, const tips *shape, ends *out, sn_error *error) {
-    sn_index first = shape->end[0], last = shape->end[1];
-    sn_index count[2] = {1, 1}, *const seeds[2] = {&first, &last};
-    out->source = shape->eigen ? SN_ENDS_EIGEN : SN_ENDS_TIPS;
-    return grow_patches(mesh, topology, count, seeds, shape->length, out, error);
+sn_status ends_from_tips(const ends_surface *surface, ends *out, sn_error *error) {
+    sn_index first = surface->shape->end[0], last = surface->shape->end[1];
+    const seeds from = {.count = {1, 1}, .vertices = {&first, &last}};
+    out->source = surface->shape->eigen ? SN_ENDS_EIGEN : SN_ENDS_TIPS;
+    return grow_patches(surface, &from, out, error);
 }

@@ -361,9 +361,10 @@ static sn_status slice_muscle(filling *f, const sn_topology *topology, sn_trace 
     fill_ends ends = {0};
     double *u = SN_NEW(double, mesh->vertex_count);
     sn_status status = u ? fill_find_ends(f->muscle, topology, f->params, trace, &ends, error) : sn_fail_memory(error, "the fibres");
-    if (!status) status = sn_harmonic_field(mesh, topology, ends.count, ends.vertices, ends.values, u, error);
-    if (!status) status = fill_levels_build(mesh, topology, u, levels_wanted(f->params), f->params->turn, trace, &f->levels, error);
-    if (!status && f->params->bend_count > 0) status = fill_bend_measure(mesh, u, f->params, &f->bend, &report->bend_farthest, error);
+    if (!status) status = sn_harmonic_field(mesh, topology, &(sn_fixed_values){ends.count, ends.vertices, ends.values}, u, error);
+    const fill_field field = {mesh, topology, u};
+    if (!status) status = fill_levels_build(&field, levels_wanted(f->params), f->params->turn, trace, &f->levels, error);
+    if (!status && f->params->bend_count > 0) status = fill_bend_measure(&field, f->params, &f->bend, &report->bend_farthest, error);
     report->ends = ends.kind;
     report->leaves = ends.leaves;
     fill_ends_free(&ends);

@@ -179,8 +179,8 @@ static sn_vec3 neighbour_sum(const flow *f, sn_index vertex, sn_vec3 reference) 
 /* ---- the steps ---------------------------------------------------------------------------------------------------------------- */
 
 static sn_status gather_directions(flow *f, sn_error *error) {
-    if (f->field == SN_FIELD_HARMONIC)
-        return harmonic_directions(f->muscle, &f->topology, f->params, f->trace, f->directions, &f->ends, error);
+    const flow_input in = {f->muscle, &f->topology, f->params, f->trace};
+    if (f->field == SN_FIELD_HARMONIC) return harmonic_directions(&in, f->directions, &f->ends, error);
     if (f->field == SN_FIELD_FIBERS)
         return nearest_tangents(f->mesh, f->params->polyline_count, f->params->polylines, f->directions, &f->farthest_fiber, error);
     for (sn_index v = 0; v < f->mesh->vertex_count; v++) f->directions[v] = tree_direction(f, v);

@@ -88,8 +88,15 @@ typedef struct fill_levels {
     double width, depth; /* of the widest slice of the trunk, along x and y */
 } fill_levels;
 
-SN_MUST_CHECK sn_status fill_levels_build(const sn_mesh *mesh, const sn_topology *topology, const double *u, sn_index level_count,
-                                          double turn, sn_trace *trace, fill_levels *out, sn_error *error);
+/* The harmonic field that fibres follow. */
+typedef struct fill_field {
+    const sn_mesh *mesh;
+    const sn_topology *topology;
+    const double *u; /* (vertex_count) 0 at the origin, 1 at the insertion */
+} fill_field;
+
+SN_MUST_CHECK sn_status fill_levels_build(const fill_field *field, sn_index level_count, double turn, sn_trace *trace, fill_levels *out,
+                                          sn_error *error);
 /* The loop of `level` and the place in its square of what is at `at` of the trunk; SN_NONE where the slices end before. Where loops split
  * the way of `guide` is taken, `at` kept within its share: a fibre that moves across does not change over to another head. */
 sn_index fill_carry(const fill_levels *levels, sn_index level, fill_uv guide, fill_uv *at);
@@ -133,10 +140,9 @@ typedef struct fill_bend {
     fill_bend_line *lines; /* (count) */
 } fill_bend;
 
-/* Where params->bend_lines lie in the field u (vertex_count); *farthest: grows to how far from the surface. SN_ERROR_INPUT where one does.
- */
-SN_MUST_CHECK sn_status fill_bend_measure(const sn_mesh *mesh, const double *u, const sn_fill_params *params, fill_bend *out,
-                                          double *farthest, sn_error *error);
+/* Where params->bend_lines lie in the field; *farthest: grows to how far from the surface. SN_ERROR_INPUT where one does. */
+SN_MUST_CHECK sn_status fill_bend_measure(const fill_field *field, const sn_fill_params *params, fill_bend *out, double *farthest,
+                                          sn_error *error);
 /* Their paths and bends, once the slices are there. SN_ERROR_INPUT where one does not run along the muscle. */
 SN_MUST_CHECK sn_status fill_bend_find(const fill_levels *levels, const sn_fill_params *params, double diagonal, fill_bend *bend,
                                        sn_error *error);

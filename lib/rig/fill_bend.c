@@ -20,38 +20,44 @@ enum { GRID = 13, REFINEMENTS = 12 };
 /* ---- where the levels cut the given fibres ------------------------------------------------------------------------------------------ */
 
 /* u at a point of the surface. */
-static double value_at(const sn_mesh *mesh, const double *u, const sn_closest *at) {
-    const sn_index *v = mesh->triangles[at->triangle].v;
+static double value_at(const fill_field *field, const sn_closest *at) {
+    const sn_index *v = field->mesh->triangles[at->triangle].v;
+    const double *u = field->u;
     return at->barycentric[0] * u[v[0]] + at->barycentric[1] * u[v[1]] + at->barycentric[2] * u[v[2]];
 }
 
-static sn_status measure_line(const sn_mesh *mesh, const sn_surface *surface, const double *u, double reach, sn_index number,
-                              const sn_polyline *given, fill_bend_line *out, double *farthest, sn_error *error) {
+/* Looks given points up in the field. */
+typedef struct ruler {
+    const fill_field *field;
+    sn_surface *surface; /* of the field's mesh */
+    double reach;        /* no point may be farther from it */
+    double farthest;     /* of all so far */
+} ruler;
+
+static sn_status measure_line(ruler *r, sn_index number, const sn_polyline *given, fill_bend_line *out, sn_error *error) {
     if (given->count < 2) return sn_fail(error, SN_ERROR_INPUT, "superficial fibre %d has fewer than two points", number);
     if (!(out->values = SN_NEW(double, given->count))) return sn_fail_memory(error, "the superficial fibres");
     for (sn_index k = 0; k < given->count; k++) {
         if (!sn_finite3(given->points[k]))
             return sn_fail(error, SN_ERROR_INPUT, "superficial fibre %d has a point that is not finite", number);
-        sn_closest at = sn_surface_closest(surface, given->points[k], reach);
+        sn_closest at = sn_surface_closest(r->surface, given->points[k], r->reach);
         if (at.triangle == SN_NONE)
             return sn_fail(error, SN_ERROR_INPUT,
-                           "superficial fibre %d is more than %.3g away from the muscle: is it in the muscle's unit?", number, reach);
-        out->values[k] = value_at(mesh, u, &at);
-        *farthest = fmax(*farthest, at.distance);
+                           "superficial fibre %d is more than %.3g away from the muscle: is it in the muscle's unit?", number, r->reach);
+        out->values[k] = value_at(r->field, &at);
+        r->farthest = fmax(r->farthest, at.distance);
     }
     return SN_OK;
 }
 
-sn_status fill_bend_measure(const sn_mesh *mesh, const double *u, const sn_fill_params *params, fill_bend *out, double *farthest,
-                            sn_error *error) {
-    sn_surface *surface = NULL;
-    double reach = REACH * sn_box_diagonal(sn_mesh_box(mesh));
+sn_status fill_bend_measure(const fill_field *field, const sn_fill_params *params, fill_bend *out, double *farthest, sn_error *error) {
+    ruler r = {.field = field, .reach = REACH * sn_box_diagonal(sn_mesh_box(field->mesh)), .farthest = *farthest};
     *out = (fill_bend){.count = params->bend_count, .lines = SN_NEW(fill_bend_line, params->bend_count)};
     if (!out->lines) return sn_fail_memory(error, "the superficial fibres");
-    sn_status status = sn_surface_create_plain(mesh, &surface, error);
-    for (sn_index i = 0; i < out->count && !status; i++)
-        status = measure_line(mesh, surface, u, reach, i, &params->bend_lines[i], &out->lines[i], farthest, error);
-    sn_surface_destroy(surface);
+    sn_status status = sn_surface_create_plain(field->mesh, &r.surface, error);
+    for (sn_index i = 0; i < out->count && !status; i++) status = measure_line(&r, i, &params->bend_lines[i], &out->lines[i], error);
+    *farthest = r.farthest;
+    sn_surface_destroy(r.surface);
     return status;
 }
 

@@ -127,7 +127,7 @@ static sn_status surface_ends(const search *s, sn_trace *trace, tips *two, sn_er
 /* Sides by the field between the two ends of the surface; a side without leaves has that end for its tip. */
 static sn_status sides_of_ends(search *s, const tips *two, sn_error *error) {
     const double values[2] = {0.0, 1.0};
-    sn_status status = sn_harmonic_field(&s->muscle->mesh, s->topology, 2, two->end, values, s->u, error);
+    sn_status status = sn_harmonic_field(&s->muscle->mesh, s->topology, &(sn_fixed_values){2, two->end, values}, s->u, error);
     if (status) return status;
     bool both[2] = {false, false};
     for (sn_index i = 0; i < s->tip_count; i++) {
@@ -162,7 +162,7 @@ static sn_status doubt_tips(search *s, sn_trace *trace, sn_error *error) {
     double farthest = 0.0;
     for (sn_index i = 0; i < s->tip_count && !status; i++) {
         if (s->sides[i] != 0.0) continue;
-        status = sn_edge_distance(&s->muscle->mesh, s->topology, 1, &s->tips[i], s->u, NULL, error);
+        status = sn_edge_distance(&s->muscle->mesh, s->topology, 1, &s->tips[i], s->u, error);
         for (sn_index k = 0; k < s->tip_count && !status; k++)
             if (s->sides[k] != 0.0 && isfinite(s->u[s->tips[k]])) farthest = fmax(farthest, s->u[s->tips[k]]);
     }
@@ -253,7 +253,7 @@ static void find_served(const search *s, const fill_ends *ends, bool *served) {
 /* The areas in place of the tips; where they are on one end only the tips stay. */
 static sn_status find_area_ends(search *s, fill_ends *ends, sn_trace *trace, sn_error *error) {
     const sn_muscle *m = s->muscle;
-    sn_status status = sn_harmonic_field(&m->mesh, s->topology, ends->count, ends->vertices, ends->values, s->u, error);
+    sn_status status = sn_harmonic_field(&m->mesh, s->topology, &(sn_fixed_values){ends->count, ends->vertices, ends->values}, s->u, error);
     bool *served = SN_NEW(bool, s->tip_count);
     if (!status && !served) status = sn_fail_memory(error, "the ends of the fibres");
     if (status) {

@@ -6,6 +6,15 @@
 
 /* ---- levels ---------------------------------------------------------------------------------------------------------------- */
 
+/* The range of u in bins. */
+typedef struct bins {
+    sn_index count;
+    double *edges; /* (count + 1) ascending from 0 to 1 */
+    double *way;   /* (count + 1) along the surface from u = 0 to each edge */
+    double *area;  /* (count) twice the area of its triangles */
+    double *rise;  /* (count) integral of |grad u| over them, doubled too */
+} bins;
+
 enum { MOST_BINS = 512, LEAST_BINS = 8, VERTICES_A_BIN = 16 };
 #define END_SHARE 0.004 /* of the length: the first and the last level are this far from the ends, where u is constant */
 
@@ -14,29 +23,30 @@ static int compare_numbers(const void *left, const void *right) {
     return (a > b) - (a < b);
 }
 
-/* Edges of bins with as many vertices each, ascending; returns how many bins. */
-static sn_index make_bins(const double *u, sn_index vertex_count, double *edges, double *sorted) {
+/* Bins with as many vertices each; sorted (vertex_count) is scratch. */
+static void make_bins(const double *u, sn_index vertex_count, double *sorted, bins *out) {
+    double *edges = out->edges;
     sn_index count = 0;
     for (sn_index v = 0; v < vertex_count; v++)
         if (u[v] > 0.0 && u[v] < 1.0) sorted[count++] = u[v];
     qsort(sorted, (size_t)count, sizeof *sorted, compare_numbers);
-    sn_index bins = count / VERTICES_A_BIN;
-    bins = bins < LEAST_BINS ? LEAST_BINS : bins > MOST_BINS ? MOST_BINS : bins;
+    sn_index wanted = count / VERTICES_A_BIN;
+    wanted = wanted < LEAST_BINS ? LEAST_BINS : wanted > MOST_BINS ? MOST_BINS : wanted;
     sn_index used = 0;
     edges[0] = 0.0;
-    for (sn_index b = 1; b < bins && count > 0; b++) {
-        double edge = sorted[(sn_index)((int64_t)b * count / bins)];
+    for (sn_index b = 1; b < wanted && count > 0; b++) {
+        double edge = sorted[(sn_index)((int64_t)b * count / wanted)];
         if (edge > edges[used]) edges[++used] = edge;
     }
     edges[++used] = 1.0;
-    return used;
+    out->count = used;
 }
 
-static sn_index bin_of(const double *edges, sn_index bins, double value) {
-    sn_index low = 0, high = bins - 1;
+static sn_index bin_of(const bins *in, double value) {
+    sn_index low = 0, high = in->count - 1;
     while (low < high) {
         sn_index middle = low + (high - low + 1) / 2;
-        if (edges[middle] <= value)
+        if (in->edges[middle] <= value)
             low = middle;
         else
             high = middle - 1;
@@ -54,9 +64,9 @@ static double slope(const sn_vec3 p[3], const double u[3]) {
 
 /* The way along the surface from u = 0 to each bin's edge: ds/du is the mean of 1/|grad u| over the level curve, that is area over length
  * times du, and the integral of |grad u| over a bin is length times du (coarea). */
-static void measure_way(const sn_mesh *mesh, const double *u, sn_index bins, const double *edges, double *way, double *area, double *rise) {
+static void measure_way(const sn_mesh *mesh, const double *u, bins *s) {
     double all_area = 0.0, all_rise = 0.0;
-    for (sn_index b = 0; b < bins; b++) area[b] = rise[b] = 0.0;
+    for (sn_index b = 0; b < s->count; b++) s->area[b] = s->rise[b] = 0.0;
     for (sn_index t = 0; t < mesh->triangle_count; t++) {
         const sn_index *v = mesh->triangles[t].v;
         const sn_vec3 p[3] = {mesh->positions[v[0]], mesh->positions[v[1]], mesh->positions[v[2]]};
@@ -64,24 +74,25 @@ static void measure_way(const sn_mesh *mesh, const double *u, sn_index bins, con
         double mean = (value[0] + value[1] + value[2]) / 3.0, g = slope(p, value);
         if (!(g > 0.0) || !(mean > 0.0 && mean < 1.0)) continue;
         double a = sn_norm(sn_area_vector(p[0], p[1], p[2]));
-        sn_index b = bin_of(edges, bins, mean);
-        area[b] += a;
-        rise[b] += a * g;
+        sn_index b = bin_of(s, mean);
+        s->area[b] += a;
+        s->rise[b] += a * g;
         all_area += a;
         all_rise += a * g;
     }
-    way[0] = 0.0;
-    for (sn_index b = 0; b < bins; b++) {
-        double each = rise[b] > 0.0 ? area[b] / rise[b] : all_rise > 0.0 ? all_area / all_rise : 0.0;
-        way[b + 1] = way[b] + (edges[b + 1] - edges[b]) * each;
+    s->way[0] = 0.0;
+    for (sn_index b = 0; b < s->count; b++) {
+        double each = s->rise[b] > 0.0 ? s->area[b] / s->rise[b] : all_rise > 0.0 ? all_area / all_rise : 0.0;
+        s->way[b + 1] = s->way[b] + (s->edges[b + 1] - s->edges[b]) * each;
     }
 }
 
-static void place_levels(sn_index bins, const double *edges, const double *way, sn_index count, double *levels) {
+static void place_levels(const bins *in, sn_index count, double *levels) {
+    const double *edges = in->edges, *way = in->way;
     sn_index b = 0;
     for (sn_index i = 0; i < count; i++) {
-        double share = END_SHARE + (1.0 - 2.0 * END_SHARE) * (double)i / (double)(count - 1), s = share * way[bins];
-        while (b + 1 < bins && way[b + 1] < s) b++;
+        double share = END_SHARE + (1.0 - 2.0 * END_SHARE) * (double)i / (double)(count - 1), s = share * way[in->count];
+        while (b + 1 < in->count && way[b + 1] < s) b++;
         double step = way[b + 1] - way[b];
         levels[i] = edges[b] + (step > 0.0 ? (s - way[b]) / step : 0.5) * (edges[b + 1] - edges[b]);
     }
@@ -91,11 +102,12 @@ static sn_status choose_levels(const sn_mesh *mesh, const double *u, sn_index co
     double *sorted = SN_NEW(double, mesh->vertex_count), *work = SN_NEW(double, 4 * (MOST_BINS + 1));
     sn_status status = SN_OK;
     if (sorted && work) {
-        double *edges = work, *way = edges + MOST_BINS + 1, *area = way + MOST_BINS + 1, *rise = area + MOST_BINS + 1;
-        sn_index bins = make_bins(u, mesh->vertex_count, edges, sorted);
-        measure_way(mesh, u, bins, edges, way, area, rise);
-        if (way[bins] > 0.0 && isfinite(way[bins]))
-            place_levels(bins, edges, way, count, levels);
+        enum { EACH = MOST_BINS + 1 };
+        bins s = {.edges = work, .way = work + EACH, .area = work + 2 * EACH, .rise = work + 3 * EACH};
+        make_bins(u, mesh->vertex_count, sorted, &s);
+        measure_way(mesh, u, &s);
+        if (s.way[s.count] > 0.0 && isfinite(s.way[s.count]))
+            place_levels(&s, count, levels);
         else
             status = sn_fail(error, SN_ERROR_INPUT,
                              "no way leads from the fibres' origins to their insertions: the ends cover the whole surface");
@@ -205,11 +217,11 @@ static sn_status levels_alloc(fill_levels *l, sn_index count, sn_error *error) {
     return l->u && l->z && l->centre && l->first ? SN_OK : sn_fail_memory(error, "the levels of the fibres");
 }
 
-sn_status fill_levels_build(const sn_mesh *mesh, const sn_topology *topology, const double *u, sn_index level_count, double turn,
-                            sn_trace *trace, fill_levels *out, sn_error *error) {
-    cutting c = {.mesh = mesh, .topology = topology, .u = u, .out = out};
+sn_status fill_levels_build(const fill_field *field, sn_index level_count, double turn, sn_trace *trace, fill_levels *out,
+                            sn_error *error) {
+    cutting c = {.mesh = field->mesh, .topology = field->topology, .u = field->u, .out = out};
     sn_status status = levels_alloc(out, level_count, error);
-    if (!status) status = choose_levels(mesh, u, level_count, out->u, error);
+    if (!status) status = choose_levels(field->mesh, field->u, level_count, out->u, error);
     if (!status) status = cut_levels(&c, trace, error);
     if (!status && (out->trunk = choose_trunk(out)) == SN_NONE)
         status = sn_fail(error, SN_ERROR_INPUT, "no level between the ends cuts the surface in a loop; clean the surface first");

@@ -44,10 +44,10 @@ static double keep_off(double x) { return fmin(fmax(x, EDGE), 1.0 - EDGE); }
 static bool seed_at(const face *f, const double at[2], fill_uv *out) {
     polygon_point p = {f->low.x + at[0] * (f->high.x - f->low.x), f->low.y + at[1] * (f->high.y - f->low.y)};
     const fill_slice *s = f->slice;
+    const polygon_view view = {f->points, s->triangle_count, s->triangles, s->across};
     double w[3];
     sn_index t = SN_NONE;
-    for (sn_index k = 0; t == SN_NONE && k < STARTS; k++)
-        t = polygon_locate(f->points, s->triangle_count, s->triangles, s->across, p, k * s->triangle_count / STARTS, w);
+    for (sn_index k = 0; t == SN_NONE && k < STARTS; k++) t = polygon_locate(&view, p, k * s->triangle_count / STARTS, w);
     if (t == SN_NONE) return false;
     *out = (fill_uv){0.0, 0.0};
     for (int c = 0; c < 3; c++) {

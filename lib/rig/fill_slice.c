@@ -224,10 +224,9 @@ _Static_assert(sizeof(fill_uv) == sizeof(polygon_point), "a place in the square 
 
 /* Where the walk from the hint gets lost among flattened triangles, every triangle is a start. */
 static sn_index search(const fill_slice *s, polygon_point at, sn_index hint, double weights[3]) {
-    const polygon_point *square = (const polygon_point *)s->square;
-    sn_index t = polygon_locate(square, s->triangle_count, s->triangles, s->across, at, hint, weights);
-    for (sn_index start = 0; t == SN_NONE && start < s->triangle_count; start += 7)
-        t = polygon_locate(square, s->triangle_count, s->triangles, s->across, at, start, weights);
+    const polygon_view view = {(const polygon_point *)s->square, s->triangle_count, s->triangles, s->across};
+    sn_index t = polygon_locate(&view, at, hint, weights);
+    for (sn_index start = 0; t == SN_NONE && start < s->triangle_count; start += 7) t = polygon_locate(&view, at, start, weights);
     return t;
 }
 

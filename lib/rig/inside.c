@@ -18,6 +18,16 @@ typedef struct way_in {
     sn_vec3 to; /* mid-thickness */
 } way_in;
 
+/* The ways that still lead nowhere inside, and scratch. */
+typedef struct ways_in {
+    sn_index count;
+    way_in *items;   /* (points) of which count are used */
+    sn_vec3 *points; /* (points) that are moved */
+    sn_vec3 *tried;  /* (points) */
+    int *winding;    /* (points) */
+    double diagonal; /* of the mesh's box */
+} ways_in;
+
 /* ---- one way in ------------------------------------------------------------------------------------------------------------- */
 
 static sn_vec3 face_normal(const sn_mesh *mesh, sn_index triangle) {
@@ -54,84 +64,84 @@ static sn_vec3 smooth_normal(const sn_mesh *mesh, const sn_vec3 *normals, const 
 
 /* ---- all of them -------------------------------------------------------------------------------------------------------------- */
 
-static sn_status find_ways(inside_step *step, sn_index count, const sn_vec3 *points, const int *winding, double diagonal, way_in *ways,
-                           sn_index *way_count, sn_error *error) {
-    for (sn_index i = 0; i < count; i++) {
-        if (winding[i] != 0) continue;
-        sn_status status = step->surface ? SN_OK : sn_surface_create_plain(step->mesh, &step->surface, error);
-        if (status) return status;
-        way_in way = {.point = i, .closest = sn_surface_closest(step->surface, points[i], INFINITY)};
-        aim(step, &way, is_on_surface(&way, diagonal) ? sn_v3(0, 0, 0) : sn_normalize(sn_sub(way.closest.point, points[i])), diagonal);
-        ways[(*way_count)++] = way;
+static sn_status find_ways(inside_step *step, sn_index point_count, ways_in *ways, sn_error *error) {
+    sn_status status = count_windings(step->mesh, point_count, ways->points, ways->winding, error);
+    for (sn_index i = 0; i < point_count && !status; i++) {
+        sn_vec3 p = ways->points[i];
+        if (ways->winding[i] != 0) continue;
+        if (!step->surface && (status = sn_surface_create_plain(step->mesh, &step->surface, error)) != SN_OK) break;
+        way_in way = {.point = i, .closest = sn_surface_closest(step->surface, p, INFINITY)};
+        sn_vec3 onwards = is_on_surface(&way, ways->diagonal) ? sn_v3(0, 0, 0) : sn_normalize(sn_sub(way.closest.point, p));
+        aim(step, &way, onwards, ways->diagonal);
+        ways->items[ways->count++] = way;
     }
-    return SN_OK;
+    return status;
 }
 
 /* Ways that ran along the surface: from an edge, the mean normal leads inside where those of its faces do not. */
-static sn_status aim_by_mean_normal(inside_step *step, sn_index count, double diagonal, way_in *ways, sn_error *error) {
+static sn_status aim_by_mean_normal(inside_step *step, ways_in *ways, sn_error *error) {
+    sn_index count = ways->count;
     sn_vec3 *normals = count > 0 ? SN_NEW(sn_vec3, step->mesh->vertex_count) : NULL;
     if (count > 0 && !normals) return sn_fail_memory(error, "the samples outside the volume");
     if (count > 0) sn_mesh_vertex_normals(step->mesh, normals);
-    for (sn_index i = 0; i < count; i++) aim(step, &ways[i], sn_neg(smooth_normal(step->mesh, normals, &ways[i].closest)), diagonal);
+    for (way_in *way = ways->items; way < ways->items + count; way++)
+        aim(step, way, sn_neg(smooth_normal(step->mesh, normals, &way->closest)), ways->diagonal);
     free(normals);
     return SN_OK;
 }
 
 /* Around a crease that crosses itself there is no inside: start from the middle of the face. */
-static void aim_from_face(inside_step *step, sn_index count, double diagonal, way_in *ways) {
-    for (sn_index i = 0; i < count; i++) {
-        const sn_index *v = step->mesh->triangles[ways[i].closest.triangle].v;
+static void aim_from_face(inside_step *step, ways_in *ways) {
+    for (way_in *way = ways->items; way < ways->items + ways->count; way++) {
+        const sn_index *v = step->mesh->triangles[way->closest.triangle].v;
         const sn_vec3 *p = step->mesh->positions;
-        ways[i].closest.point = sn_scale(sn_add(p[v[0]], sn_add(p[v[1]], p[v[2]])), 1.0 / 3.0);
-        aim(step, &ways[i], sn_neg(face_normal(step->mesh, ways[i].closest.triangle)), diagonal);
+        way->closest.point = sn_scale(sn_add(p[v[0]], sn_add(p[v[1]], p[v[2]])), 1.0 / 3.0);
+        aim(step, way, sn_neg(face_normal(step->mesh, way->closest.triangle)), ways->diagonal);
     }
 }
 
-/* Go as far as is inside, by halves; the ways that never are stay, *count of them. */
-static sn_status follow_ways(inside_step *step, sn_index *count, way_in *ways, sn_vec3 *points, sn_vec3 *tried, int *winding,
-                             sn_error *error) {
+/* Go as far as is inside, by halves; the ways that never are stay. */
+static sn_status follow_ways(inside_step *step, ways_in *ways, sn_error *error) {
     double share = 1.0;
-    for (int halving = 0; halving<MAX_HALVINGS && * count> 0; halving++, share *= 0.5) {
-        for (sn_index i = 0; i < *count; i++) tried[i] = sn_lerp(ways[i].closest.point, ways[i].to, share);
-        sn_status status = count_windings(step->mesh, *count, tried, winding, error);
+    for (int halving = 0; halving < MAX_HALVINGS && ways->count > 0; halving++, share *= 0.5) {
+        for (sn_index i = 0; i < ways->count; i++) ways->tried[i] = sn_lerp(ways->items[i].closest.point, ways->items[i].to, share);
+        sn_status status = count_windings(step->mesh, ways->count, ways->tried, ways->winding, error);
         if (status) return status;
         sn_index left = 0;
-        for (sn_index i = 0; i < *count; i++) {
-            if (winding[i] == 0) {
-                ways[left++] = ways[i];
+        for (sn_index i = 0; i < ways->count; i++) {
+            if (ways->winding[i] == 0) {
+                ways->items[left++] = ways->items[i];
                 continue;
             }
-            sn_vec3 *point = &points[ways[i].point];
-            double moved = sn_distance(*point, tried[i]);
-            *point = tried[i];
+            sn_vec3 *point = &ways->points[ways->items[i].point];
+            double moved = sn_distance(*point, ways->tried[i]);
+            *point = ways->tried[i];
             step->moved++;
-            if (SN_TRACE(step->trace, "inside", sn_trace_number("point", ways[i].point), sn_trace_number("moved", moved),
+            if (SN_TRACE(step->trace, "inside", sn_trace_number("point", ways->items[i].point), sn_trace_number("moved", moved),
                          sn_trace_number("x", point->x), sn_trace_number("y", point->y), sn_trace_number("z", point->z)))
                 return SN_STOPPED;
         }
-        *count = left;
+        ways->count = left;
     }
     return SN_OK;
 }
 
 sn_status move_inside(inside_step *step, sn_index count, sn_vec3 *points, sn_error *error) {
     if (!step->mesh || count == 0) return SN_OK;
-    int *winding = SN_NEW(int, count);
-    way_in *ways = SN_NEW(way_in, count);
-    sn_vec3 *tried = SN_NEW(sn_vec3, count);
-    sn_index way_count = 0;
-    double diagonal = sn_box_diagonal(sn_mesh_box(step->mesh));
-    sn_status status = winding && ways && tried ? SN_OK : sn_fail_memory(error, "the samples outside the volume");
-    if (!status) status = count_windings(step->mesh, count, points, winding, error);
-    if (!status) status = find_ways(step, count, points, winding, diagonal, ways, &way_count, error);
-    if (!status) status = follow_ways(step, &way_count, ways, points, tried, winding, error);
-    if (!status) status = aim_by_mean_normal(step, way_count, diagonal, ways, error);
-    if (!status) status = follow_ways(step, &way_count, ways, points, tried, winding, error);
-    if (!status) aim_from_face(step, way_count, diagonal, ways);
-    if (!status) status = follow_ways(step, &way_count, ways, points, tried, winding, error);
-    free(winding);
-    free(ways);
-    free(tried);
+    ways_in ways = {.points = points, .diagonal = sn_box_diagonal(sn_mesh_box(step->mesh))};
+    ways.items = SN_NEW(way_in, count);
+    ways.tried = SN_NEW(sn_vec3, count);
+    ways.winding = SN_NEW(int, count);
+    bool enough = ways.items && ways.tried && ways.winding;
+    sn_status status = enough ? find_ways(step, count, &ways, error) : sn_fail_memory(error, "the samples outside the volume");
+    if (!status) status = follow_ways(step, &ways, error);
+    if (!status) status = aim_by_mean_normal(step, &ways, error);
+    if (!status) status = follow_ways(step, &ways, error);
+    if (!status) aim_from_face(step, &ways);
+    if (!status) status = follow_ways(step, &ways, error);
+    free(ways.items);
+    free(ways.tried);
+    free(ways.winding);
     return status;
 }
 

@@ -20,8 +20,6 @@ typedef struct found {
 typedef struct search {
     const sn_muscle *muscle;
     const sn_neighbours_params *params;
-    sn_index target_count;
-    const sn_neighbour *targets;
     sn_pool *pool;
     double reach;
     sn_vec3 *normals; /* (vertex_count) of the muscle */
@@ -133,7 +131,7 @@ static bool trace_target(const search *s, sn_index before, sn_trace *trace) {
 static sn_status search_target(search *s, sn_index t, bool superficial, sn_trace *trace, sn_error *error) {
     sn_error reason = {0};
     sn_index before = s->count;
-    s->target = &s->targets[t];
+    s->target = &s->params->targets[t];
     s->superficial = superficial;
     s->box = sn_mesh_box(s->target->mesh);
     s->target_normals = SN_NEW(sn_vec3, s->target->mesh->vertex_count);
@@ -163,12 +161,13 @@ static sn_status check_params(const sn_neighbours_params *p, sn_error *error) {
 
 static sn_status check_targets(const search *s, sn_error *error) {
     sn_error reason = {0};
-    for (sn_index t = 0; t < s->target_count; t++) {
+    for (sn_index t = 0; t < s->params->target_count; t++) {
         for (sn_index other = 0; other < t; other++)
-            if (strcmp(s->targets[t].name, s->targets[other].name) == 0)
-                return sn_fail(error, SN_ERROR_INPUT, "target \"%s\" is given twice; give each a name of its own", s->targets[t].name);
-        sn_status status = sn_mesh_validate(s->targets[t].mesh, &reason);
-        if (status != SN_OK) return sn_fail(error, status, "target \"%s\": %s", s->targets[t].name, reason.text);
+            if (strcmp(s->params->targets[t].name, s->params->targets[other].name) == 0)
+                return sn_fail(error, SN_ERROR_INPUT, "target \"%s\" is given twice; give each a name of its own",
+                               s->params->targets[t].name);
+        sn_status status = sn_mesh_validate(s->params->targets[t].mesh, &reason);
+        if (status != SN_OK) return sn_fail(error, status, "target \"%s\": %s", s->params->targets[t].name, reason.text);
     }
     return SN_OK;
 }
@@ -182,23 +181,23 @@ static sn_status prepare(search *s, sn_error *error) {
     s->normals = SN_NEW(sn_vec3, s->muscle->mesh.vertex_count);
     s->faces = SN_NEW(bool, s->muscle->mesh.vertex_count);
     s->found = SN_NEW(found, s->muscle->mesh.vertex_count);
-    s->list = SN_NEW(sn_external, 2 * (size_t)s->target_count);
+    s->list = SN_NEW(sn_external, 2 * (size_t)s->params->target_count);
     s->pool = sn_pool_create(s->params->threads); /* without one the loop runs on this thread */
     if (!s->normals || !s->faces || !s->found || !s->list) return sn_fail_memory(error, "neighbours");
     sn_mesh_vertex_normals(&s->muscle->mesh, s->normals);
     return SN_OK;
 }
 
-sn_status sn_find_neighbours(const sn_muscle *muscle, sn_index target_count, const sn_neighbour *targets,
-                             const sn_neighbours_params *params, sn_trace *trace, sn_index *count, sn_external **out, sn_error *error) {
-    search s = {.muscle = muscle, .params = params, .target_count = target_count, .targets = targets};
+sn_status sn_find_neighbours(const sn_muscle *muscle, const sn_neighbours_params *params, sn_trace *trace, sn_index *count,
+                             sn_external **out, sn_error *error) {
+    search s = {.muscle = muscle, .params = params};
     *count = 0;
     *out = NULL;
     sn_status status = prepare(&s, error);
     if (status == SN_OK && sn_trace_stopped(trace)) status = SN_STOPPED;
-    for (sn_index t = 0; t < target_count && status == SN_OK; t++) status = search_target(&s, t, false, trace, error);
-    for (sn_index t = 0; t < target_count && status == SN_OK; t++)
-        if (targets[t].envelope) status = search_target(&s, t, true, trace, error); /* once it is known who faces whom */
+    for (sn_index t = 0; t < params->target_count && status == SN_OK; t++) status = search_target(&s, t, false, trace, error);
+    for (sn_index t = 0; t < params->target_count && status == SN_OK; t++)
+        if (params->targets[t].envelope) status = search_target(&s, t, true, trace, error); /* once it is known who faces whom */
     if (status == SN_OK || status == SN_STOPPED) {
         *count = s.count;
         *out = s.list;

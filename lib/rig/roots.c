@@ -33,10 +33,10 @@ typedef struct selection {
 /* ---- the field between the ends ----------------------------------------------------------------------------------------- */
 
 static sn_status find_ends(selection *s, bool known, ends *e, sn_error *error) {
-    if (known && s->params->site_count > 0)
-        return ends_from_sites(s->mesh, &s->topology, s->params->site_count, s->params->sites, s->tips.length, e, error);
+    const ends_surface surface = {s->mesh, &s->topology, &s->tips};
+    if (known && s->params->site_count > 0) return ends_from_sites(&surface, s->params->site_count, s->params->sites, e, error);
     if (known && ends_from_attachments(s->muscle, false, e)) return SN_OK;
-    return ends_from_tips(s->mesh, &s->topology, &s->tips, e, error);
+    return ends_from_tips(&surface, e, error);
 }
 
 /* known: between sites or attachments, where there are some; else between the tips. */
@@ -45,7 +45,7 @@ static sn_status harmonic_between(selection *s, bool known, double *u, sn_error 
     sn_status status = ends_alloc(s->mesh->vertex_count, &e, error);
     if (!status) status = find_ends(s, known, &e, error);
     s->report.ends = e.source;
-    if (!status) status = sn_harmonic_field(s->mesh, &s->topology, e.count, e.vertices, e.values, u, error);
+    if (!status) status = sn_harmonic_field(s->mesh, &s->topology, &(sn_fixed_values){e.count, e.vertices, e.values}, u, error);
     if (!status &&
         SN_TRACE(s->trace, "field", sn_trace_text("ends", sn_ends_source_names[e.source]), sn_trace_indices("fixed", e.vertices, e.count)))
         status = SN_STOPPED;
@@ -142,23 +142,22 @@ static sn_vec3 vertex_mean(const sn_mesh *mesh, sn_index count, const sn_index *
 }
 
 /* Both rings of every curve of the section that was just cut. */
-static bool add_candidates(selection *s, const search *how, double share, sn_index *ring, candidates *list) {
+static bool add_candidates(selection *s, const search *how, double share, candidates *list) {
     if (how->single && (s->cut.curve_count != 1 || !s->cut.curves[0].closed)) return true;
     for (sn_index c = 0; c < s->cut.curve_count; c++)
         for (int side = SECTION_LOW; side <= SECTION_HIGH; side++) {
             if (!s->cut.curves[c].closed) continue;
             bool simple;
-            sn_index count = section_ring(&s->cut, &s->cut.curves[c], (section_side)side, ring, &simple);
+            sn_index count = section_ring(&s->cut, &s->cut.curves[c], (section_side)side, s->vertices, &simple);
             if (count < 3 || (how->single && !simple)) continue;
             if (!sn_grow((void **)&list->items, &list->capacity, list->count + 1, sizeof *list->items)) return false;
-            double offset = sn_distance(vertex_mean(s->mesh, count, ring), s->centroid);
+            double offset = sn_distance(vertex_mean(s->mesh, count, s->vertices), s->centroid);
             list->items[list->count++] = (candidate){offset, share, s->cut.level, c, (section_side)side};
         }
     return true;
 }
 
-static sn_status gather(selection *s, const search *how, const double *u, const quantiles *q, sn_index *ring, candidates *list,
-                        sn_error *error) {
+static sn_status gather(selection *s, const search *how, const double *u, const quantiles *q, candidates *list, sn_error *error) {
     double before = NAN;
     int steps = (int)lround((how->last - how->first) / how->step);
     for (int i = 0; i <= steps; i++) {
@@ -167,7 +166,7 @@ static sn_status gather(selection *s, const search *how, const double *u, const 
         before = level;
         sn_status status = section_cut(&s->cut, u, level, error);
         if (status) return status;
-        if (!add_candidates(s, how, share, ring, list)) return sn_fail_memory(error, "the candidate rings");
+        if (!add_candidates(s, how, share, list)) return sn_fail_memory(error, "the candidate rings");
         if (SN_TRACE(s->trace, "contour", sn_trace_number("share", share), sn_trace_number("level", level),
                      sn_trace_number("curves", s->cut.curve_count), sn_trace_number("candidates", (double)list->count)))
             return SN_STOPPED;
@@ -176,10 +175,10 @@ static sn_status gather(selection *s, const search *how, const double *u, const 
     return SN_OK;
 }
 
-static sn_status rebuild_ring(selection *s, const candidate *c, const double *u, sn_index *ring, sn_index *count, sn_error *error) {
+static sn_status rebuild_ring(selection *s, const candidate *c, const double *u, sn_index *count, sn_error *error) {
     sn_status status = section_cut(&s->cut, u, c->level, error);
     bool simple;
-    if (!status) *count = section_ring(&s->cut, &s->cut.curves[c->curve], c->side, ring, &simple);
+    if (!status) *count = section_ring(&s->cut, &s->cut.curves[c->curve], c->side, s->vertices, &simple);
     return status;
 }
 
@@ -194,7 +193,7 @@ static void take_ring(selection *s, const candidate *c, sn_index count) {
 static sn_status first_separating(selection *s, const candidates *list, const double *u, sn_error *error) {
     for (size_t i = 0; i < list->count; i++) {
         sn_index count = 0;
-        sn_status status = rebuild_ring(s, &list->items[i], u, s->vertices, &count, error);
+        sn_status status = rebuild_ring(s, &list->items[i], u, &count, error);
         if (status) return status;
         sn_index parts = section_parts(&s->cut, count, s->vertices);
         bool stop = SN_TRACE(s->trace, "ring", sn_trace_number("share", list->items[i].share), sn_trace_number("parts", parts),
@@ -216,12 +215,12 @@ static sn_status search_ring(selection *s, const double *u, sn_error *error) {
     for (size_t i = 0; i < sizeof searches / sizeof *searches && !status && s->count == 0; i++) {
         list.count = 0;
         s->report.fallback = i > 0;
-        status = gather(s, &searches[i], u, &q, s->vertices, &list, error);
+        status = gather(s, &searches[i], u, &q, &list, error);
         if (!status) status = first_separating(s, &list, u, error);
     }
     if (!status && s->count == 0 && list.count > 0) { /* nothing separates: the nearest closed ring */
         sn_index count = 0;
-        status = rebuild_ring(s, &list.items[0], u, s->vertices, &count, error);
+        status = rebuild_ring(s, &list.items[0], u, &count, error);
         if (!status) take_ring(s, &list.items[0], count);
     }
     free(list.items);

@@ -162,11 +162,11 @@ static void flip_all(polygon_mesh *m) {
 
 /* ---- inner points ------------------------------------------------------------------------------------------------------------ */
 
-sn_index polygon_locate(const polygon_point *points, sn_index triangle_count, sn_index (*triangles)[3], sn_index (*across)[3],
-                        polygon_point at, sn_index hint, double weights[3]) {
-    sn_index t = hint >= 0 && hint < triangle_count ? hint : 0;
-    for (sn_index step = 0; step < triangle_count && t != SN_NONE; step++) {
-        const sn_index *v = triangles[t];
+sn_index polygon_locate(const polygon_view *view, polygon_point at, sn_index hint, double weights[3]) {
+    const polygon_point *points = view->points;
+    sn_index t = hint >= 0 && hint < view->triangle_count ? hint : 0;
+    for (sn_index step = 0; step < view->triangle_count && t != SN_NONE; step++) {
+        const sn_index *v = view->triangles[t];
         double w[3] = {turn(at, points[v[1]], points[v[2]]), turn(points[v[0]], at, points[v[2]]), turn(points[v[0]], points[v[1]], at)};
         double area = turn(points[v[0]], points[v[1]], points[v[2]]);
         int least = w[0] < w[1] ? (w[0] < w[2] ? 0 : 2) : (w[1] < w[2] ? 1 : 2);
@@ -174,7 +174,7 @@ sn_index polygon_locate(const polygon_point *points, sn_index triangle_count, sn
             for (int c = 0; weights && c < 3; c++) weights[c] = w[c] / area;
             return t;
         }
-        t = across[t][least];
+        t = view->across[t][least];
     }
     return SN_NONE;
 }
@@ -221,7 +221,8 @@ static void insert_grid(polygon_mesh *m, double spacing, sn_index most, sn_index
     for (double y = low.y + 0.5 * step; y < high.y; y += step, row++)
         for (double x = low.x + (row % 2 ? 0.5 : 0.25) * spacing; x < high.x && inserted < most; x += spacing) {
             polygon_point at = {x, y};
-            sn_index t = polygon_locate(m->points, m->triangle_count, m->triangles, m->across, at, hint, NULL);
+            const polygon_view view = {m->points, m->triangle_count, m->triangles, m->across}; /* it grows */
+            sn_index t = polygon_locate(&view, at, hint, NULL);
             if (t == SN_NONE) continue;
             hint = t;
             if (near_corner(m, at, 0.5 * spacing)) continue;

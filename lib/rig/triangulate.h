@@ -22,9 +22,14 @@ typedef struct polygon_mesh {
  * itself is triangulated as far as its topology goes: some triangles are then turned over. */
 SN_MUST_CHECK sn_status polygon_triangulate(sn_index count, const polygon_point *corners, double spacing, sn_index most_inner,
                                             polygon_mesh *out, sn_error *error);
+/* Triangles in the plane, as in a polygon_mesh; all borrowed. */
+typedef struct polygon_view {
+    const polygon_point *points;
+    sn_index triangle_count;
+    sn_index (*triangles)[3], (*across)[3];
+} polygon_view;
 /* The triangle that holds `at`, searched from `hint`; SN_NONE = none. weights (nullable) are barycentric. */
-sn_index polygon_locate(const polygon_point *points, sn_index triangle_count, sn_index (*triangles)[3], sn_index (*across)[3],
-                        polygon_point at, sn_index hint, double weights[3]);
+sn_index polygon_locate(const polygon_view *view, polygon_point at, sn_index hint, double weights[3]);
 void polygon_free(polygon_mesh *mesh);
 
 #endif

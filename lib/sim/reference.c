@@ -138,13 +138,13 @@ sn_status sn_reference_extrapolate(const sn_yardstick *yardstick, sn_reference *
     return status;
 }
 
-sn_status sn_reference_motion(sn_scene *scene, const sn_yardstick *yardstick, const sn_run_request *request,
-                              const sn_reference_params *params, sn_reference *out, sn_error *error) {
+sn_status sn_reference_motion(const sn_reference_task *task, sn_reference *out, sn_error *error) {
+    const sn_reference_params *params = task->params;
     sn_status status = SN_OK;
     *out = (sn_reference){.floor = INFINITY, .order = NAN, .fitted = NAN};
     for (sn_index substeps = 1; status == SN_OK && substeps <= params->most_substeps; substeps *= 2) {
-        status = add_rung(scene, request, params, substeps, out, error);
-        if (status == SN_OK) status = sn_reference_extrapolate(yardstick, out, error);
+        status = add_rung(task->scene, task->request, params, substeps, out, error);
+        if (status == SN_OK) status = sn_reference_extrapolate(task->yardstick, out, error);
         if (out->rung_count > 2 && out->floor <= params->floor) break;
     }
     if (status != SN_OK) sn_reference_free(out);
@@ -153,10 +153,11 @@ sn_status sn_reference_motion(sn_scene *scene, const sn_yardstick *yardstick, co
 
 /* ---- the equilibrium ---------------------------------------------------------------------------------------------------------------- */
 
-sn_status sn_reference_rest(sn_scene *scene, const sn_yardstick *yardstick, const sn_run_request *request,
-                            const sn_reference_params *params, sn_reference *out, sn_error *error) {
+sn_status sn_reference_rest(const sn_reference_task *task, sn_reference *out, sn_error *error) {
+    sn_scene *scene = task->scene;
+    const sn_reference_params *params = task->params;
     sn_index last = scene->last_frame - scene->first_frame + params->most_held;
-    sn_run_request held = *request;
+    sn_run_request held = *task->request;
     held.moments = &last;
     held.moment_count = 1;
     held.rest = params->rest;
@@ -164,7 +165,8 @@ sn_status sn_reference_rest(sn_scene *scene, const sn_yardstick *yardstick, cons
     sn_status status = add_rung(scene, &held, params, 1, out, error);
     if (status == SN_OK) status = add_rung(scene, &held, params, 2, out, error);
     if (status == SN_OK) status = copy_track(&out->rungs[1].track, &out->track, error);
-    if (status == SN_OK) out->floor = out->rungs[1].step = out->rungs[0].error = distance(yardstick, &out->rungs[0].track, &out->track);
+    if (status == SN_OK)
+        out->floor = out->rungs[1].step = out->rungs[0].error = distance(task->yardstick, &out->rungs[0].track, &out->track);
     if (status == SN_OK) out->rungs[1].error = 0.0;
     if (status != SN_OK) sn_reference_free(out);
     return status;
@@ -172,16 +174,15 @@ sn_status sn_reference_rest(sn_scene *scene, const sn_yardstick *yardstick, cons
 
 /* ---- converged solves of a setting's own steps --------------------------------------------------------------------------- */
 
-sn_status sn_reference_solve(sn_scene *scene, const sn_yardstick *yardstick, const sn_run_request *request,
-                             const sn_reference_params *params, sn_index substeps, sn_reference *reference, const sn_rung **out,
+sn_status sn_reference_solve(const sn_reference_task *task, sn_index substeps, sn_reference *reference, const sn_rung **out,
                              sn_error *error) {
     sn_status status = SN_OK;
     sn_index i = 0;
     while (i < reference->rung_count && reference->rungs[i].substeps != substeps) i++;
-    if (i == reference->rung_count) status = add_rung(scene, request, params, substeps, reference, error);
+    if (i == reference->rung_count) status = add_rung(task->scene, task->request, task->params, substeps, reference, error);
     if (status != SN_OK) return status;
     sn_rung *rung = &reference->rungs[i];
-    if (isnan(rung->error)) rung->error = distance(yardstick, &rung->track, &reference->track);
+    if (isnan(rung->error)) rung->error = distance(task->yardstick, &rung->track, &reference->track);
     *out = rung;
     return SN_OK;
 }

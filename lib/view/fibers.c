@@ -20,16 +20,24 @@ static sn_vec3 direction_at(const sn_muscle *muscle, const sn_closest *at, sn_ve
     return sn_normalize(sn_add_scaled(sum, n, -sn_dot(sum, n)));
 }
 
-/* Walk from a vertex along the field, or against it. */
-static sn_status walk(sn_view *view, const sn_muscle *muscle, const sn_surface *surface, sn_index vertex, double length, double sign,
-                      sn_error *error) {
-    double step = length / STEPS, unit = muscle->meters_per_unit;
+/* Draws short lines over the surface of a muscle. */
+typedef struct brush {
+    sn_view *view;
+    const sn_muscle *muscle;
+    const sn_surface *surface;
+    double length; /* of a line, to each side of its vertex; in the muscle's unit */
+} brush;
+
+/* Walk from a vertex along the field (sign 1), or against it (-1). */
+static sn_status walk(const brush *b, sn_index vertex, double sign, sn_error *error) {
+    const sn_muscle *muscle = b->muscle;
+    double step = b->length / STEPS, unit = muscle->meters_per_unit;
     sn_vec3 here = muscle->mesh.positions[vertex], along = sn_scale(muscle->fibers.directions[vertex], sign);
     for (int i = 0; i < STEPS && sn_norm2(along) > 0.0; i++) {
-        sn_closest next = sn_surface_closest(surface, sn_add_scaled(here, along, step), 2.0 * step);
+        sn_closest next = sn_surface_closest(b->surface, sn_add_scaled(here, along, step), 2.0 * step);
         if (next.triangle == SN_NONE) break;
         sn_view_tube tube = {sn_scale(here, unit), sn_scale(next.point, unit), RADIUS, COLOR_FIBER};
-        sn_status status = sn_view_add_tube(view, tube, error);
+        sn_status status = sn_view_add_tube(b->view, tube, error);
         if (status) return status;
         along = direction_at(muscle, &next, along);
         here = next.point;
@@ -43,10 +51,10 @@ static sn_status show_directions(sn_view *view, const sn_muscle *muscle, sn_erro
     double spacing;
     sn_status status = spread_vertices(&muscle->mesh, MARKS, &count, &marks, &spacing, error);
     if (!status) status = sn_surface_create_plain(&muscle->mesh, &surface, error);
-    double length = fmax(0.75 * spacing, 0.006 * sn_box_diagonal(sn_mesh_box(&muscle->mesh)));
+    const brush b = {view, muscle, surface, fmax(0.75 * spacing, 0.006 * sn_box_diagonal(sn_mesh_box(&muscle->mesh)))};
     for (sn_index i = 0; i < count && !status; i++) {
-        status = walk(view, muscle, surface, marks[i], length, 1.0, error);
-        if (!status) status = walk(view, muscle, surface, marks[i], length, -1.0, error);
+        status = walk(&b, marks[i], 1.0, error);
+        if (!status) status = walk(&b, marks[i], -1.0, error);
     }
     sn_surface_destroy(surface);
     free(marks);

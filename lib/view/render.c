@@ -161,13 +161,13 @@ static sn_status prepare(picture *p, const sn_view *view, const sn_camera *camer
     return status;
 }
 
-sn_status picture_render(const sn_view *view, const sn_camera *camera, const sn_view_options *options, inset clear, sn_pool *pool,
-                         sn_image *image, sn_error *error) {
+sn_status picture_render(const sn_tile *tile, const sn_view_options *options, inset clear, sn_pool *pool, sn_image *image,
+                         sn_error *error) {
     picture p = {.options = options, .image = image};
     sn_status status = SN_OK;
     if (options->samples < 1 || options->samples > 8)
         status = sn_fail(error, SN_ERROR_USAGE, "%d samples per pixel side is out of range: 1 to 8", options->samples);
-    if (!status) status = prepare(&p, view, camera, clear, pool, error);
+    if (!status) status = prepare(&p, tile->view, tile->camera, clear, pool, error);
     if (!status) sn_parallel_for(pool, image->height, BAND_ROWS, render_band, &p);
     if (!status && atomic_load(&p.out_of_memory)) status = sn_fail_memory(error, "the picture's samples");
     layer_free(&p.solid);

@@ -93,9 +93,9 @@ typedef struct band {
     sample *samples;        /* (height x width) top row first */
 } band;
 
-/* Render into an image that is there. */
-SN_MUST_CHECK sn_status picture_render(const sn_view *view, const sn_camera *camera, const sn_view_options *options, inset clear,
-                                       sn_pool *pool, sn_image *image, sn_error *error);
+/* Render a tile's view, without its caption, into an image that is there. */
+SN_MUST_CHECK sn_status picture_render(const sn_tile *tile, const sn_view_options *options, inset clear, sn_pool *pool, sn_image *image,
+                                       sn_error *error);
 
 /* Draw the capsules with depth test (tubes.c). */
 typedef struct tube {

@@ -22,12 +22,6 @@ static typography typography_for(const sn_view_options *options, double width, d
 
 /* ---- words ------------------------------------------------------------------------------------------------------------------ */
 
-/* Text with a halo of paper: it may stand before the subject. */
-static void draw_text(sn_image *image, typography t, double x, double y, double size, double weight, sn_color color, const char *text) {
-    sn_text_draw(image, x, y, size, weight + 2.4, t.paper, text);
-    sn_text_draw(image, x, y, size, weight, color, text);
-}
-
 enum { TEXT_ROOM = 512 };
 
 /* The start of the character that byte `at` of UTF-8 text belongs to. */
@@ -48,18 +42,29 @@ static void fit_text(const char *text, double size, double width, char cut[TEXT_
     }
 }
 
-static void draw_fitted(sn_image *image, typography t, double x, double y, double size, double weight, sn_color color, const char *text,
-                        double width) {
+/* Where a line of text goes: its baseline's start, and the width that it may take. Pixels. */
+typedef struct text_place {
+    double x, y, width;
+} text_place;
+
+/* Text with a halo of paper: it may stand before the subject. */
+static void draw_text(sn_image *image, typography t, text_place at, sn_text_style style, const char *text) {
     char cut[TEXT_ROOM];
-    fit_text(text, size, width, cut);
-    draw_text(image, t, x, y, size, weight, color, cut);
+    fit_text(text, style.size, at.width, cut);
+    sn_text_draw(image, at.x, at.y, (sn_text_style){style.size, style.weight + 2.4, t.paper}, cut);
+    sn_text_draw(image, at.x, at.y, style, cut);
 }
 
-static double draw_title(sn_image *image, typography t, const char *title, const char *subtitle) {
-    double y = 14.0 * t.unit, left = 18.0 * t.unit, width = image->width - 2.0 * left;
-    if (title) draw_fitted(image, t, left, y += 13.0 * t.unit, 12.5 * t.unit, 1.5, t.ink, title, width);
-    if (subtitle) draw_fitted(image, t, left, y += (title ? 20.0 : 11.0) * t.unit, 8.5 * t.unit, 1.0, t.pale, subtitle, width);
-    return y;
+static void draw_title(sn_image *image, typography t, const char *title, const char *subtitle) {
+    text_place at = {18.0 * t.unit, 14.0 * t.unit, image->width - 36.0 * t.unit};
+    if (title) {
+        at.y += 13.0 * t.unit;
+        draw_text(image, t, at, (sn_text_style){12.5 * t.unit, 1.5, t.ink}, title);
+    }
+    if (subtitle) {
+        at.y += (title ? 20.0 : 11.0) * t.unit;
+        draw_text(image, t, at, (sn_text_style){8.5 * t.unit, 1.0, t.pale}, subtitle);
+    }
 }
 
 static double title_height(typography t, const char *title, const char *subtitle) {
@@ -125,7 +130,8 @@ static double legend_rows(sn_image *image, typography t, size_t count, const leg
         }
         if (image) {
             draw_mark(image, t, x, y, lines[i].entry->mark, lines[i].entry->color);
-            draw_fitted(image, t, x + 18.0 * t.unit, y, text_size, 1.0, t.ink, text, width - left - x - 18.0 * t.unit);
+            const text_place at = {x + 18.0 * t.unit, y, width - left - x - 18.0 * t.unit};
+            draw_text(image, t, at, (sn_text_style){text_size, 1.0, t.ink}, text);
         }
         x += needed + 20.0 * t.unit;
     }
@@ -196,7 +202,8 @@ static void draw_scale_bar(sn_image *image, typography t, const frame *f, double
         {right - pixels, y, right, y}, {right - pixels, y - tick, right - pixels, y + tick}, {right, y - tick, right, y + tick}};
     image_lines(image, 3, lines, 2.0 * t.unit, t.paper);
     image_lines(image, 3, lines, 0.6 * t.unit, t.pale);
-    draw_text(image, t, right - 0.5 * (pixels + sn_text_width(size, text)), y - 6.0 * t.unit, size, 1.0, t.pale, text);
+    const text_place at = {right - 0.5 * (pixels + sn_text_width(size, text)), y - 6.0 * t.unit, INFINITY};
+    draw_text(image, t, at, (sn_text_style){size, 1.0, t.pale}, text);
 }
 
 /* ---- colour scale and rings ------------------------------------------------------------------------------------------------------- */
@@ -208,9 +215,10 @@ static void draw_color_scale(sn_image *image, typography t, const sn_view_scale 
     double bar = 0.3 * width, high = 7.0 * t.unit, size = 8.0 * t.unit;
     char end[48];
     snprintf(end, sizeof end, "%.4g%s", scale->high, scale->open ? " and more" : "");
-    draw_text(image, t, left, y, size, 1.0, t.pale, "0");
-    draw_text(image, t, left + bar + 26.0 * t.unit, y, size, 1.0, t.pale, end);
-    draw_fitted(image, t, left, y - 14.0 * t.unit, size, 1.0, t.ink, scale->text, 0.62 * width);
+    const sn_text_style pale = {size, 1.0, t.pale}, ink = {size, 1.0, t.ink};
+    draw_text(image, t, (text_place){left, y, INFINITY}, pale, "0");
+    draw_text(image, t, (text_place){left + bar + 26.0 * t.unit, y, INFINITY}, pale, end);
+    draw_text(image, t, (text_place){left, y - 14.0 * t.unit, 0.62 * width}, ink, scale->text);
     for (int i = 0; i < STEPS; i++) {
         double middle = y - 0.5 * size, from = left + 16.0 * t.unit + bar * i / STEPS;
         image_lines(image, 1, &(image_line){from, middle, from + bar / STEPS, middle}, 0.5 * high, sn_scale_color((i + 0.5) / STEPS));
@@ -255,7 +263,7 @@ static sn_status single_page(page *g, sn_image *out, sn_error *error) {
     inset clear = {0, 0};
     if (options->legend)
         clear = (inset){title_height(g->type, g->title, g->subtitle), bottom + scale_room(g->tiles[0].view) * g->type.unit};
-    status = picture_render(g->tiles[0].view, g->tiles[0].camera, options, clear, g->pool, out, error);
+    status = picture_render(&g->tiles[0], options, clear, g->pool, out, error);
     frame f;
     if (status || !options->legend) return status;
     status = frame_set(&f, g->tiles[0].camera, out->width, out->height, clear, error);
@@ -278,11 +286,12 @@ static sn_status draw_tile(const page *g, const sn_tile *tile, sn_image *out, sn
     inset clear = {0, 0};
     if (options->legend) clear = (inset){tile->caption ? 30.0 * t.unit : 0.0, (scale_room(tile->view) + 2.0) * t.unit};
     frame f;
-    status = picture_render(tile->view, tile->camera, options, clear, g->pool, &image, error);
+    status = picture_render(tile, options, clear, g->pool, &image, error);
     if (!status) status = frame_set(&f, tile->camera, image.width, image.height, clear, error);
     if (!status && options->legend) {
         double left = 12.0 * t.unit;
-        if (tile->caption) draw_fitted(&image, t, left, 22.0 * t.unit, 9.0 * t.unit, 1.15, t.ink, tile->caption, image.width - 2.0 * left);
+        const text_place at = {left, 22.0 * t.unit, image.width - 2.0 * left};
+        if (tile->caption) draw_text(&image, t, at, (sn_text_style){9.0 * t.unit, 1.15, t.ink}, tile->caption);
         draw_scale_bar(&image, t, &f, image.width - left, image.height - 10.0 * t.unit);
         draw_color_scale(&image, t, &tile->view->scale, left, image.height - 10.0 * t.unit, image.width);
         draw_rings(&image, t, &f, tile->view);

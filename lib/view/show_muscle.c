@@ -135,7 +135,7 @@ static unsigned automatic(const sn_muscle *muscle) {
 
 static sn_status show_surface(sn_view *view, const sn_muscle *muscle, unsigned show, sn_color color, sn_error *error) {
     sn_view_mesh *mesh;
-    sn_status status = sn_view_add_mesh(view, &muscle->mesh, muscle->meters_per_unit, NULL, color, &mesh, error);
+    sn_status status = sn_view_add_mesh(view, &muscle->mesh, (sn_placement){muscle->meters_per_unit, NULL}, color, &mesh, error);
     if (status) return status;
     bool inside = show & SN_SHOW_STRUCTURE && muscle->structure.sample_count > 0;
     if (show & SN_SHOW_FIBERS && muscle->fibers.polyline_count > 0) inside = true;
@@ -163,10 +163,9 @@ sn_status sn_view_add_muscle(sn_view *view, const sn_muscle *muscle, unsigned sh
     return status ? status : show_rig(view, muscle, show, COLOR_MUSCLE, error);
 }
 
-sn_status sn_view_add_bone(sn_view *view, const char *name, const sn_mesh *mesh, double meters_per_unit, const sn_rigid *pose,
-                           sn_error *error) {
+sn_status sn_view_add_bone(sn_view *view, const char *name, const sn_mesh *mesh, sn_placement placement, sn_error *error) {
     sn_view_mesh *added;
-    sn_status status = sn_view_add_mesh(view, mesh, meters_per_unit, pose, COLOR_BONE, &added, error);
+    sn_status status = sn_view_add_mesh(view, mesh, placement, COLOR_BONE, &added, error);
     if (status) return status;
     added->gloss = 0.25;
     return name ? sn_view_add_entry(view, SN_MARK_AREA, COLOR_BONE, name, error) : SN_OK;

@@ -3,8 +3,9 @@
 
 #include <stdlib.h>
 
-static sn_color mix(sn_color a, sn_color b, double t) {
-    return (sn_color){a.r + (b.r - a.r) * t, a.g + (b.g - a.g) * t, a.b + (b.b - a.b) * t};
+static sn_color activation_color(double activation) {
+    const sn_color a = COLOR_RELAXED, b = COLOR_ACTIVE;
+    return (sn_color){a.r + (b.r - a.r) * activation, a.g + (b.g - a.g) * activation, a.b + (b.b - a.b) * activation};
 }
 
 sn_status show_bones(sn_view *view, const sn_scene *scene, double time, sn_error *error) {
@@ -14,8 +15,8 @@ sn_status show_bones(sn_view *view, const sn_scene *scene, double time, sn_error
     sn_status status = SN_OK;
     for (sn_index i = 0; i < scene->bone_count && !status; i++) {
         const sn_scene_bone *bone = &scene->bones[i];
-        const sn_rigid *pose = bone->joint == SN_NONE ? NULL : &poses[bone->joint];
-        if (bone->mesh.triangle_count > 0) status = sn_view_add_bone(view, NULL, &bone->mesh, bone->meters_per_unit, pose, error);
+        const sn_placement placement = {bone->meters_per_unit, bone->joint == SN_NONE ? NULL : &poses[bone->joint]};
+        if (bone->mesh.triangle_count > 0) status = sn_view_add_bone(view, NULL, &bone->mesh, placement, error);
     }
     free(poses);
     return status;
@@ -36,7 +37,7 @@ static sn_status show_muscle_at(sn_view *view, const sn_scene_muscle *muscle, do
                                 sn_error *error) {
     sn_muscle rig = positions ? deformed_rig(&muscle->rig, positions) : muscle->rig;
     double activation = fmin(fmax(sn_channel_at(&muscle->activation, time), 0.0), 1.0);
-    return show_rig(view, &rig, show, mix(COLOR_RELAXED, COLOR_ACTIVE, activation), error);
+    return show_rig(view, &rig, show, activation_color(activation), error);
 }
 
 sn_status sn_view_add_scene(sn_view *view, const sn_scene *scene, double time, const sn_vec3 *const *positions, unsigned show,

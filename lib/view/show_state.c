@@ -13,6 +13,8 @@ static const sn_color COLOR_SHEER = {0.72, 0.72, 0.74}, COLOR_WORST = {0.10, 0.1
 
 /* Of its rows of one kind; of a row of all points (the volume) at its vertices. */
 typedef struct field {
+    sn_index muscle;
+    sn_row_kind kind;
     sn_index count, worst; /* worst: SN_NONE = none */
     double *errors;        /* (count) NaN: a row without a value */
 } field;
@@ -43,7 +45,7 @@ static sn_index worst_of(sn_index count, const double *errors) {
 
 /* The caller frees field->errors. */
 static sn_status field_measure(const sn_model *model, const sn_state *state, sn_index muscle, sn_row_kind kind, field *f, sn_error *error) {
-    *f = (field){.count = field_size(model, muscle, kind), .worst = SN_NONE};
+    *f = (field){.muscle = muscle, .kind = kind, .count = field_size(model, muscle, kind), .worst = SN_NONE};
     f->errors = SN_NEW(double, f->count);
     if (!f->errors) return sn_fail_memory(error, "the errors of a muscle");
     sn_status status = SN_OK;
@@ -110,42 +112,51 @@ sn_status sn_view_state_range(const sn_model *model, const sn_state *state, sn_r
     return status;
 }
 
+/* ---- what is drawn --------------------------------------------------------------------------------------------------------- */
+
+typedef struct scene_view {
+    sn_view *view;
+    const sn_model *model;
+    const sn_state *state;
+    sn_state_look look;
+    sn_index worst_muscle, worst_row; /* of all so far; SN_NONE = none */
+    double worst;
+} scene_view;
+
 /* ---- the surface --------------------------------------------------------------------------------------------------------- */
 
 /* At each vertex the greatest error of its rows; NaN, the colour of the scale's end, stays. */
-static void spread_errors(const sn_model *model, sn_index muscle, sn_row_kind kind, const field *f, double *at) {
-    sn_index points[4], vertices = model->muscles[muscle].vertex_count;
+static void spread_errors(const sn_model *model, const field *f, double *at) {
+    sn_index points[4], vertices = model->muscles[f->muscle].vertex_count;
     for (sn_index i = 0; i < f->count; i++) {
-        int count = field_points(model, muscle, kind, i, points);
+        int count = field_points(model, f->muscle, f->kind, i, points);
         for (int k = 0; k < count; k++)
             if (points[k] < vertices && (isnan(f->errors[i]) || at[points[k]] < f->errors[i])) at[points[k]] = f->errors[i];
     }
 }
 
-static sn_status color_surface(sn_view_mesh *mesh, const sn_model *model, sn_index muscle, sn_row_kind kind, const field *f, double range,
-                               sn_error *error) {
+static sn_status color_surface(const scene_view *s, const field *f, sn_view_mesh *mesh, sn_error *error) {
     double *at = SN_NEW(double, mesh->vertex_count);
     mesh->colors = SN_NEW(sn_color, mesh->vertex_count);
     if (!at || !mesh->colors) {
         free(at);
         return sn_fail_memory(error, "the colours of a muscle");
     }
-    spread_errors(model, muscle, kind, f, at);
-    for (sn_index i = 0; i < mesh->vertex_count; i++) mesh->colors[i] = sn_scale_color(at[i] / range);
+    spread_errors(s->model, f, at);
+    for (sn_index i = 0; i < mesh->vertex_count; i++) mesh->colors[i] = sn_scale_color(at[i] / s->look.range);
     free(at);
     return SN_OK;
 }
 
 /* The surface at the state's points, without colours. */
-static sn_status add_surface(sn_view *view, const sn_model *model, const sn_state *state, sn_index muscle, sn_view_mesh **out,
-                             sn_error *error) {
-    const sn_model_muscle *m = &model->muscles[muscle];
+static sn_status add_surface(const scene_view *s, sn_index muscle, sn_view_mesh **out, sn_error *error) {
+    const sn_model_muscle *m = &s->model->muscles[muscle];
     sn_vec3 *positions = SN_NEW(sn_vec3, m->vertex_count);
     if (!positions) return sn_fail_memory(error, "the points of a muscle");
-    for (sn_index i = 0; i < m->vertex_count; i++) positions[i] = point_at(state, muscle, i);
+    for (sn_index i = 0; i < m->vertex_count; i++) positions[i] = point_at(s->state, muscle, i);
     const sn_mesh mesh = {
         .vertex_count = m->vertex_count, .triangle_count = m->triangle_count, .positions = positions, .triangles = m->triangles};
-    sn_status status = sn_view_add_mesh(view, &mesh, 1.0, NULL, COLOR_SHEER, out, error);
+    sn_status status = sn_view_add_mesh(s->view, &mesh, (sn_placement){1.0, NULL}, COLOR_SHEER, out, error);
     free(positions);
     return status;
 }
@@ -153,64 +164,52 @@ static sn_status add_surface(sn_view *view, const sn_model *model, const sn_stat
 /* ---- the inside ---------------------------------------------------------------------------------------------------------- */
 
 /* Distance rows as lines: every `step`-th, and the worst. */
-static sn_status add_lines(sn_view *view, const sn_model *model, const sn_state *state, sn_index muscle, sn_row_kind kind, const field *f,
-                           double range, sn_index step, double radius, sn_error *error) {
+static sn_status add_lines(const scene_view *s, const field *f, sn_index step, double radius, sn_error *error) {
     sn_status status = SN_OK;
     for (sn_index i = 0; i < f->count && !status; i++) {
         sn_index p[4];
         if (i % step != 0 && i != f->worst) continue;
-        sn_row_points(model, muscle, kind, i, p);
-        const sn_view_tube tube = {point_at(state, muscle, p[0]), point_at(state, muscle, p[1]), radius,
-                                   sn_scale_color(f->errors[i] / range)};
-        status = sn_view_add_tube(view, tube, error);
+        sn_row_points(s->model, f->muscle, f->kind, i, p);
+        const sn_view_tube tube = {point_at(s->state, f->muscle, p[0]), point_at(s->state, f->muscle, p[1]), radius,
+                                   sn_scale_color(f->errors[i] / s->look.range)};
+        status = sn_view_add_tube(s->view, tube, error);
     }
     return status;
 }
 
 /* The internal edges, with their own errors. */
-static sn_status add_internal(sn_view *view, const sn_model *model, const sn_state *state, sn_index muscle, double range, sn_error *error) {
+static sn_status add_internal(const scene_view *s, sn_index muscle, sn_error *error) {
     field f;
-    sn_status status = field_measure(model, state, muscle, SN_ROWS_INTERNAL, &f, error);
-    if (!status) status = add_lines(view, model, state, muscle, SN_ROWS_INTERNAL, &f, range, 1, INTERNAL_RADIUS, error);
+    sn_status status = field_measure(s->model, s->state, muscle, SN_ROWS_INTERNAL, &f, error);
+    if (!status) status = add_lines(s, &f, 1, INTERNAL_RADIUS, error);
     free(f.errors);
     return status;
 }
 
 /* ---- a muscle ------------------------------------------------------------------------------------------------------------ */
 
-typedef struct scene_view {
-    sn_view *view;
-    const sn_model *model;
-    const sn_state *state;
-    sn_row_kind kind;
-    double range;
-    unsigned show;
-    sn_index worst_muscle, worst_row; /* of all so far; SN_NONE = none */
-    double worst;
-} scene_view;
-
-static sn_status show_field(const scene_view *s, sn_index muscle, const field *f, sn_error *error) {
+static sn_status show_field(const scene_view *s, const field *f, sn_error *error) {
     sn_view_mesh *mesh;
-    bool inside = sn_row_info_of(s->kind)->inside, both = s->kind == SN_ROWS_MESH && s->show & SN_SHOW_STRUCTURE;
-    both = both && sn_row_count(s->model, muscle, SN_ROWS_INTERNAL) > 0;
-    sn_status status = add_surface(s->view, s->model, s->state, muscle, &mesh, error);
+    bool inside = sn_row_info_of(f->kind)->inside, both = f->kind == SN_ROWS_MESH && s->look.show & SN_SHOW_STRUCTURE;
+    both = both && sn_row_count(s->model, f->muscle, SN_ROWS_INTERNAL) > 0;
+    sn_status status = add_surface(s, f->muscle, &mesh, error);
     if (status) return status;
     mesh->gloss = 0.3;
-    mesh->wire = (s->show & SN_SHOW_WIRE) != 0;
+    mesh->wire = (s->look.show & SN_SHOW_WIRE) != 0;
     mesh->opacity = inside || both ? SHEER : 1.0;
-    if (!inside) status = color_surface(mesh, s->model, muscle, s->kind, f, s->range, error);
-    if (!status && both) status = add_internal(s->view, s->model, s->state, muscle, s->range, error);
-    bool radial = s->kind == SN_ROWS_RADIAL; /* there are many of them */
+    if (!inside) status = color_surface(s, f, mesh, error);
+    if (!status && both) status = add_internal(s, f->muscle, error);
+    bool radial = f->kind == SN_ROWS_RADIAL; /* there are many of them */
     sn_index step = radial ? f->count / RADIAL_SHOWN + 1 : 1;
     double radius = radial ? RADIAL_RADIUS : INTERNAL_RADIUS;
-    if (!status && inside) status = add_lines(s->view, s->model, s->state, muscle, s->kind, f, s->range, step, radius, error);
+    if (!status && inside) status = add_lines(s, f, step, radius, error);
     return status;
 }
 
 static sn_status show_muscle_state(scene_view *s, sn_index muscle, sn_error *error) {
     field f;
-    sn_status status = field_measure(s->model, s->state, muscle, s->kind, &f, error);
-    if (!status) status = show_field(s, muscle, &f, error);
+    sn_status status = field_measure(s->model, s->state, muscle, s->look.kind, &f, error);
+    if (!status) status = show_field(s, &f, error);
     bool worse = f.worst != SN_NONE && (s->worst_row == SN_NONE || isnan(f.errors[f.worst]) || f.errors[f.worst] > s->worst);
     if (!status && worse) {
         s->worst_muscle = muscle;
@@ -227,7 +226,7 @@ static sn_status show_muscle_state(scene_view *s, sn_index muscle, sn_error *err
 static void worst_points(const scene_view *s, char *text, size_t room) {
     const sn_model_muscle *muscle = &s->model->muscles[s->worst_muscle];
     sn_index points[4], vertices = muscle->vertex_count;
-    int count = field_points(s->model, s->worst_muscle, s->kind, s->worst_row, points), length = 0;
+    int count = field_points(s->model, s->worst_muscle, s->look.kind, s->worst_row, points), length = 0;
     bool mixed = count > 1 && (points[0] >= vertices) != (points[1] >= vertices);
     for (int i = 0; i < count && length < (int)room; i++) {
         bool sample = points[i] >= vertices;
@@ -243,30 +242,30 @@ static void worst_points(const scene_view *s, char *text, size_t room) {
 static sn_status write_subtitle(const scene_view *s, sn_error *error) {
     char text[320], points[128] = "";
     if (s->worst_row == SN_NONE) {
-        snprintf(text, sizeof text, "no rows: %s", sn_row_kind_name(s->kind));
+        snprintf(text, sizeof text, "no rows: %s", sn_row_kind_name(s->look.kind));
     } else if (!(s->worst > 0.0 || isnan(s->worst))) {
-        snprintf(text, sizeof text, "%s: no error", sn_row_kind_name(s->kind));
+        snprintf(text, sizeof text, "%s: no error", sn_row_kind_name(s->look.kind));
     } else {
         const char *muscle = s->model->muscle_count > 1 ? s->model->muscles[s->worst_muscle].source->name : "";
         char value[32];
-        snprintf(value, sizeof value, "%s", sn_row_info_of(s->kind)->lacks);
+        snprintf(value, sizeof value, "%s", sn_row_info_of(s->look.kind)->lacks);
         if (!isnan(s->worst)) snprintf(value, sizeof value, "%.3g", s->worst);
         worst_points(s, points, sizeof points);
-        snprintf(text, sizeof text, "%s: worst %s, %s%s%s", sn_row_kind_name(s->kind), value, muscle, *muscle ? ", " : "", points);
+        snprintf(text, sizeof text, "%s: worst %s, %s%s%s", sn_row_kind_name(s->look.kind), value, muscle, *muscle ? ", " : "", points);
     }
     s->view->subtitle = sn_strdup(text);
     return s->view->subtitle ? SN_OK : sn_fail_memory(error, "the subtitle");
 }
 
 static sn_status write_scale(const scene_view *s, sn_error *error) {
-    s->view->scale =
-        (sn_view_scale){sn_strdup(sn_row_info_of(s->kind)->errors), s->range, !(s->worst <= s->range) && s->worst_row != SN_NONE};
+    s->view->scale = (sn_view_scale){sn_strdup(sn_row_info_of(s->look.kind)->errors), s->look.range,
+                                     !(s->worst <= s->look.range) && s->worst_row != SN_NONE};
     return s->view->scale.text ? SN_OK : sn_fail_memory(error, "the scale");
 }
 
 static sn_status mark_worst(const scene_view *s, sn_error *error) {
     if (s->worst_row == SN_NONE || !(s->worst > 0.0 || isnan(s->worst))) return SN_OK;
-    sn_vec3 at = middle_of(s->model, s->state, s->worst_muscle, s->kind, s->worst_row);
+    sn_vec3 at = middle_of(s->model, s->state, s->worst_muscle, s->look.kind, s->worst_row);
     sn_status status = sn_view_add_ring(s->view, at, error);
     if (!status) status = sn_view_add_tube(s->view, (sn_view_tube){at, at, WORST_RADIUS, COLOR_WORST}, error);
     return status ? status
@@ -282,14 +281,13 @@ double sn_view_state_frame(const sn_model *model, const sn_state *state) {
     return (double)state->frame - 1.0 + (state->substep + (state->iteration > 0 ? 1 : 0)) / substeps;
 }
 
-sn_status sn_view_add_state(sn_view *view, const sn_model *model, const sn_state *state, sn_row_kind kind, double range, unsigned show,
-                            sn_error *error) {
+sn_status sn_view_add_state(sn_view *view, const sn_model *model, const sn_state *state, const sn_state_look *look, sn_error *error) {
     const sn_scene *scene = model->scene;
-    scene_view s = {view, model, state, kind, range, show, SN_NONE, SN_NONE, 0.0};
+    scene_view s = {.view = view, .model = model, .state = state, .look = *look, .worst_muscle = SN_NONE, .worst_row = SN_NONE};
     sn_status status = SN_OK;
-    if (isnan(range)) status = sn_view_state_range(model, state, kind, &s.range, error);
+    if (isnan(look->range)) status = sn_view_state_range(model, state, look->kind, &s.look.range, error);
     if (!status && !view->title && scene->name && !(view->title = sn_strdup(scene->name))) status = sn_fail_memory(error, "the title");
-    if (!status && show & SN_SHOW_BONES) status = show_bones(view, scene, sn_view_state_frame(model, state) / scene->rate, error);
+    if (!status && look->show & SN_SHOW_BONES) status = show_bones(view, scene, sn_view_state_frame(model, state) / scene->rate, error);
     for (sn_index m = 0; m < model->muscle_count && !status; m++) status = show_muscle_state(&s, m, error);
     if (!status) status = write_scale(&s, error);
     if (!status) status = mark_worst(&s, error);

@@ -219,15 +219,15 @@ double sn_text_width(double size, const char *text) {
     return fmax(width - LETTER_SPACE, 0.0) * size / UNITS_PER_SIZE;
 }
 
-void sn_text_draw(sn_image *image, double x, double y, double size, double weight, sn_color color, const char *text) {
-    double scale = size / UNITS_PER_SIZE, radius = PEN * weight * fmax(scale, 0.9);
+void sn_text_draw(sn_image *image, double x, double y, sn_text_style style, const char *text) {
+    double scale = style.size / UNITS_PER_SIZE, radius = PEN * style.weight * fmax(scale, 0.9);
     while (*text) {
         glyph g = glyph_of(&text);
         for (int i = 0; i < g.count; i++) {
             image_line *line = &g.lines[i];
             *line = (image_line){x + line->ax * scale, y - line->ay * scale, x + line->bx * scale, y - line->by * scale};
         }
-        image_lines(image, (size_t)g.count, g.lines, radius, color);
+        image_lines(image, (size_t)g.count, g.lines, radius, style.color);
         x += (g.width + LETTER_SPACE) * scale;
     }
 }

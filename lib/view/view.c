@@ -28,8 +28,8 @@ void sn_view_free(sn_view *view) {
     *view = (sn_view){0};
 }
 
-sn_status sn_view_add_mesh(sn_view *view, const sn_mesh *mesh, double meters_per_unit, const sn_rigid *pose, sn_color color,
-                           sn_view_mesh **out, sn_error *error) {
+sn_status sn_view_add_mesh(sn_view *view, const sn_mesh *mesh, sn_placement placement, sn_color color, sn_view_mesh **out,
+                           sn_error *error) {
     sn_view_mesh copy = {.vertex_count = mesh->vertex_count, .triangle_count = mesh->triangle_count, .color = color, .opacity = 1.0};
     copy.positions = SN_NEW(sn_vec3, mesh->vertex_count);
     copy.triangles = SN_NEW(sn_triangle, mesh->triangle_count);
@@ -39,8 +39,8 @@ sn_status sn_view_add_mesh(sn_view *view, const sn_mesh *mesh, double meters_per
         return sn_fail_memory(error, "a mesh of the picture");
     }
     for (sn_index i = 0; i < mesh->vertex_count; i++) {
-        sn_vec3 p = sn_scale(mesh->positions[i], meters_per_unit);
-        copy.positions[i] = pose ? sn_rigid_apply(*pose, p) : p;
+        sn_vec3 p = sn_scale(mesh->positions[i], placement.meters_per_unit);
+        copy.positions[i] = placement.pose ? sn_rigid_apply(*placement.pose, p) : p;
     }
     if (mesh->triangle_count > 0) memcpy(copy.triangles, mesh->triangles, (size_t)mesh->triangle_count * sizeof(sn_triangle));
     view->meshes[view->mesh_count] = copy;

@@ -47,15 +47,14 @@ static double least_of(void (*run)(const bound *, const sn_embedding *, sn_pool 
 static void print_row(const bound *b, double cut, sn_pool *pool) {
     sn_embedding_params params = sn_embedding_defaults();
     sn_embedding e;
-    sn_embedding_report report;
     params.cut = cut;
     params.pool = pool;
     double wall = now(CLOCK_MONOTONIC), work = now(CLOCK_PROCESS_CPUTIME_ID);
-    assert_int_equal(sn_embedding_build(&b->mesh, b->bundle.point_count, b->bundle.points, &params, &e, &report, NULL), SN_OK);
+    assert_int_equal(sn_embedding_build(&b->mesh, b->bundle.point_count, b->bundle.points, &params, &e, NULL), SN_OK);
     wall = now(CLOCK_MONOTONIC) - wall;
     work = now(CLOCK_PROCESS_CPUTIME_ID) - work;
     printf("%9d %6d %7g %10lld %8.2f %8.2f %10.2f %10.2f %10.2f\n", b->mesh.triangle_count, b->bundle.point_count, cut,
-           (long long)report.weights, wall, work, least_of(apply, b, &e, NULL), least_of(apply, b, &e, pool),
+           (long long)e.report.weights, wall, work, least_of(apply, b, &e, NULL), least_of(apply, b, &e, pool),
            least_of(bare_sum, b, &e, NULL));
     sn_embedding_free(&e);
 }

@@ -515,7 +515,7 @@ static const char *try_mesh(const sn_blob *blob, bool nonfinite, sn_status *stat
 static const char *write_muscle(const sn_muscle *muscle, const sn_document *document, sn_error *error) {
     sn_output *output;
     if (sn_output_open("/dev/null", false, &output, error) != SN_OK) return "/dev/null cannot be opened";
-    sn_status status = sn_muscle_write(muscle, document, 0, NULL, true, output, error);
+    sn_status status = sn_muscle_write(muscle, document, &(sn_write_options){0}, output, error);
     sn_output_abort(output);
     return status == SN_OK ? NULL : "the muscle cannot be written";
 }

@@ -218,12 +218,15 @@ static void try_rule(const char *data, const dog *d, const rule *r) {
         sn_muscle muscle = {.meters_per_unit = 1.0, .mesh = load(data, "dog-dmcontrol", d->muscles.items[m])};
         sn_attach_params params = sn_attach_defaults();
         sn_attach_report report;
+        sn_attachment_list found;
         sn_error error = {0};
         params.methods = r->methods;
         params.voxels = r->voxels;
-        if (sn_attach_detect(&muscle, (sn_index)d->bones.count, bones, &params, NULL, &muscle.attachment_count, &muscle.attachments,
-                             &report, &error) != SN_OK)
-            die(error.text);
+        params.bone_count = (sn_index)d->bones.count;
+        params.bones = bones;
+        if (sn_attach_detect(&muscle, &params, NULL, &found, &report, &error) != SN_OK) die(error.text);
+        muscle.attachment_count = found.count;
+        muscle.attachments = found.items;
         count_pairs(d, m, r, &report, &n);
         sn_attach_report_free(&report);
         sn_muscle_free(&muscle);
@@ -401,18 +404,17 @@ static double overlap(const ground *g, const sn_attachment *a, int count, const 
 static double try_areas(const ground *g, int count, const patch *patches, sn_vec3 *const *landmarks, bool *reordered, sn_error *error) {
     char bone[] = "bone";
     sn_landmark_area areas[2];
-    sn_index made = 0;
-    sn_attachment *attachments = NULL;
+    sn_attachment_list made;
     sn_attach_report report = {0};
     sn_attach_params params = sn_attach_defaults();
     for (int i = 0; i < count; i++) areas[i] = (sn_landmark_area){bone, NULL, LANDMARKS, landmarks[i]};
     params.areas = areas;
     params.area_count = count;
     params.landmark_reach = 0.1 * patches[0].level;
-    sn_status status = sn_attach_detect(&g->muscle, 0, NULL, &params, NULL, &made, &attachments, &report, error);
-    double result = status == SN_OK && made == 1 ? overlap(g, &attachments[0], count, patches) : NAN;
+    sn_status status = sn_attach_detect(&g->muscle, &params, NULL, &made, &report, error);
+    double result = status == SN_OK && made.count == 1 ? overlap(g, &made.items[0], count, patches) : NAN;
     *reordered = status == SN_OK && report.areas[0].reordered;
-    sn_attachments_free(attachments, made);
+    sn_attachments_free(made.items, made.count);
     sn_attach_report_free(&report);
     return result;
 }

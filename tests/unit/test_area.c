@@ -34,8 +34,7 @@ typedef struct fixture {
     sn_landmark_area areas[MOST];
     sn_vec3 points[MOST][16];
     sn_attach_params params;
-    sn_index count;
-    sn_attachment *attachments;
+    sn_attachment_list attachments;
     sn_attach_report report;
     sn_error error;
 } fixture;
@@ -51,10 +50,9 @@ static int set_up(void **state) {
 }
 
 static void forget(fixture *f) {
-    sn_attachments_free(f->attachments, f->count);
+    sn_attachments_free(f->attachments.items, f->attachments.count);
     sn_attach_report_free(&f->report);
-    f->attachments = NULL;
-    f->count = 0;
+    f->attachments = (sn_attachment_list){0};
 }
 
 static int tear_down(void **state) {
@@ -74,13 +72,14 @@ static void add_area(fixture *f, char *bone, char *name, sn_index count, const s
 static sn_status detect(fixture *f, sn_trace *trace) {
     forget(f);
     f->error = (sn_error){0};
-    return sn_attach_detect(&f->muscle, 0, NULL, &f->params, trace, &f->count, &f->attachments, &f->report, &f->error);
+    f->params.bone_count = 0;
+    return sn_attach_detect(&f->muscle, &f->params, trace, &f->attachments, &f->report, &f->error);
 }
 
 static void assert_refused(fixture *f, const char *part) {
     assert_int_equal(detect(f, NULL), SN_ERROR_INPUT);
     if (strstr(f->error.text, part) == NULL) fail_msg("'%s' is not in '%s'", part, f->error.text);
-    assert_null(f->attachments);
+    assert_null(f->attachments.items);
 }
 
 /* Exactly the vertices with x in (x0, x1) and y in (y0, y1). */
@@ -102,13 +101,13 @@ static void landmarks_enclose_their_patch(void **state) {
     fixture *f = *state;
     add_area(f, "ulna", "insertion", 4, rectangle);
     assert_int_equal(detect(f, NULL), SN_OK);
-    assert_int_equal(f->count, 1);
-    assert_string_equal(f->attachments[0].bone, "ulna");
-    assert_string_equal(f->attachments[0].method, "area");
-    assert_rectangle(f, &f->attachments[0], 4.5, 12.5, 3.5, 9.5);
-    assert_null(f->attachments[0].distances); /* the bone has no mesh */
-    assert_true(f->attachments[0].confidence[0] == 1.0);
-    assert_int_equal(f->attachments[0].reasons[0], SN_REASON_AREA);
+    assert_int_equal(f->attachments.count, 1);
+    assert_string_equal(f->attachments.items[0].bone, "ulna");
+    assert_string_equal(f->attachments.items[0].method, "area");
+    assert_rectangle(f, &f->attachments.items[0], 4.5, 12.5, 3.5, 9.5);
+    assert_null(f->attachments.items[0].distances); /* the bone has no mesh */
+    assert_true(f->attachments.items[0].confidence[0] == 1.0);
+    assert_int_equal(f->attachments.items[0].reasons[0], SN_REASON_AREA);
     assert_int_equal(f->report.area_count, 1);
     assert_false(f->report.areas[0].reordered);
     assert_true(fabs(f->report.areas[0].boundary - 28.0) < 0.5); /* 2 (8 + 6), a little longer over the points on edges */
@@ -121,7 +120,7 @@ static void the_sense_of_the_boundary_does_not_matter(void **state) {
     const sn_vec3 back[4] = {rectangle[3], rectangle[2], rectangle[1], rectangle[0]};
     add_area(f, "ulna", NULL, 4, back);
     assert_int_equal(detect(f, NULL), SN_OK);
-    assert_rectangle(f, &f->attachments[0], 4.5, 12.5, 3.5, 9.5);
+    assert_rectangle(f, &f->attachments.items[0], 4.5, 12.5, 3.5, 9.5);
 }
 
 static void a_crossing_boundary_is_put_in_order(void **state) {
@@ -130,7 +129,7 @@ static void a_crossing_boundary_is_put_in_order(void **state) {
     add_area(f, "ulna", NULL, 4, bow_tie);
     assert_int_equal(detect(f, NULL), SN_OK);
     assert_true(f->report.areas[0].reordered);
-    assert_rectangle(f, &f->attachments[0], 4.5, 12.5, 3.5, 9.5);
+    assert_rectangle(f, &f->attachments.items[0], 4.5, 12.5, 3.5, 9.5);
 }
 
 static void a_bone_may_have_two_areas_and_the_first_area_wins(void **state) {
@@ -141,9 +140,9 @@ static void a_bone_may_have_two_areas_and_the_first_area_wins(void **state) {
     add_area(f, "ulna", "b", 4, second);
     add_area(f, "radius", "c", 4, third);
     assert_int_equal(detect(f, NULL), SN_OK);
-    assert_int_equal(f->count, 2);
-    assert_int_equal(f->attachments[0].count, 8 * 6 + 5 * 5);
-    assert_rectangle(f, &f->attachments[1], 12.5, 15.5, 3.5, 9.5); /* what "a" left of it */
+    assert_int_equal(f->attachments.count, 2);
+    assert_int_equal(f->attachments.items[0].count, 8 * 6 + 5 * 5);
+    assert_rectangle(f, &f->attachments.items[1], 12.5, 15.5, 3.5, 9.5); /* what "a" left of it */
 }
 
 /* On a sphere the smaller side of a parallel is the cap. */
@@ -156,7 +155,8 @@ static void the_patch_is_the_smaller_side(void **state) {
     add_area(f, "ulna", NULL, 12, ring);
     assert_int_equal(detect(f, NULL), SN_OK);
     assert_true(fabs(f->report.areas[0].area_share - 0.2) < 0.03); /* (1 - 0.6) / 2 */
-    for (sn_index i = 0; i < f->attachments[0].count; i++) assert_true(f->muscle.mesh.positions[f->attachments[0].vertices[i]].z < -0.55);
+    for (sn_index i = 0; i < f->attachments.items[0].count; i++)
+        assert_true(f->muscle.mesh.positions[f->attachments.items[0].vertices[i]].z < -0.55);
 }
 
 static void a_patch_without_vertices_takes_the_nearest(void **state) {
@@ -165,8 +165,8 @@ static void a_patch_without_vertices_takes_the_nearest(void **state) {
     add_area(f, "ulna", NULL, 3, tiny);
     assert_int_equal(detect(f, NULL), SN_OK);
     assert_true(f->report.areas[0].coarse);
-    assert_int_equal(f->attachments[0].count, 1);
-    assert_int_equal(f->attachments[0].vertices[0], 5 * 31 + 5);
+    assert_int_equal(f->attachments.items[0].count, 1);
+    assert_int_equal(f->attachments.items[0].vertices[0], 5 * 31 + 5);
 }
 
 /* ---- impossible areas -------------------------------------------------------------------------------------------------------------- */
@@ -213,8 +213,9 @@ static void a_bone_that_is_not_there_is_refused(void **state) {
     sn_mesh cube = shape_cube();
     const sn_attach_bone bone = {"radius", &cube, false};
     add_area(f, "ulna", NULL, 4, rectangle);
-    assert_int_equal(sn_attach_detect(&f->muscle, 1, &bone, &f->params, NULL, &f->count, &f->attachments, &f->report, &f->error),
-                     SN_ERROR_INPUT);
+    f->params.bone_count = 1;
+    f->params.bones = &bone;
+    assert_int_equal(sn_attach_detect(&f->muscle, &f->params, NULL, &f->attachments, &f->report, &f->error), SN_ERROR_INPUT);
     assert_non_null(strstr(f->error.text, "the landmarks name bone \"ulna\", which is not among the bones given"));
     sn_mesh_free(&cube);
 }
@@ -229,8 +230,8 @@ static void every_step_of_an_area_can_be_stopped_at(void **state) {
     for (int n = 0; n < 9; n++) {
         sn_trace trace = {.stop_after = n};
         assert_int_equal(detect(f, &trace), SN_STOPPED);
-        assert_int_equal(f->count, n > 0);
-        sn_index held = n > 0 ? f->attachments[0].count : 0;
+        assert_int_equal(f->attachments.count, n > 0);
+        sn_index held = n > 0 ? f->attachments.items[0].count : 0;
         assert_true(n == 4 || n == 5 ? held >= before : held > before || n == 0 || n == 8);
         before = held;
     }
@@ -252,7 +253,9 @@ static void set_box(sn_mesh *mesh, sn_vec3 low, sn_vec3 high) {
 static sn_status detect_listed(fixture *f, const char *name, const sn_mesh *mesh) {
     const sn_attach_bone bone = {name, mesh, true};
     forget(f);
-    return sn_attach_detect(&f->muscle, 1, &bone, &f->params, NULL, &f->count, &f->attachments, &f->report, &f->error);
+    f->params.bone_count = 1;
+    f->params.bones = &bone;
+    return sn_attach_detect(&f->muscle, &f->params, NULL, &f->attachments, &f->report, &f->error);
 }
 
 /* The sheet is 30 x 20 mm: 0.8 % of it are 4.8 square mm. */
@@ -263,7 +266,7 @@ static void a_listed_bone_needs_its_share_of_the_area(void **state) {
     f->params.distance = 1.2;
     set_box(&bone, sn_v3(-8, 8.4, 1), sn_v3(-1.5, 8.6, 2)); /* 1.8 mm off the border: some 0.7 square mm within 2 mm */
     assert_int_equal(detect_listed(f, "small", &bone), SN_OK);
-    assert_int_equal(f->count, 0);
+    assert_int_equal(f->attachments.count, 0);
     assert_false(f->report.pairs[0].nearby);
     assert_true(f->report.pairs[0].area_share < 0.008);
     sn_mesh_free(&bone);
@@ -272,7 +275,7 @@ static void a_listed_bone_needs_its_share_of_the_area(void **state) {
     assert_true(f->report.pairs[0].nearby && !f->report.pairs[0].penetrates);
     double share = (9 + 4 * 3 * sqrt(3) + 3 * SN_PI) / 600;
     assert_true(fabs(f->report.pairs[0].area_share - share) < 0.02 * share);
-    assert_int_equal(f->attachments[0].count, 16);
+    assert_int_equal(f->attachments.items[0].count, 16);
     sn_mesh_free(&bone);
 }
 
@@ -285,11 +288,11 @@ static void a_bone_between_the_vertices_is_found(void **state) {
     set_box(&bone, sn_v3(55, 51, -20), sn_v3(57, 53, 20));
     assert_int_equal(detect_listed(f, "needle", &bone), SN_OK);
     assert_true(f->report.pairs[0].nearby && f->report.pairs[0].penetrates && f->report.pairs[0].nearest > 2.0);
-    assert_int_equal(f->count, 1);
-    assert_int_equal(f->attachments[0].count, 1);
-    assert_int_equal(f->attachments[0].vertices[0], 5 * 31 + 6); /* (60, 50) */
-    assert_int_equal(f->attachments[0].reasons[0], SN_REASON_NEAREST);
-    assert_string_equal(f->attachments[0].method, "nearest");
+    assert_int_equal(f->attachments.count, 1);
+    assert_int_equal(f->attachments.items[0].count, 1);
+    assert_int_equal(f->attachments.items[0].vertices[0], 5 * 31 + 6); /* (60, 50) */
+    assert_int_equal(f->attachments.items[0].reasons[0], SN_REASON_NEAREST);
+    assert_string_equal(f->attachments.items[0].method, "nearest");
     sn_mesh_free(&bone);
 }
 
@@ -304,22 +307,26 @@ static void voxels_hold_the_cells_of_the_surface(void **state) {
     const sn_attach_bone given = {"box", &bone, false};
     f->params.methods = SN_ATTACH_CONTACT;
     f->params.voxels = 64;
-    assert_int_equal(sn_attach_detect(&f->muscle, 1, &given, &f->params, NULL, &f->count, &f->attachments, &f->report, &f->error), SN_OK);
-    assert_int_equal(f->attachments[0].count, 64); /* all are inside anyway: a vertex in a boundary cell and inside is in contact */
-    assert_int_equal(f->attachments[0].reasons[0], SN_REASON_CONTACT);
+    f->params.bone_count = 1;
+    f->params.bones = &given;
+    assert_int_equal(sn_attach_detect(&f->muscle, &f->params, NULL, &f->attachments, &f->report, &f->error), SN_OK);
+    assert_int_equal(f->attachments.items[0].count, 64); /* all are inside anyway: a vertex in a boundary cell and inside is in contact */
+    assert_int_equal(f->attachments.items[0].reasons[0], SN_REASON_CONTACT);
     forget(f);
     for (int i = 0; i < 4; i++) shape_drop(&bone, 0); /* bottom and top: a tube along z, whose inside is uncertain at its ends only */
     sn_vec3 lift = sn_v3(0, 0, 3.5); /* the sheet near the open end: the winding number is below a half there, the walls' cells are not */
     for (sn_index v = 0; v < f->muscle.mesh.vertex_count; v++) f->muscle.mesh.positions[v] = sn_add(f->muscle.mesh.positions[v], lift);
-    assert_int_equal(sn_attach_detect(&f->muscle, 1, &given, &f->params, NULL, &f->count, &f->attachments, &f->report, &f->error), SN_OK);
-    for (sn_index i = 0; i < f->attachments[0].count; i++) {
-        sn_vec3 p = f->muscle.mesh.positions[f->attachments[0].vertices[i]];
+    f->params.bone_count = 1;
+    f->params.bones = &given;
+    assert_int_equal(sn_attach_detect(&f->muscle, &f->params, NULL, &f->attachments, &f->report, &f->error), SN_OK);
+    for (sn_index i = 0; i < f->attachments.items[0].count; i++) {
+        sn_vec3 p = f->muscle.mesh.positions[f->attachments.items[0].vertices[i]];
         bool wall = p.x < 11.5 || p.x > 15.5 || p.y < 7.5 || p.y > 11.5;
-        if (f->attachments[0].reasons[i] == SN_REASON_VOXEL) assert_true(wall);
+        if (f->attachments.items[0].reasons[i] == SN_REASON_VOXEL) assert_true(wall);
     }
     sn_index walls = 0;
-    for (sn_index i = 0; i < f->attachments[0].count; i++) {
-        sn_vec3 p = f->muscle.mesh.positions[f->attachments[0].vertices[i]];
+    for (sn_index i = 0; i < f->attachments.items[0].count; i++) {
+        sn_vec3 p = f->muscle.mesh.positions[f->attachments.items[0].vertices[i]];
         walls += p.x < 11.5 || p.x > 15.5 || p.y < 7.5 || p.y > 11.5;
     }
     assert_int_equal(walls, 64 - 16);
@@ -337,11 +344,13 @@ static void confidence_follows_depth_and_margin(void **state) {
     const sn_attach_bone bones[2] = {{"left", &left, false}, {"right", &right, false}};
     f->params.methods = SN_ATTACH_CONTACT | SN_ATTACH_PROXIMITY;
     f->params.distance = 4;
-    assert_int_equal(sn_attach_detect(&f->muscle, 2, bones, &f->params, NULL, &f->count, &f->attachments, &f->report, &f->error), SN_OK);
+    f->params.bone_count = 2;
+    f->params.bones = bones;
+    assert_int_equal(sn_attach_detect(&f->muscle, &f->params, NULL, &f->attachments, &f->report, &f->error), SN_OK);
     static const double expected[13] = {1, 1, 1, 1, 1, 1, 1, 1, 1, 0.75, 0.5, 0.375, 0.125};
-    for (sn_index i = 0; i < f->attachments[0].count; i++) {
-        int x = (int)f->muscle.mesh.positions[f->attachments[0].vertices[i]].x;
-        assert_true(x <= 12 && fabs(f->attachments[0].confidence[i] - expected[x]) < 1e-12);
+    for (sn_index i = 0; i < f->attachments.items[0].count; i++) {
+        int x = (int)f->muscle.mesh.positions[f->attachments.items[0].vertices[i]].x;
+        assert_true(x <= 12 && fabs(f->attachments.items[0].confidence[i] - expected[x]) < 1e-12);
     }
     sn_mesh_free(&left);
     sn_mesh_free(&right);

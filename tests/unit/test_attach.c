@@ -43,8 +43,7 @@ typedef struct fixture {
     sn_mesh left, right, moon;
     sn_attach_bone bones[3];
     sn_attach_params params;
-    sn_index count;
-    sn_attachment *attachments;
+    sn_attachment_list attachments;
     sn_attach_report report;
     sn_error error;
 } fixture;
@@ -64,10 +63,9 @@ static int set_up(void **state) {
 }
 
 static void forget(fixture *f) {
-    sn_attachments_free(f->attachments, f->count);
+    sn_attachments_free(f->attachments.items, f->attachments.count);
     sn_attach_report_free(&f->report);
-    f->attachments = NULL;
-    f->count = 0;
+    f->attachments = (sn_attachment_list){0};
 }
 
 static int tear_down(void **state) {
@@ -81,7 +79,9 @@ static int tear_down(void **state) {
 
 static sn_status detect(fixture *f, sn_trace *trace) {
     forget(f);
-    return sn_attach_detect(&f->muscle, 3, f->bones, &f->params, trace, &f->count, &f->attachments, &f->report, &f->error);
+    f->params.bone_count = 3;
+    f->params.bones = f->bones;
+    return sn_attach_detect(&f->muscle, &f->params, trace, &f->attachments, &f->report, &f->error);
 }
 
 static void assert_attachment(const sn_attachment *a, const char *bone, const char *method, sn_index first, sn_index last) {
@@ -97,10 +97,10 @@ static void contact_takes_vertices_inside(void **state) {
     fixture *f = *state;
     f->params.methods = SN_ATTACH_CONTACT;
     assert_int_equal(detect(f, NULL), SN_OK);
-    assert_int_equal(f->count, 2);
-    assert_attachment(&f->attachments[0], "left", "contact", 0, 3);              /* x = 0, 1 */
-    assert_attachment(&f->attachments[1], "right", "contact", 18, VERTICES - 1); /* x = 9, 10 */
-    assert_true(f->attachments[0].distances[0] == -1.0 && f->attachments[0].distances[2] == -0.5);
+    assert_int_equal(f->attachments.count, 2);
+    assert_attachment(&f->attachments.items[0], "left", "contact", 0, 3);              /* x = 0, 1 */
+    assert_attachment(&f->attachments.items[1], "right", "contact", 18, VERTICES - 1); /* x = 9, 10 */
+    assert_true(f->attachments.items[0].distances[0] == -1.0 && f->attachments.items[0].distances[2] == -0.5);
     assert_int_equal(f->report.attached, 8);
 }
 
@@ -110,8 +110,8 @@ static void contact_takes_vertices_on_the_surface(void **state) {
     f->params.methods = SN_ATTACH_CONTACT;
     for (int i = 0; i < 8; i++) f->left.positions[i].x = fmin(f->left.positions[i].x, 1.0);
     assert_int_equal(detect(f, NULL), SN_OK);
-    assert_attachment(&f->attachments[0], "left", "contact", 0, 3);
-    assert_true(f->attachments[0].distances[2] == 0.0);
+    assert_attachment(&f->attachments.items[0], "left", "contact", 0, 3);
+    assert_true(f->attachments.items[0].distances[2] == 0.0);
 }
 
 static void proximity_takes_vertices_closer_than_the_distance(void **state) {
@@ -119,13 +119,13 @@ static void proximity_takes_vertices_closer_than_the_distance(void **state) {
     f->params.methods = SN_ATTACH_PROXIMITY;
     f->params.distance = 1.5;
     assert_int_equal(detect(f, NULL), SN_OK);
-    assert_attachment(&f->attachments[0], "left", "proximity", 0, 5); /* x = 2 at 0.5; x = 3 at 1.5 is not closer */
+    assert_attachment(&f->attachments.items[0], "left", "proximity", 0, 5); /* x = 2 at 0.5; x = 3 at 1.5 is not closer */
     f->params.distance = 1.5000001;
     assert_int_equal(detect(f, NULL), SN_OK);
-    assert_attachment(&f->attachments[0], "left", "proximity", 0, 7);
+    assert_attachment(&f->attachments.items[0], "left", "proximity", 0, 7);
     f->params.methods |= SN_ATTACH_CONTACT;
     assert_int_equal(detect(f, NULL), SN_OK);
-    assert_attachment(&f->attachments[0], "left", "contact+proximity", 0, 7);
+    assert_attachment(&f->attachments.items[0], "left", "contact+proximity", 0, 7);
 }
 
 /* The mean edge of the strip: 20 edges along, 11 across, 10 diagonals. Alone proximity reaches that far, with contact a tenth. */
@@ -138,15 +138,15 @@ static void default_distance_follows_the_mean_edge(void **state) {
     }
     f->params.methods = SN_ATTACH_PROXIMITY;
     assert_int_equal(detect(f, NULL), SN_OK);
-    assert_attachment(&f->attachments[0], "left", "proximity", 0, 7);    /* x = 3 */
-    assert_attachment(&f->attachments[1], "right", "proximity", 16, 21); /* not x = 7 */
+    assert_attachment(&f->attachments.items[0], "left", "proximity", 0, 7);    /* x = 3 */
+    assert_attachment(&f->attachments.items[1], "right", "proximity", 16, 21); /* not x = 7 */
     f->params = sn_attach_defaults();
     for (int within = 0; within < 2; within++) {
         for (int i = 0; i < 8; i++) {
             if (f->left.positions[i].x > 0) f->left.positions[i].x = 3 - (within ? 0.099 : 0.101) * edge;
         }
         assert_int_equal(detect(f, NULL), SN_OK);
-        assert_attachment(&f->attachments[0], "left", within ? "contact+proximity" : "contact", 0, within ? 7 : 5);
+        assert_attachment(&f->attachments.items[0], "left", within ? "contact+proximity" : "contact", 0, within ? 7 : 5);
     }
 }
 
@@ -154,14 +154,14 @@ static void a_vertex_goes_to_the_nearest_bone(void **state) {
     fixture *f = *state;
     f->params.distance = 100;
     assert_int_equal(detect(f, NULL), SN_OK);
-    assert_int_equal(f->count, 2);
-    assert_attachment(&f->attachments[0], "left", "contact+proximity", 0, 11); /* x = 5 is 3.5 from both: the bone given first */
-    assert_attachment(&f->attachments[1], "right", "contact+proximity", 12, VERTICES - 1);
+    assert_int_equal(f->attachments.count, 2);
+    assert_attachment(&f->attachments.items[0], "left", "contact+proximity", 0, 11); /* x = 5 is 3.5 from both: the bone given first */
+    assert_attachment(&f->attachments.items[1], "right", "contact+proximity", 12, VERTICES - 1);
     sn_attach_bone swap = f->bones[0];
     f->bones[0] = f->bones[1], f->bones[1] = swap;
     assert_int_equal(detect(f, NULL), SN_OK);
-    assert_attachment(&f->attachments[0], "right", "contact+proximity", 10, VERTICES - 1);
-    assert_attachment(&f->attachments[1], "left", "contact+proximity", 0, 9);
+    assert_attachment(&f->attachments.items[0], "right", "contact+proximity", 10, VERTICES - 1);
+    assert_attachment(&f->attachments.items[1], "left", "contact+proximity", 0, 9);
 }
 
 static void every_pair_is_reported(void **state) {
@@ -178,7 +178,7 @@ static void nothing_in_reach_is_no_error(void **state) {
     fixture *f = *state;
     for (sn_index v = 0; v < VERTICES; v++) f->muscle.mesh.positions[v].z += 50;
     assert_int_equal(detect(f, NULL), SN_OK);
-    assert_int_equal(f->count, 0);
+    assert_int_equal(f->attachments.count, 0);
     assert_int_equal(f->report.attached, 0);
     assert_true(f->report.pairs[0].culled && f->report.pairs[0].nearest == 49.0);
 }
@@ -193,23 +193,24 @@ static void pins_come_first(void **state) {
     f->params.pins = pins;
     f->params.pin_count = 2;
     assert_int_equal(detect(f, NULL), SN_OK);
-    assert_int_equal(f->count, 2);
-    assert_attachment(&f->attachments[0], "left", "contact", 2, 3);
-    assert_string_equal(f->attachments[1].method, "pin+contact");
+    assert_int_equal(f->attachments.count, 2);
+    assert_attachment(&f->attachments.items[0], "left", "contact", 2, 3);
+    assert_string_equal(f->attachments.items[1].method, "pin+contact");
     const sn_index expected[] = {0, 1, 6, 18, 19, 20, 21}; /* the later pin to "tail" finds its vertices taken */
-    assert_int_equal(f->attachments[1].count, 7);
-    assert_memory_equal(f->attachments[1].vertices, expected, sizeof expected);
-    assert_true(f->attachments[1].distances[0] == 8.5 && f->attachments[1].distances[2] == 5.5);
+    assert_int_equal(f->attachments.items[1].count, 7);
+    assert_memory_equal(f->attachments.items[1].vertices, expected, sizeof expected);
+    assert_true(f->attachments.items[1].distances[0] == 8.5 && f->attachments.items[1].distances[2] == 5.5);
 }
 
 static void a_pin_needs_no_mesh(void **state) {
     fixture *f = *state;
     const sn_attach_pin pin = {"talus", {.kind = SN_SELECT_BOX, .point = {-1, -1, -1}, .other = {0.5, 2, 1}}};
     f->params = (sn_attach_params){.distance = -1, .pin_count = 1, .pins = &pin};
-    assert_int_equal(sn_attach_detect(&f->muscle, 0, NULL, &f->params, NULL, &f->count, &f->attachments, &f->report, &f->error), SN_OK);
-    assert_int_equal(f->count, 1);
-    assert_attachment(&f->attachments[0], "talus", "pin", 0, 1);
-    assert_null(f->attachments[0].distances);
+    f->params.bone_count = 0;
+    assert_int_equal(sn_attach_detect(&f->muscle, &f->params, NULL, &f->attachments, &f->report, &f->error), SN_OK);
+    assert_int_equal(f->attachments.count, 1);
+    assert_attachment(&f->attachments.items[0], "talus", "pin", 0, 1);
+    assert_null(f->attachments.items[0].distances);
     assert_int_equal(f->report.pair_count, 0);
 }
 
@@ -220,9 +221,9 @@ static void a_pinned_bone_is_not_culled(void **state) {
     f->params.pins = &pin;
     f->params.pin_count = 1;
     assert_int_equal(detect(f, NULL), SN_OK);
-    assert_int_equal(f->count, 3);
-    assert_attachment(&f->attachments[2], "moon", "pin", 10, 10);
-    assert_true(f->attachments[2].distances[0] == 995.0);
+    assert_int_equal(f->attachments.count, 3);
+    assert_attachment(&f->attachments.items[2], "moon", "pin", 10, 10);
+    assert_true(f->attachments.items[2].distances[0] == 995.0);
     assert_false(f->report.pairs[2].culled);
 }
 
@@ -234,7 +235,7 @@ static void it_stops_after_n_bones(void **state) {
         sn_trace trace = {.stop_after = n};
         assert_int_equal(detect(f, &trace), SN_STOPPED);
         assert_int_equal(f->report.pair_count, n);
-        assert_int_equal(f->count, n < 2 ? n : 2);
+        assert_int_equal(f->attachments.count, n < 2 ? n : 2);
         assert_int_equal(trace.steps, n);
     }
     sn_trace trace = {.stop_after = 4};
@@ -255,19 +256,19 @@ static void threads_agree(void **state) {
     f->params.threads = 1;
     assert_int_equal(detect(f, NULL), SN_OK);
     fixture one = *f;
-    f->attachments = NULL, f->count = 0, f->report = (sn_attach_report){0};
+    f->attachments = (sn_attachment_list){0}, f->report = (sn_attach_report){0};
     f->params.threads = 4;
     assert_int_equal(detect(f, NULL), SN_OK);
-    assert_int_equal(one.count, f->count);
+    assert_int_equal(one.attachments.count, f->attachments.count);
     assert_true(f->report.attached > 1000);
-    for (sn_index a = 0; a < f->count; a++) {
-        assert_int_equal(one.attachments[a].count, f->attachments[a].count);
-        size_t count = (size_t)f->attachments[a].count;
-        assert_memory_equal(one.attachments[a].vertices, f->attachments[a].vertices, count * sizeof(sn_index));
-        assert_memory_equal(one.attachments[a].distances, f->attachments[a].distances, count * sizeof(double));
+    for (sn_index a = 0; a < f->attachments.count; a++) {
+        assert_int_equal(one.attachments.items[a].count, f->attachments.items[a].count);
+        size_t count = (size_t)f->attachments.items[a].count;
+        assert_memory_equal(one.attachments.items[a].vertices, f->attachments.items[a].vertices, count * sizeof(sn_index));
+        assert_memory_equal(one.attachments.items[a].distances, f->attachments.items[a].distances, count * sizeof(double));
     }
     for (sn_index p = 0; p < 3; p++) assert_true(one.report.pairs[p].nearest == f->report.pairs[p].nearest);
-    sn_attachments_free(one.attachments, one.count);
+    sn_attachments_free(one.attachments.items, one.attachments.count);
     sn_attach_report_free(&one.report);
 }
 
@@ -289,8 +290,8 @@ static void bad_input_is_refused(void **state) {
     f->params.pin_count = 0;
     f->params.distance = INFINITY;
     assert_int_equal(detect(f, NULL), SN_ERROR_USAGE);
-    assert_int_equal(f->count, 0);
-    assert_null(f->attachments);
+    assert_int_equal(f->attachments.count, 0);
+    assert_null(f->attachments.items);
 }
 
 /* ---- how bones hold ----------------------------------------------------------------------------------------------------------- */

@@ -77,7 +77,8 @@ static held read_text(const char *text) {
 static char *write_held(const held *h, unsigned changed, const sn_history_entry *entry, bool keep_history) {
     sn_error error = {0};
     sn_output *output = open_output();
-    if (sn_muscle_write(&h->muscle, h->document, changed, entry, keep_history, output, &error) != SN_OK) fail_msg("%s", error.text);
+    const sn_write_options options = {changed, entry, !keep_history};
+    if (sn_muscle_write(&h->muscle, h->document, &options, output, &error) != SN_OK) fail_msg("%s", error.text);
     return commit_output(output);
 }
 
@@ -232,7 +233,8 @@ static void what_is_not_valid_is_not_written(void **state) {
     sn_output *output = open_output();
     sn_error error = {0};
     h.muscle.fibers.directions[1].y = (double)NAN;
-    assert_int_equal(sn_muscle_write(&h.muscle, h.document, SN_SECTION_FIBERS, NULL, true, output, &error), SN_ERROR_INPUT);
+    assert_int_equal(sn_muscle_write(&h.muscle, h.document, &(sn_write_options){.changed = SN_SECTION_FIBERS}, output, &error),
+                     SN_ERROR_INPUT);
     assert_contains(error.text, "fibers: vertex 1");
     sn_output_abort(output);
     let_go(&h);

@@ -52,11 +52,10 @@ static void test_affine_maps_are_followed(void **state) {
         sn_embedding_params params = sn_embedding_defaults();
         params.cut = cuts[k];
         sn_embedding embedding;
-        sn_embedding_report report;
-        assert_ok(sn_embedding_build(&mesh, COUNT, points, &params, &embedding, &report, NULL));
-        assert_true(report.error < 1e-13);
+        assert_ok(sn_embedding_build(&mesh, COUNT, points, &params, &embedding, NULL));
+        assert_true(embedding.report.error < 1e-13);
         assert_true(affine_error(&mesh, COUNT, points, &embedding) < 1e-12);
-        assert_true((report.dropped_worst > 0.0) == (cuts[k] > 0.0));
+        assert_true((embedding.report.dropped_worst > 0.0) == (cuts[k] > 0.0));
         sn_embedding_free(&embedding);
     }
     sn_mesh_free(&mesh);
@@ -71,9 +70,8 @@ static void test_formulas_have_linear_precision(void **state) {
     inner_points(&mesh, COUNT, points);
     sn_embedding_params params = sn_embedding_defaults();
     sn_embedding embedding;
-    sn_embedding_report report;
-    assert_ok(sn_embedding_build(&mesh, COUNT, points, &params, &embedding, &report, NULL));
-    assert_true(report.correction < 1e-10);
+    assert_ok(sn_embedding_build(&mesh, COUNT, points, &params, &embedding, NULL));
+    assert_true(embedding.report.correction < 1e-10);
     sn_embedding_free(&embedding);
     sn_mesh_free(&mesh);
 }
@@ -87,8 +85,7 @@ static void test_octahedron(void **state) {
     const sn_vec3 centre = {0, 0, 0};
     sn_embedding_params params = sn_embedding_defaults();
     sn_embedding embedding;
-    sn_embedding_report report;
-    assert_ok(sn_embedding_build(&mesh, 1, &centre, &params, &embedding, &report, NULL));
+    assert_ok(sn_embedding_build(&mesh, 1, &centre, &params, &embedding, NULL));
     for (int k = 0; k < 6; k++) assert_near(embedding.rows[0].weights[k], 1.0 / 6.0, 1e-14);
     sn_embedding_free(&embedding);
     sn_mesh_free(&mesh);
@@ -111,10 +108,9 @@ static void test_points_on_and_beside_the_surface(void **state) {
     }
     sn_embedding_params params = sn_embedding_defaults();
     sn_embedding embedding;
-    sn_embedding_report report;
-    assert_ok(sn_embedding_build(&mesh, COUNT, points, &params, &embedding, &report, NULL));
-    assert_true(report.near_points >= COUNT / 2);
-    assert_true(report.near_points < COUNT);
+    assert_ok(sn_embedding_build(&mesh, COUNT, points, &params, &embedding, NULL));
+    assert_true(embedding.report.near_points >= COUNT / 2);
+    assert_true(embedding.report.near_points < COUNT);
     assert_true(affine_error(&mesh, COUNT, points, &embedding) < 1e-9 * sn_box_diagonal(sn_mesh_box(&mesh)));
     sn_embedding_free(&embedding);
     free(points);
@@ -135,8 +131,7 @@ static void test_weights_stay_moderate(void **state) {
     }
     sn_embedding_params params = sn_embedding_defaults();
     sn_embedding embedding;
-    sn_embedding_report report;
-    assert_ok(sn_embedding_build(&mesh, COUNT, points, &params, &embedding, &report, NULL));
+    assert_ok(sn_embedding_build(&mesh, COUNT, points, &params, &embedding, NULL));
     for (sn_index i = 0; i < COUNT; i++) {
         double size = 0.0;
         for (sn_index k = 0; k < embedding.rows[i].count; k++) size += fabs(embedding.rows[i].weights[k]);
@@ -178,11 +173,10 @@ static void test_cut_in_bending(void **state) {
     }
     sn_embedding_params params = sn_embedding_defaults();
     sn_embedding dense, cut;
-    sn_embedding_report report;
-    assert_ok(sn_embedding_build(&mesh, COUNT, points, &params, &dense, &report, NULL));
+    assert_ok(sn_embedding_build(&mesh, COUNT, points, &params, &dense, NULL));
     params.cut = 1e-4;
-    assert_ok(sn_embedding_build(&mesh, COUNT, points, &params, &cut, &report, NULL));
-    assert_true(report.weights < (int64_t)COUNT * mesh.vertex_count * 2 / 3);
+    assert_ok(sn_embedding_build(&mesh, COUNT, points, &params, &cut, NULL));
+    assert_true(cut.report.weights < (int64_t)COUNT * mesh.vertex_count * 2 / 3);
     sn_embedding_apply(&dense, bent, NULL, all);
     sn_embedding_apply(&cut, bent, NULL, few);
     double sum = 0.0, plain = 0.0;
@@ -210,8 +204,7 @@ static void test_threads_give_the_same_bits(void **state) {
     for (int k = 0; k < 2; k++) {
         sn_embedding_params params = sn_embedding_defaults();
         params.pool = k == 0 ? NULL : sn_pool_create(3);
-        sn_embedding_report report;
-        assert_ok(sn_embedding_build(&mesh, COUNT, points, &params, &embedding[k], &report, NULL));
+        assert_ok(sn_embedding_build(&mesh, COUNT, points, &params, &embedding[k], NULL));
         sn_embedding_apply(&embedding[k], mesh.positions, params.pool, moved[k]);
         sn_pool_destroy(params.pool);
     }
@@ -262,14 +255,13 @@ static void test_bad_input(void **state) {
     sn_vec3 point = {NAN, 0, 0};
     sn_embedding_params params = sn_embedding_defaults();
     sn_embedding embedding;
-    sn_embedding_report report;
-    assert_int_equal(sn_embedding_build(&mesh, 1, &point, &params, &embedding, &report, NULL), SN_ERROR_INPUT);
+    assert_int_equal(sn_embedding_build(&mesh, 1, &point, &params, &embedding, NULL), SN_ERROR_INPUT);
     point = sn_v3(0.1, 0, 0);
     params.cut = 0.5;
-    assert_int_equal(sn_embedding_build(&mesh, 1, &point, &params, &embedding, &report, NULL), SN_ERROR_USAGE);
+    assert_int_equal(sn_embedding_build(&mesh, 1, &point, &params, &embedding, NULL), SN_ERROR_USAGE);
     params.cut = 0.0;
     for (sn_index v = 0; v < mesh.vertex_count; v++) mesh.positions[v].z = 0.0;
-    assert_int_equal(sn_embedding_build(&mesh, 1, &point, &params, &embedding, &report, NULL), SN_ERROR_INPUT);
+    assert_int_equal(sn_embedding_build(&mesh, 1, &point, &params, &embedding, NULL), SN_ERROR_INPUT);
     sn_mesh_free(&mesh);
 }
 
@@ -302,12 +294,11 @@ static void test_file(void **state) {
     points[COUNT - 1] = mesh.positions[5];
     sn_embedding_params params = sn_embedding_defaults();
     sn_embedding embedding, again;
-    sn_embedding_report report;
     char path[] = "/tmp/test_embedding_XXXXXX", hash[SN_HASH_LENGTH];
     int file = mkstemp(path);
     assert_true(file >= 0);
     close(file);
-    assert_ok(sn_embedding_build(&mesh, COUNT, points, &params, &embedding, &report, NULL));
+    assert_ok(sn_embedding_build(&mesh, COUNT, points, &params, &embedding, NULL));
     assert_ok(sn_embedding_hash(&mesh, COUNT, points, &params, hash, NULL));
     sn_output *output;
     assert_ok(sn_output_open(path, false, &output, NULL));

@@ -199,9 +199,9 @@ static void the_floor_is_honest(void **state) {
     assert_int_equal(sn_yardstick_create(model, &y, NULL), SN_OK);
     params.floor = 0.0;
     params.most_substeps = 32;
-    assert_int_equal(sn_reference_motion(&scene, &y, &request, &params, &r, NULL), SN_OK);
+    assert_int_equal(sn_reference_motion(&(sn_reference_task){&scene, &y, &request, &params}, &r, NULL), SN_OK);
     params.most_substeps = 512;
-    assert_int_equal(sn_reference_motion(&scene, &y, &request, &params, &fine, NULL), SN_OK);
+    assert_int_equal(sn_reference_motion(&(sn_reference_task){&scene, &y, &request, &params}, &fine, NULL), SN_OK);
     double away = sn_difference_between(&y, 2, r.track.positions, fine.track.positions, NULL).worst;
     print_message("floor %.2e, away %.2e, order %.2f, extrapolated %d; fine: floor %.2e, order %.2f\n", r.floor, away, r.order,
                   r.extrapolated, fine.floor, fine.order);
@@ -226,7 +226,7 @@ static void two_ways_lead_to_one_equilibrium(void **state) {
     sn_reference_params params = sn_reference_defaults();
     assert_int_equal(sn_model_create(&scene, &model, NULL), SN_OK);
     assert_int_equal(sn_yardstick_create(model, &y, NULL), SN_OK);
-    assert_int_equal(sn_reference_rest(&scene, &y, &request, &params, &r, NULL), SN_OK);
+    assert_int_equal(sn_reference_rest(&(sn_reference_task){&scene, &y, &request, &params}, &r, NULL), SN_OK);
     assert_int_equal(r.rung_count, 2);
     assert_int_equal(r.track.moment_count, 1);
     assert_true(r.floor < 1e-7);

@@ -326,8 +326,7 @@ static void test_fibres_follow_the_surface(void **state) {
     for (int i = 0; i < 12; i++) memcpy(points + 16 * i, fibers.polylines[i].points, 16 * sizeof *points);
     sn_embedding embedding;
     sn_embedding_params with = sn_embedding_defaults();
-    sn_embedding_report bound;
-    assert_ok(sn_embedding_build(&mesh, 12 * 16, points, &with, &embedding, &bound, NULL));
+    assert_ok(sn_embedding_build(&mesh, 12 * 16, points, &with, &embedding, NULL));
     sn_vec3 *surface = SN_NEW(sn_vec3, mesh.vertex_count);
     for (sn_index v = 0; v < mesh.vertex_count; v++) {
         sn_vec3 p = mesh.positions[v];

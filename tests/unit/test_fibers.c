@@ -64,10 +64,9 @@ typedef struct carried {
 static carried carry(double cut) {
     carried c = {.mesh = tube(), .fibers = straight_fibers()};
     sn_embedding_params params = sn_embedding_defaults();
-    sn_embedding_report report;
     params.cut = cut;
     assert_ok(sn_fiber_bundle_create(&c.fibers, &c.bundle, NULL));
-    assert_ok(sn_embedding_build(&c.mesh, c.bundle.point_count, c.bundle.points, &params, &c.embedding, &report, NULL));
+    assert_ok(sn_embedding_build(&c.mesh, c.bundle.point_count, c.bundle.points, &params, &c.embedding, NULL));
     c.surface = SN_NEW(sn_vec3, c.mesh.vertex_count);
     c.points = SN_NEW(sn_vec3, c.bundle.point_count);
     return c;
@@ -161,9 +160,8 @@ static void test_bent_fibers_stay_inside(void **state) {
     for (int i = 0; i < 2; i++) {
         sn_embedding_params params = sn_embedding_defaults();
         sn_embedding embedding;
-        sn_embedding_report report;
         params.cut = cuts[i];
-        assert_ok(sn_embedding_build(&muscle.mesh, bundle.point_count, bundle.points, &params, &embedding, &report, NULL));
+        assert_ok(sn_embedding_build(&muscle.mesh, bundle.point_count, bundle.points, &params, &embedding, NULL));
         sn_embedding_apply(&embedding, bent.positions, NULL, points);
         sn_index outside = 0;
         for (sn_index k = 0; k < bundle.point_count; k++)
@@ -216,14 +214,13 @@ static void test_affine_states_are_followed_exactly(void **state) {
     sn_scene scene;
     sn_fiber_bundle bundle;
     sn_embedding embedding;
-    sn_embedding_report report;
     sn_embedding_params params = sn_embedding_defaults();
     scene_with_fibers(&scene, &bundle);
     const sn_mesh *mesh = &scene.muscles[0].rig.mesh;
     simulation s = start(&scene);
     sn_vec3 *surface = SN_NEW(sn_vec3, mesh->vertex_count), points[15];
     params.cut = 3e-4;
-    assert_ok(sn_embedding_build(mesh, bundle.point_count, bundle.points, &params, &embedding, &report, NULL));
+    assert_ok(sn_embedding_build(mesh, bundle.point_count, bundle.points, &params, &embedding, NULL));
     for (sn_index v = 0; v < mesh->vertex_count; v++) {
         sn_vec3 p = sn_scale(shear(mesh->positions[v]), 1e-3);
         s.state->muscles[0].points[v] = (sn_point){p.x, p.y, p.z, 1.0};

@@ -238,10 +238,10 @@ static void mismatches_name_path_and_place(void **state) {
     expect_complaint(sn_json_get_index(&number, 0, 9, &whole, &error), &error, 1, 12,
                      "number: expected a whole number in [0,9], found 1.5");
     error = (sn_error){0};
-    expect_complaint(sn_json_get_indices(&v0, 1, -1, 0, 41, NULL, &indices, &error), &error, 3, 42,
+    expect_complaint(sn_json_get_indices(&v0, (sn_index_rule){1, -1, 0, 41}, NULL, &indices, &error), &error, 3, 42,
                      "nested[0].v[2]: expected a whole number in [0,41], found 99");
     error = (sn_error){0};
-    expect_complaint(sn_json_get_indices(&list, 1, -1, 0, 41, NULL, &indices, &error), &error, 2, 16,
+    expect_complaint(sn_json_get_indices(&list, (sn_index_rule){1, -1, 0, 41}, NULL, &indices, &error), &error, 2, 16,
                      "list[1]: expected a whole number in [0,41], found 2.50");
     error = (sn_error){0};
     expect_complaint(sn_json_get_numbers(&v1, 1, -1, NULL, &values, &error), &error, 3, 57,

@@ -56,7 +56,9 @@ static int tear_down(void **state) {
 
 static sn_status find(fixture *f, sn_index targets, sn_trace *trace) {
     forget(f);
-    return sn_find_neighbours(&f->muscle, targets, f->targets, &f->params, trace, &f->count, &f->externals, &f->error);
+    f->params.target_count = targets;
+    f->params.targets = f->targets;
+    return sn_find_neighbours(&f->muscle, &f->params, trace, &f->count, &f->externals, &f->error);
 }
 
 static sn_vec3 point_of(const sn_external *e, sn_index k, const sn_mesh *target) {

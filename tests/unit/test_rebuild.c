@@ -220,14 +220,12 @@ static bool give_up(void *user, int out) {
 static void a_child_answers(void **state) {
     (void)state;
     int n = 21;
-    void *answer = NULL;
-    size_t count = 0;
-    bool late = true;
-    assert_ok(sn_child_run(answer_twice, &n, &(sn_child_limits){.seconds = 300.0, .most_answer = 100}, &answer, &count, &late, NULL));
-    assert_int_equal(count, sizeof n);
-    assert_int_equal(*(int *)answer, 42);
-    assert_false(late);
-    free(answer);
+    sn_child_answer answer = {.ended_early = true};
+    assert_ok(sn_child_run(answer_twice, &n, &(sn_child_limits){.seconds = 300.0, .most_answer = 100}, &answer, NULL));
+    assert_int_equal(answer.size, sizeof n);
+    assert_int_equal(*(int *)answer.bytes, 42);
+    assert_false(answer.ended_early);
+    free(answer.bytes);
 }
 
 /* Whatever a child does, this process goes on with a sentence; it is late only where it never ends. */
@@ -240,15 +238,13 @@ static void a_child_that_fails_dies_or_never_ends_is_an_error(void **state) {
     } cases[] = {{never_end, 0, true}, {die, SIGSEGV, false}, {die, SIGKILL, false}, {give_up, 0, false}, {talk_for_ever, 0, false}};
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         int number = cases[i].signal;
-        void *answer = &number;
-        size_t count = 7;
-        bool late = false;
+        sn_child_answer answer = {.bytes = &number, .size = 7};
         sn_error error = {0};
         sn_child_limits limits = {.seconds = cases[i].late ? 0.3 : 300.0, .most_answer = 1 << 20};
-        assert_int_equal(sn_child_run(cases[i].work, &number, &limits, &answer, &count, &late, &error), SN_ERROR_INTERNAL);
-        assert_null(answer);
-        assert_int_equal(count, 0);
-        assert_int_equal(late, cases[i].late);
+        assert_int_equal(sn_child_run(cases[i].work, &number, &limits, &answer, &error), SN_ERROR_INTERNAL);
+        assert_null(answer.bytes);
+        assert_int_equal(answer.size, 0);
+        assert_int_equal(answer.ended_early, cases[i].late);
         assert_true(error.text[0] != '\0');
     }
 }

@@ -105,7 +105,7 @@ static sn_view_mesh *add_ball(sn_view *view, double radius, sn_vec3 centre, sn_c
     sn_mesh mesh = ellipsoid(24, radius, radius, radius);
     sn_rigid pose = {sn_quat_identity(), centre};
     sn_view_mesh *added;
-    assert_int_equal(sn_view_add_mesh(view, &mesh, 1.0, &pose, color, &added, NULL), SN_OK);
+    assert_int_equal(sn_view_add_mesh(view, &mesh, (sn_placement){1.0, &pose}, color, &added, NULL), SN_OK);
     sn_mesh_free(&mesh);
     return added;
 }
@@ -212,7 +212,7 @@ static void the_long_axis_lies_along_the_picture(void **state) {
     sn_rigid pose = {turn, sn_v3(10, 0, 0)};
     sn_vec3 length = sn_quat_rotate(turn, sn_v3(0, 0, 1)), thin = sn_quat_rotate(turn, sn_v3(1, 0, 0));
     sn_view view = {0};
-    assert_int_equal(sn_view_add_mesh(&view, &mesh, 1.0, &pose, RED, NULL, NULL), SN_OK);
+    assert_int_equal(sn_view_add_mesh(&view, &mesh, (sn_placement){1.0, &pose}, RED, NULL, NULL), SN_OK);
     sn_camera wide = sn_camera_auto(&view, false, 0.0), tall = sn_camera_auto(&view, true, 0.0), turned = sn_camera_auto(&view, true, 90.0);
     assert_true(fabs(sn_dot(wide.right, length)) > 1.0 - 1e-6 && fabs(sn_dot(wide.back, thin)) > 1.0 - 1e-6);
     assert_true(fabs(sn_dot(tall.up, length)) > 1.0 - 1e-6 && fabs(sn_dot(tall.back, thin)) > 1.0 - 1e-6);
@@ -261,7 +261,7 @@ static void every_character_leaves_its_own_ink(void **state) {
     for (int c = 33; c < 127; c++) {
         char text[2] = {(char)c, 0};
         assert_int_equal(sn_image_alloc(&images[c], 48, 48, WHITE, NULL), SN_OK);
-        sn_text_draw(&images[c], 8, 34, 24, 1.0, (sn_color){0, 0, 0}, text);
+        sn_text_draw(&images[c], 8, 34, (sn_text_style){24, 1.0, {0, 0, 0}}, text);
         assert_true(ink(&images[c]) > 4);
         assert_true(sn_text_width(24, text) <= 24.0);
         for (int other = 33; other < c; other++) assert_true(memcmp(images[c].rgb, images[other].rgb, 3 * 48 * 48) != 0);
@@ -275,10 +275,10 @@ static void text_outside_the_picture_is_cut(void **state) {
     (void)state;
     sn_image image;
     assert_int_equal(sn_image_alloc(&image, 20, 10, WHITE, NULL), SN_OK);
-    sn_text_draw(&image, -500, 5, 8, 1.0, (sn_color){0, 0, 0}, "far to the left");
-    sn_text_draw(&image, 500, 5, 8, 1.0, (sn_color){0, 0, 0}, "far to the right");
+    sn_text_draw(&image, -500, 5, (sn_text_style){8, 1.0, {0, 0, 0}}, "far to the left");
+    sn_text_draw(&image, 500, 5, (sn_text_style){8, 1.0, {0, 0, 0}}, "far to the right");
     assert_int_equal(ink(&image), 0);
-    sn_text_draw(&image, -3, 30, 50, 1.0, (sn_color){0, 0, 0}, "W");
+    sn_text_draw(&image, -3, 30, (sn_text_style){50, 1.0, {0, 0, 0}}, "W");
     assert_true(ink(&image) > 0);
     sn_image_free(&image);
 }
@@ -540,7 +540,7 @@ static void what_cannot_be_drawn_is_refused(void **state) {
     sn_error error = {0};
     sn_image image;
     sn_mesh mesh = ellipsoid(4, 1e308, 1e308, 1e308);
-    assert_int_equal(sn_view_add_mesh(&view, &mesh, 1.0, NULL, RED, NULL, NULL), SN_OK);
+    assert_int_equal(sn_view_add_mesh(&view, &mesh, (sn_placement){1.0, NULL}, RED, NULL, NULL), SN_OK);
     sn_camera camera = sn_camera_from(30, 30);
     sn_camera_include(&camera, &view);
     sn_view_options o = small_options();

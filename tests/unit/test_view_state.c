@@ -16,7 +16,8 @@ static simulation dented(sn_scene *scene, sn_index *moved) {
 static sn_view draw(const simulation *s, sn_row_kind kind, double range, unsigned show) {
     sn_view view = {0};
     sn_error error = {0};
-    if (sn_view_add_state(&view, s->model, s->state, kind, range, show, &error) != SN_OK) fail_msg("%s", error.text);
+    const sn_state_look look = {kind, range, show};
+    if (sn_view_add_state(&view, s->model, s->state, &look, &error) != SN_OK) fail_msg("%s", error.text);
     return view;
 }
 

@@ -255,12 +255,12 @@ static sn_status write_bone(const options *o, const char *name, sn_vec3 centre, 
 }
 
 static sn_status write_muscle(const options *o, sn_error *error) {
-    const unsigned sections = SN_SECTION_MESH | SN_SECTION_FIBERS | SN_SECTION_ATTACHMENTS;
+    const sn_write_options how = {.changed = SN_SECTION_MESH | SN_SECTION_FIBERS | SN_SECTION_ATTACHMENTS, .drop_history = true};
     sn_muscle muscle = {0};
     sn_output *output = NULL;
     sn_status status = make_muscle(o->triangles, &muscle, error);
     if (status == SN_OK) status = open_in(o, "fusiform.muscle.json", &output, error);
-    if (status == SN_OK) status = sn_muscle_write(&muscle, NULL, sections, NULL, false, output, error);
+    if (status == SN_OK) status = sn_muscle_write(&muscle, NULL, &how, output, error);
     sn_muscle_free(&muscle);
     return close_output(output, status, error);
 }

@@ -42,7 +42,7 @@ static int try_bytes(const sn_blob *blob, sn_error *error) {
     demand(sn_muscle_validate(&muscle, error) == SN_OK, "the muscle is not valid");
     sn_output *output;
     demand(sn_output_open("/dev/null", false, &output, error) == SN_OK, "/dev/null cannot be opened");
-    demand(sn_muscle_write(&muscle, document, 0, NULL, true, output, error) == SN_OK, "the muscle cannot be written");
+    demand(sn_muscle_write(&muscle, document, &(sn_write_options){0}, output, error) == SN_OK, "the muscle cannot be written");
     sn_output_abort(output);
     sn_document_free(document);
     sn_muscle_free(&muscle);
