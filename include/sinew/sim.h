@@ -37,6 +37,7 @@
     X(MEMBRANE, membrane)                                                                                                                  \
     X(VOLUME, volume)
 
+/* By the list. */
 typedef enum sn_row_kind {
 #define SN_ROW_KIND(id, name) SN_ROWS_##id,
     SN_ROW_LIST(SN_ROW_KIND)
@@ -105,17 +106,17 @@ const char *sn_left_out_text(sn_left_out reason); /* half a sentence; "" for SN_
 
 /* Two points: C = |x0 - x1| - sigma. */
 typedef struct sn_distance_row {
-    sn_index point[2];
+    sn_index point[2]; /* of the muscle */
 } sn_distance_row;
 
 /* The two triangles (a,b,c) and (b,a,d) at edge a-b: C = wrap(theta - theta0). */
 typedef struct sn_hinge_row {
-    sn_index point[4];
+    sn_index point[4]; /* a, b, c, d */
 } sn_hinge_row;
 
 /* A triangle: J = |n| / (2 A0) >= the scene's least area. */
 typedef struct sn_area_row {
-    sn_index point[3];
+    sn_index point[3]; /* of the surface, counter-clockwise from outside */
 } sn_area_row;
 
 /* The square of a goal length is a sum of terms (of the row) times factors (of the activation); see distance.c. */
@@ -294,9 +295,9 @@ typedef struct sn_point {
 /* Without its mass. */
 static inline sn_vec3 sn_point_position(const sn_point *p) { return sn_v3(p->x, p->y, p->z); }
 
+struct sn_inputs;
 /* One muscle of a run: its part of the points of its group, what it is told of the step at hand (lib/sim/state.h), what its back end
  * remembers of it, and what can be said of it. */
-struct sn_inputs;
 typedef struct sn_muscle_state {
     sn_point *points;         /* (point_count) */
     sn_vec3 *velocities;      /* (point_count) m/s */

@@ -37,6 +37,7 @@ typedef struct sn_preconditioner sn_preconditioner;
     X(double, pair_products, SN_QN_MEMORY, SN_KEPT)                                                                                        \
     X(double, factor_stiffness, g->count, SN_KEPT)
 
+/* What the back end remembers of one group. */
 typedef struct sn_qn {
 #define SN_QN_MEMBER(type, name, count, kept) type *name;
     SN_QN_ARRAYS(SN_QN_MEMBER)
@@ -52,8 +53,8 @@ typedef struct sn_qn {
     sn_preconditioner *preconditioner;
 } sn_qn;
 
+/* A group's; and a point's new place. */
 static inline sn_qn *sn_qn_of(const sn_group_state *s) { return s->memory; }
-
 static inline void sn_put(sn_point *point, sn_vec3 position) { point->x = position.x, point->y = position.y, point->z = position.z; }
 
 /* ---- energy.c ---- */
@@ -70,10 +71,9 @@ double sn_objective_evaluate(const sn_objective *objective, const sn_point *poin
 
 /* ---- precondition.c ---- */
 
-/* An approximate Hessian of Phi without the volume rows, scalar, corotated or two-level (precondition.c); the volume rows enter as
- * k_V g gT (Sherman-Morrison). */
-/* Of a group of muscles that are solved together. Below, `points` of the group are those of its members one after the other, and what is
- * given by member is (count). */
+/* An approximate Hessian of Phi without the volume rows, scalar, corotated or two-level (precondition.c), of a group of muscles that are
+ * solved together; the volume rows enter as k_V g gT (Sherman-Morrison). Below, `points` of the group are those of its members one after
+ * the other, and what is given by member is (count). */
 SN_MUST_CHECK sn_status sn_preconditioner_create(sn_index count, const sn_model_muscle *const *members, sn_preconditioner **out,
                                                  sn_error *error);
 void sn_preconditioner_destroy(sn_preconditioner *p); /* NULL is fine */
@@ -102,6 +102,7 @@ void sn_preconditioner_add_jump(const sn_preconditioner *p, const sn_vec3 *jump,
 
 /* ---- qn_matrix.c ---- */
 
+/* What L-BFGS has learnt is of no use from here on. */
 void sn_qn_forget_pairs(sn_qn *qn);
 /* No further iteration in this step; SN_STOP_ITERATIONS: there may be. */
 void sn_qn_stop(sn_group_state *s, const sn_group *g, sn_stop_reason reason);

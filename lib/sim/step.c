@@ -301,23 +301,41 @@ static double mean_move(const run *r, sn_index muscle) {
     return free_points > 0 ? sum / (free_points * m->mean_edge) : 0.0;
 }
 
+/* What a record tells of the rows: NAME_rms and NAME_max of every kind whose rows have points of their own. */
+static int trace_rows(const sn_statistics *st, sn_trace_value *values) {
+    static const char *const names[SN_ROW_KINDS][2] = {
+#define NAMES(id, name) {#name "_rms", #name "_max"},
+        SN_ROW_LIST(NAMES)
+#undef NAMES
+    };
+    int count = 0;
+    for (int kind = 0; kind < SN_ROW_KINDS; kind++) {
+        if (sn_row_info_of((sn_row_kind)kind)->points == 0) continue;
+        values[count++] = sn_trace_number(names[kind][0], st->residuals[kind].rms);
+        values[count++] = sn_trace_number(names[kind][1], st->residuals[kind].max);
+    }
+    return count;
+}
+
+static bool trace_muscle(const run *r, sn_index muscle, moment done, sn_trace *trace) {
+    const sn_statistics *st = &r->state->muscles[muscle].statistics;
+    sn_trace_value values[10 + 2 * SN_ROW_KINDS] = {
+        sn_trace_number("frame", r->state->frame),     sn_trace_number("substep", done.substep + 1),
+        sn_trace_number("iteration", done.iteration),  sn_trace_text("muscle", r->model->muscles[muscle].source->name),
+        sn_trace_number("activation", st->activation), sn_trace_number("volume_error", st->volume_error)};
+    int count = 6 + trace_rows(st, values + 6);
+    values[count++] = sn_trace_number("smallest_triangle", st->smallest_triangle);
+    values[count++] = sn_trace_number("kinetic_energy", st->kinetic_energy);
+    values[count++] = sn_trace_number("nan", st->nan_points);
+    values[count++] = sn_trace_number("mean_move", mean_move(r, muscle));
+    return sn_trace_step(trace, "iteration", values, count);
+}
+
 /* One record per muscle for the iteration just done; true = stop. */
 static bool trace_iteration(const run *r, moment done, sn_trace *trace) {
     for (sn_index i = 0; i < r->model->muscle_count; i++) {
-        const sn_statistics *st = &r->state->muscles[i].statistics;
         if (r->state->groups[r->model->muscles[i].group].progress.spent < done.iteration) continue; /* it was through before */
-        if (SN_TRACE(trace, "iteration", sn_trace_number("frame", r->state->frame), sn_trace_number("substep", done.substep + 1),
-                     sn_trace_number("iteration", done.iteration), sn_trace_text("muscle", r->model->muscles[i].source->name),
-                     sn_trace_number("activation", st->activation), sn_trace_number("volume_error", st->volume_error),
-                     sn_trace_number("internal_rms", st->residuals[SN_ROWS_INTERNAL].rms),
-                     sn_trace_number("radial_rms", st->residuals[SN_ROWS_RADIAL].rms),
-                     sn_trace_number("mesh_rms", st->residuals[SN_ROWS_MESH].rms),
-                     sn_trace_number("mesh_max", st->residuals[SN_ROWS_MESH].max),
-                     sn_trace_number("dihedral_rms", st->residuals[SN_ROWS_DIHEDRAL].rms),
-                     sn_trace_number("dihedral_max", st->residuals[SN_ROWS_DIHEDRAL].max),
-                     sn_trace_number("smallest_triangle", st->smallest_triangle), sn_trace_number("kinetic_energy", st->kinetic_energy),
-                     sn_trace_number("nan", st->nan_points), sn_trace_number("mean_move", mean_move(r, i))))
-            return true;
+        if (trace_muscle(r, i, done, trace)) return true;
     }
     return false;
 }

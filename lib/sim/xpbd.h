@@ -15,11 +15,12 @@
     X(sn_vec3, origin, m->single ? 1 : 0, SN_KEPT)                                                                                         \
     X(sn_single_point, single_gradient, m->single && m->keeps_volume ? m->vertex_count : 0, SN_LEFT)
 
+/* What the back end remembers of one muscle. */
 typedef struct sn_xpbd {
 #define SN_XPBD_MEMBER(type, name, count, kept) type *name;
     SN_XPBD_ARRAYS(SN_XPBD_MEMBER)
 #undef SN_XPBD_MEMBER
-    double volume_lambda;
+    double volume_lambda; /* of the volume row */
 } sn_xpbd;
 
 static inline sn_xpbd *sn_xpbd_of(const sn_muscle_state *s) { return s->memory; }
