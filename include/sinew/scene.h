@@ -50,6 +50,9 @@ typedef struct sn_scene_muscle {
     sn_channel activation;  /* in [0,1] */
     double contraction;     /* a = contraction x activation; in [0,0.99]; default 0.5 */
     double rest_activation; /* a0 = contraction x rest_activation; in [0,1]; default 0 */
+    double tone;            /* no activation is below this; in [0,1]; default 0 */
+    double rest_length;     /* of the fibres, over the one they have in the rest shape: 0.9 = they would be a tenth shorter if nothing held
+                               them (bodies.md 4); in [0.1,1]; default 1 */
     sn_fiber_law law;
     sn_stretch stretch;        /* default springs; membrane under `qn` only, and not with the law `paper` */
     double stiffness_relaxed;  /* N/m, default 5e5: interpolated to active in log scale by activation; 0 = none at all */
@@ -124,6 +127,10 @@ typedef struct sn_scene {
 } sn_scene;
 
 void sn_scene_free(sn_scene *scene);
+/* What a muscle's activation comes to at `time`, and how much its fibres shorten then, as a share of their length: 1 - rest_length (1 -
+ * contraction x activation). */
+double sn_muscle_activation(const sn_scene_muscle *muscle, double time);
+double sn_muscle_contraction(const sn_scene_muscle *muscle, double activation);
 void sn_scene_muscle_defaults(sn_scene_muscle *muscle); /* fills every default of an otherwise zeroed muscle */
 void sn_scene_defaults(sn_scene *scene);
 sn_solver_settings sn_solver_defaults(sn_solver_method method);

@@ -229,11 +229,14 @@ static sn_status parse_muscle_choices(const sn_json_value *value, sn_scene_muscl
 
 static sn_status parse_muscle_numbers(const sn_json_value *value, sn_scene_muscle *out, sn_error *error) {
     sn_json_value contraction = sn_json_member(value, "contraction"), rest = sn_json_member(value, "restActivation"),
+                  tone = sn_json_member(value, "tone"), rest_length = sn_json_member(value, "restLength"),
                   least_area = sn_json_member(value, "leastArea"), density = sn_json_member(value, "density"),
                   damping = sn_json_member(value, "damping"), iterations = sn_json_member(value, "iterations"),
                   stiffness = sn_json_member(value, "stiffness"), ratio = sn_json_member(value, "volumeRatio");
     sn_status status = sn_json_get_number(&contraction, 0.0, 0.99, &out->contraction, error);
     if (status == SN_OK) status = sn_json_get_number(&rest, 0.0, 1.0, &out->rest_activation, error);
+    if (status == SN_OK) status = sn_json_get_number(&tone, 0.0, 1.0, &out->tone, error);
+    if (status == SN_OK) status = sn_json_get_number(&rest_length, 0.1, 1.0, &out->rest_length, error);
     if (status == SN_OK) status = sn_json_get_number(&least_area, 0.0, 0.99, &out->least_area, error);
     if (status == SN_OK) status = sn_json_get_number(&density, SN_JSON_POSITIVE, INFINITY, &out->density, error);
     if (status == SN_OK) status = sn_json_get_number(&damping, 0.0, INFINITY, &out->damping, error);
@@ -266,9 +269,9 @@ static sn_status name_muscle(sn_scene_muscle *out, sn_error *error) {
 }
 
 static sn_status parse_muscle(const sn_json_value *value, const reader *in, sn_scene_muscle *out, sn_error *error) {
-    static const char *const known[] = {"name",      "rig",        "enabled",     "activation", "contraction", "restActivation",
-                                        "law",       "stiffness",  "volumeRatio", "density",    "damping",     "iterations",
-                                        "leastArea", "anisotropy", "mass",        "maps",       "stretch",     NULL};
+    static const char *const known[] = {
+        "name",        "rig",     "enabled", "activation", "contraction", "restActivation", "tone", "restLength", "law",     "stiffness",
+        "volumeRatio", "density", "damping", "iterations", "leastArea",   "anisotropy",     "mass", "maps",       "stretch", NULL};
     sn_json_value name = sn_json_member(value, "name"), rig = sn_json_member(value, "rig"), enabled = sn_json_member(value, "enabled"),
                   activation = sn_json_member(value, "activation");
     sn_scene_muscle_defaults(out);
@@ -397,6 +400,8 @@ static void write_muscle(const sn_scene_muscle *muscle, sn_json *json) {
     sn_activation_write(&muscle->activation, json);
     sn_json_number(json, "contraction", muscle->contraction);
     sn_json_number(json, "restActivation", muscle->rest_activation);
+    sn_json_number(json, "tone", muscle->tone);
+    sn_json_number(json, "restLength", muscle->rest_length);
     sn_json_text(json, "law", sn_fiber_law_names[muscle->law]);
     sn_json_text(json, "stretch", sn_stretch_names[muscle->stretch]);
     write_stiffness(muscle, json);

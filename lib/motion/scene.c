@@ -15,9 +15,19 @@ const char *const sn_precision_names[] = {"double", "single", NULL};
 
 /* ---- defaults --------------------------------------------------------------------------------------------------------- */
 
+double sn_muscle_activation(const sn_scene_muscle *muscle, double time) {
+    return fmax(sn_channel_at(&muscle->activation, time), muscle->tone);
+}
+
+double sn_muscle_contraction(const sn_scene_muscle *muscle, double activation) {
+    double a = muscle->contraction * activation;
+    return muscle->rest_length == 1.0 ? a : 1.0 - muscle->rest_length * (1.0 - a); /* 1 - (1 - a) is not a to the last bit */
+}
+
 void sn_scene_muscle_defaults(sn_scene_muscle *muscle) {
     muscle->contraction = 0.5;
     muscle->rest_activation = 0.0;
+    muscle->rest_length = 1.0;
     muscle->law = SN_LAW_PROJECTED;
     muscle->stiffness_relaxed = 5e5;
     muscle->stiffness_active = 5e7;
@@ -161,6 +171,8 @@ static sn_status check_settings(const sn_scene_muscle *muscle, sn_error *error) 
     } ranges[] = {
         {"contraction", muscle->contraction, 0.0, 0.99},
         {"restActivation", muscle->rest_activation, 0.0, 1.0},
+        {"tone", muscle->tone, 0.0, 1.0},
+        {"restLength", muscle->rest_length, 0.1, 1.0},
         {"stiffness.relaxed", muscle->stiffness_relaxed, 0.0, HUGE_VAL},
         {"stiffness.active", muscle->stiffness_active, 0.0, HUGE_VAL},
         {"stiffness.internal", muscle->stiffness_internal, 0.0, HUGE_VAL},

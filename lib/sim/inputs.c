@@ -4,8 +4,8 @@
 #include "rows.h"
 
 void sn_inputs_update(const sn_model_muscle *m, sn_muscle_state *s, double time) {
-    double activation = sn_channel_at(&m->source->activation, time);
-    s->inputs->contraction = m->contracts ? m->source->contraction * activation : 0.0;
+    double activation = sn_muscle_activation(m->source, time);
+    s->inputs->contraction = m->contracts ? sn_muscle_contraction(m->source, activation) : 0.0;
     if (activation != s->inputs->activation) {
         s->inputs->stiffness = sn_stiffness_at(m, m->contracts ? activation : 0.0);
         s->inputs->volume_goal = m->volume_ratio != NULL && m->contracts ? sn_curve_at(m->volume_ratio, activation) / m->rest_ratio : 1.0;

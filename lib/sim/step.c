@@ -84,7 +84,7 @@ static bool is_still(const run *r, const sn_model_muscle *m, const sn_muscle_sta
 static bool is_woken(const sn_group *g, const sn_group_state *s, double time) {
     for (sn_index i = 0; i < g->count; i++) {
         const sn_model_muscle *m = g->members[i];
-        bool same = sn_channel_at(&m->source->activation, time) == s->members[i]->inputs->activation;
+        bool same = sn_muscle_activation(m->source, time) == s->members[i]->inputs->activation;
         if (!same || sn_kinematics_moved(m, s->members[i])) return true;
     }
     return false;

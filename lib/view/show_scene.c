@@ -36,7 +36,7 @@ static sn_muscle deformed_rig(const sn_muscle *rig, const sn_vec3 *positions) {
 static sn_status show_muscle_at(sn_view *view, const sn_scene_muscle *muscle, double time, const sn_vec3 *positions, unsigned show,
                                 sn_error *error) {
     sn_muscle rig = positions ? deformed_rig(&muscle->rig, positions) : muscle->rig;
-    double activation = fmin(fmax(sn_channel_at(&muscle->activation, time), 0.0), 1.0);
+    double activation = fmin(fmax(sn_muscle_activation(muscle, time), 0.0), 1.0);
     return show_rig(view, &rig, show, activation_color(activation), error);
 }
 

@@ -28,7 +28,8 @@ static const char *const scene_text =
     "   {\"time\": 2, \"matrix\": [0,-1,0,5.1, 1,0,0,6.7, 0,0,1,7.9, 0,0,0,1]}]}]},\n"
     " \"bones\": [{\"name\": \"humerus\", \"mesh\": \"humerus.obj\"},\n"
     "  {\"name\": \"radius\", \"mesh\": \"radius.obj\", \"units\": \"cm\", \"joint\": \"elbow\"}],\n"
-    " \"muscles\": [{\"rig\": \"biceps.muscle.json\", \"activation\": {\"keys\": [[0,0],[1,0.3]]}, \"contraction\": 0.3, \"volumeRatio\": "
+    " \"muscles\": [{\"rig\": \"biceps.muscle.json\", \"activation\": {\"keys\": [[0,0],[1,0.3]]}, \"contraction\": 0.3, \"tone\": 0.05, "
+    "\"restLength\": 0.9, \"volumeRatio\": "
     "1.3},\n"
     "  {\"name\": \"second\", \"rig\": \"biceps.muscle.json\", \"activation\": {\"uri\": \"x.activation.json\"}, \"law\": \"isochoric\",\n"
     "   \"volumeRatio\": [[0,1],[0.5,1.2],[1,1.3]], \"stiffness\": {\"active\": 1e6}},\n"
@@ -79,6 +80,7 @@ static void an_empty_scene_has_every_default(void **state) {
     assert_true(scene.solver.method == SN_SOLVER_QN && scene.solver.substeps == SN_SUBSTEPS_AUTO && scene.solver.iterations == 10);
     assert_int_equal(scene.solver.threads, 0);
     assert_true(m->enabled && m->law == SN_LAW_PROJECTED && m->contraction == 0.5 && m->rest_activation == 0 && m->iterations == 0);
+    assert_true(m->tone == 0 && m->rest_length == 1);
     assert_true(m->stiffness_relaxed == 5e5 && m->stiffness_active == 5e7 && m->stiffness_internal == 1 && m->stiffness_dihedral == 7.5e-5);
     assert_true(m->stiffness_volume == 4000 && m->density == 1060 && m->damping == 5 && m->volume_ratio.count == 0);
     assert_true(m->activation.count == 0 && m->activation.constant == 0);

@@ -152,6 +152,55 @@ static void a_muscle_of_parallel_fibres_takes_the_shape_of_its_law(void **state)
         }
 }
 
+/* Fibres of 0.8 of their length in the rest shape, and no activation: c = rest length, whatever pulls; the volume keeps. bodies.md 4 */
+static void a_passive_muscle_is_as_long_as_its_fibres(void **state) {
+    (void)state;
+    for (int i = 0; i < BACK_END_COUNT; i++) {
+        sn_scene scene;
+        make_parallel(&scene, SN_LAW_ISOCHORIC);
+        use(&scene, &BACK_ENDS[i]);
+        sn_channel_free(&scene.muscles[0].activation);
+        scene.muscles[0].activation = (sn_channel){.constant = 0.0};
+        scene.muscles[0].rest_length = 0.8;
+        simulation s = start(&scene);
+        const sn_model_muscle *m = &s.model->muscles[0];
+        step_frames(&s, 96, NULL);
+        sn_vec3 low = position(&s, 0), high = low, rest_low = m->rest[0], rest_high = rest_low;
+        for (sn_index p = 1; p < m->point_count; p++) {
+            low = sn_min3(low, position(&s, p)), high = sn_max3(high, position(&s, p));
+            rest_low = sn_min3(rest_low, m->rest[p]), rest_high = sn_max3(rest_high, m->rest[p]);
+        }
+        assert_below(fabs((high.z - low.z) / (rest_high.z - rest_low.z) - 0.8), 1e-3);
+        assert_below(fabs((high.x - low.x) / (rest_high.x - rest_low.x) - sqrt(1.0 / 0.8)), 1e-3);
+        assert_below(fabs(statistics(&s)->volume_error), 1e-3);
+        finish(&s);
+    }
+}
+
+/* Below the tone there is no activation; above it the tone is nothing. */
+static void tone_is_a_floor_of_activation(void **state) {
+    (void)state;
+    for (int i = 0; i < BACK_END_COUNT; i++) {
+        sn_scene scenes[2];
+        simulation runs[2];
+        for (int k = 0; k < 2; k++) {
+            make_scene(&scenes[k], &FUSIFORM);
+            use(&scenes[k], &BACK_ENDS[i]);
+            set_keys(&scenes[k].muscles[0].activation, 0.125, k == 0 ? 0.3 : 0.1, 0.25, 0.8);
+        }
+        scenes[1].muscles[0].tone = 0.3;
+        for (int k = 0; k < 2; k++) runs[k] = start(&scenes[k]);
+        step_frames(&runs[0], 3, NULL);
+        step_frames(&runs[1], 3, NULL);
+        assert_memory_equal(runs[0].state->muscles[0].points, runs[1].state->muscles[0].points,
+                            (size_t)runs[0].model->muscles[0].point_count * sizeof(sn_point));
+        assert_true(statistics(&runs[1])->activation == 0.3);
+        step_frames(&runs[1], 4, NULL);
+        assert_true(statistics(&runs[1])->activation == 0.8);
+        for (int k = 0; k < 2; k++) finish(&runs[k]);
+    }
+}
+
 /* V = g(a)/g(a0) V0 ([R18] 4.1). */
 static void a_goal_volume_is_reached(void **state) {
     (void)state;
@@ -362,6 +411,8 @@ int main(void) {
         cmocka_unit_test(momentum_is_conserved),
         cmocka_unit_test(a_scene_turned_and_a_kilometre_away_gives_the_same),
         cmocka_unit_test(a_muscle_of_parallel_fibres_takes_the_shape_of_its_law),
+        cmocka_unit_test(a_passive_muscle_is_as_long_as_its_fibres),
+        cmocka_unit_test(tone_is_a_floor_of_activation),
         cmocka_unit_test(a_goal_volume_is_reached),
         cmocka_unit_test(a_row_gives_way_by_k_h2_w),
         cmocka_unit_test(sleep_moves_nothing_under_qn),
