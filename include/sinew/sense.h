@@ -124,8 +124,8 @@ typedef struct sn_sense_params {
 
 /* Between frames a motion goes along splines of the 5th degree: so the same motion is the same at any rate that can tell it. They are
  * sampled at a multiple of the output's rate which is neither below this, Hz, nor below the clip's; filtered (sn_clip_filter); and
- * differentiated by central differences over five samples, beyond the ends on a cubic through four. A filter that is not below half of the
- * clip's rate has nothing to take, and is left out. */
+ * differentiated by central differences over five samples, beyond the ends on the polynomial through five. A filter that is not below half
+ * of the clip's rate has nothing to take, and is left out. */
 #define SN_SENSE_LEAST_RATE 240.0
 #define SN_SENSE_LEAST_OUTPUT 120.0
 

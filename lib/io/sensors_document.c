@@ -113,6 +113,14 @@ static sn_status parse_place(const sn_json_value *value, sn_side side, sn_sensor
     return status;
 }
 
+/* A joint that turns. */
+static sn_status parse_turning(const sn_json_value *joint, sn_side side, sn_sensor_place *out, sn_error *error) {
+    bool world = false;
+    sn_status status = sn_json_require(joint, "the name of a joint", error);
+    if (status == SN_OK) status = parse_joint(joint, side, &out->joint, &world, error);
+    return status == SN_OK && world ? sn_json_complain(joint, error, "the world has no angles") : status;
+}
+
 static sn_status parse_to(const sn_json_value *to, sn_side side, sn_sensor_place *out, sn_error *error) {
     static const char *const known[] = {"joint", "point", NULL};
     bool world;
@@ -179,9 +187,7 @@ static void warn_of_unknown(const sn_json_value *value, sn_sensor_kind kind) {
 static sn_status parse_measure(const sn_json_value *value, sn_side side, sn_sensor *out, sn_error *error) {
     sn_json_value to = sn_json_member(value, "to"), reference = sn_json_member(value, "relativeTo"), axis = sn_json_member(value, "axis"),
                   joint = sn_json_member(value, "joint"), filter = sn_json_member(value, "filter");
-    sn_status status = parse_place(value, side, &out->place, error);
-    if (status == SN_OK && is_angular(out->kind) && out->place.joint == NULL)
-        status = sn_json_complain(&joint, error, "the world has no angles");
+    sn_status status = is_angular(out->kind) ? parse_turning(&joint, side, &out->place, error) : parse_place(value, side, &out->place, error);
     if (status == SN_OK && out->kind == SN_SENSOR_DISTANCE) status = parse_to(&to, side, &out->other, error);
     if (status == SN_OK) status = parse_joint(&reference, side, &out->reference, &out->world, error);
     if (status == SN_OK && out->kind == SN_SENSOR_POSITION)

@@ -84,10 +84,10 @@ static sn_status sample_joint(sampling *s, sn_index j, sn_clip_joint *out, sn_er
 /* ---- beyond the ends ------------------------------------------------------------------------------------------------------------------
  */
 
-/* The pose before those at near, near + step, ... (count), on a cubic through four of them; no spline of noise goes astray so soon. */
+/* The pose before those at near, near + step, ... (count), on a polynomial through five of them; no spline of noise goes astray so soon. */
 static sn_rigid pose_before(const sn_rigid *near, sn_index step, sn_index count) {
-    static const double weights[4][4] = {{1}, {2, -1}, {3, -3, 1}, {4, -6, 4, -1}};
-    int last = count < 4 ? (int)count - 1 : 3;
+    static const double weights[5][5] = {{1}, {2, -1}, {3, -3, 1}, {4, -6, 4, -1}, {5, -10, 10, -5, 1}};
+    int last = count < 5 ? (int)count - 1 : 4;
     sn_rigid out;
     double *parts = &out.rotation.w;
     for (int part = 0; part < PARTS; part++) {

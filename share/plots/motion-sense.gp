@@ -27,10 +27,10 @@ set autoscale xfix
 set key tmargin left Left reverse samplen 1.2 noenhanced
 set multiplot layout rows,columns title ARG3 noenhanced
 do for [i = 0:panels-1] {
-    plot data index i using 1:2 with lines lw 1.6 lc rgb "#1b6ca8" title columnheader(1), \
-         data index i using 1:3 axes x1y2 with filledcurves y=0 lc rgb "#c1432e" notitle, \
+    plot data index i using 1:3 axes x1y2 with filledcurves y=0 lc rgb "#c1432e" notitle, \
          data index i using 1:3 axes x1y2 with lines lw 1.2 lc rgb "#c1432e" notitle, \
-         data index i using 1:4 with lines dt 2 lw 1.0 lc rgb "#666666" notitle
+         data index i using 1:4 with lines dt 2 lw 1.0 lc rgb "#666666" notitle, \
+         data index i using 1:2 with lines lw 1.6 lc rgb "#1b6ca8" title columnheader(1)
 }
 unset multiplot
 unset output
