@@ -355,59 +355,104 @@ static sn_status save(job *j, sn_error *error) {
 /* More panels than this make no chart that can be read. */
 enum { MOST_PANELS = 24 };
 
-/* The threshold as the panel's axis has it; nothing where the trigger looks at a curve's activation. */
-static void print_threshold(sn_output *output, const sn_sensor *sensor) {
-    if (sensor->has_trigger && sensor->knot_count == 0)
-        sn_output_print(output, "\t%.9g", sensor->trigger.threshold * sn_sensor_scale(sensor->kind));
-    else
-        sn_output_print(output, "\tNaN");
+/* What a panel shows; NULL and NaN: nothing. */
+typedef struct panel {
+    const char *name, *unit;
+    const double *readings, *activations;
+    double scale, threshold;
+} panel;
+
+static panel panel_of_sensor(const job *j, sn_index i) {
+    const sn_sensor *sensor = &j->sensors.sensors[i];
+    double scale = sn_sensor_scale(sensor->kind);
+    bool active = sensor->knot_count > 0 || sensor->has_trigger,
+         by_reading = sensor->has_trigger && sensor->knot_count == 0; /* else the threshold is an activation */
+    return (panel){.name = sensor->name,
+                   .unit = sn_sensor_unit(sensor->kind),
+                   .readings = j->sense.readings[i],
+                   .activations = active ? j->sense.sensed[i] : NULL,
+                   .scale = scale,
+                   .threshold = by_reading ? sensor->trigger.threshold * scale : NAN};
 }
 
-/* Blocks for share/plots/motion-sense.gp: a quoted title, then lines of time, value, activation (else NaN), threshold (else NaN). */
-static void print_sensor_block(sn_output *output, const job *j, sn_index i) {
-    const sn_sensor *sensor = &j->sensors.sensors[i];
-    bool active = sensor->knot_count > 0 || sensor->has_trigger;
+/* A channel that only hands on a sensor, or does what the one before it does, shows nothing new. */
+static bool shows_new(const job *j, sn_index i) {
+    const sn_sense_channel *channel = &j->sensors.channels[i], *before = i > 0 ? channel - 1 : NULL;
+    const double *of_sensor = j->sense.sensed[channel->inputs[0].sensor], *values = j->sense.activations[i];
+    size_t size = (size_t)j->sense.sample_count * sizeof *values;
+    if (channel->input_count == 1 && memcmp(of_sensor, values, size) == 0) return false;
+    return before == NULL || memcmp(j->sense.activations[i - 1], values, size) != 0;
+}
+
+/* Sensors, then channels; at most MOST_PANELS are kept, all are counted. */
+static sn_index choose_panels(const job *j, panel panels[MOST_PANELS]) {
+    sn_index count = 0;
+    for (sn_index i = 0; i < j->sense.sensor_count; i++, count++)
+        if (count < MOST_PANELS) panels[count] = panel_of_sensor(j, i);
+    for (sn_index i = 0; i < j->sense.channel_count; i++) {
+        if (!shows_new(j, i)) continue;
+        if (count < MOST_PANELS)
+            panels[count] =
+                (panel){.name = j->sensors.channels[i].name, .unit = "", .activations = j->sense.activations[i], .threshold = NAN};
+        count++;
+    }
+    return count;
+}
+
+static void print_number_or_none(sn_output *output, bool there, double value) {
+    char text[32] = "NaN";
+    if (there) sn_format_number(value, text);
+    print_field(output, text);
+}
+
+/* A block for share/plots/motion-sense.gp: a quoted title, then lines of time, reading, activation and threshold. */
+static void print_panel(sn_output *output, const job *j, const panel *p) {
     char words[160];
-    snprintf(words, sizeof words, "%.100s, %s", sensor->name, sn_sensor_unit(sensor->kind));
+    snprintf(words, sizeof words, "%.100s%s%s", p->name, p->unit[0] != '\0' ? ", " : "", p->unit);
     for (char *c = words; *c != '\0'; c++)
         if (*c == '"' || *c == '\\' || (unsigned char)*c < ' ') *c = '_';
     sn_output_print(output, "\"%s\"\n", words);
     for (sn_index k = 0; k < output_count(&j->sense); k++) {
         size_t at = (size_t)k * (size_t)j->sense.stride;
-        sn_output_print(output, "%.9g\t%.9g", j->sense.begin + k / j->sense.rate, j->sense.readings[i][at] * sn_sensor_scale(sensor->kind));
-        if (active)
-            sn_output_print(output, "\t%.6g", j->sense.sensed[i][at]);
-        else
-            sn_output_print(output, "\tNaN");
-        print_threshold(output, sensor);
+        sn_output_print(output, "%.9g", j->sense.begin + k / j->sense.rate);
+        print_number_or_none(output, p->readings != NULL, p->readings != NULL ? p->readings[at] * p->scale : 0.0);
+        print_number_or_none(output, p->activations != NULL, p->activations != NULL ? p->activations[at] : 0.0);
+        print_number_or_none(output, isfinite(p->threshold), p->threshold);
         sn_output_print(output, "\n");
     }
     sn_output_print(output, "\n\n");
 }
 
-static sn_status write_chart_data(const job *j, const char *path, sn_index panels, sn_error *error) {
+static sn_status write_chart_data(const job *j, const panel *panels, sn_index count, const char *path, sn_error *error) {
     sn_output *output;
     sn_status status = sn_output_open(path, true, &output, error);
     if (status != SN_OK) return status;
-    for (sn_index i = 0; i < panels; i++) print_sensor_block(output, j, i);
+    for (sn_index i = 0; i < count; i++) print_panel(output, j, &panels[i]);
     return sn_output_commit(output, error);
 }
 
-static sn_status draw_chart(job *j, sn_error *error) {
-    char path[64], count[16];
-    sn_index panels = j->sense.sensor_count < MOST_PANELS ? j->sense.sensor_count : MOST_PANELS;
+/* gnuplot, a child, reads the data by the number of a file that has no name. */
+static sn_status draw_panels(job *j, const panel *panels, sn_index count, sn_error *error) {
+    char path[64], number[16], sensors[16];
     const char *head = title != NULL ? title : j->sensors.name != NULL ? j->sensors.name : "";
-    if (chart_file == NULL || panels == 0) return SN_OK;
-    if (panels < j->sense.sensor_count)
-        cli_warn(&j->c, "the chart shows the first %d of %d sensors", (int)panels, (int)j->sense.sensor_count);
-    int data = memfd_create("motion-sense", 0); /* gnuplot, a child, reads it by its number */
+    int data = memfd_create("motion-sense", 0);
     if (data < 0) return sn_fail(error, SN_ERROR_IO, "no room for the data of a chart");
     snprintf(path, sizeof path, "/proc/self/fd/%d", data);
-    snprintf(count, sizeof count, "%d", (int)panels);
-    sn_status status = write_chart_data(j, path, panels, error);
-    if (status == SN_OK) chart_draw(&j->c, "motion-sense.gp", (const char *const[]){path, chart_file, head, count, NULL});
+    snprintf(number, sizeof number, "%d", (int)count);
+    snprintf(sensors, sizeof sensors, "%d", (int)j->sense.sensor_count);
+    sn_status status = write_chart_data(j, panels, count, path, error);
+    if (status == SN_OK) chart_draw(&j->c, "motion-sense.gp", (const char *const[]){path, chart_file, head, number, sensors, NULL});
     close(data);
     return status;
+}
+
+static sn_status draw_chart(job *j, sn_error *error) {
+    panel panels[MOST_PANELS];
+    if (chart_file == NULL || j->sense.sensor_count == 0) return SN_OK;
+    sn_index count = choose_panels(j, panels);
+    if (count > MOST_PANELS)
+        cli_warn(&j->c, "the chart shows the first %d of %d sensors and channels; --readings has all sensors", MOST_PANELS, (int)count);
+    return draw_panels(j, panels, count < MOST_PANELS ? count : MOST_PANELS, error);
 }
 
 /* ---- work --------------------------------------------------------------------------------------------------------------------------- */
@@ -420,8 +465,7 @@ static sn_status measure(job *j, sn_error *error) {
     sn_status status = look_for_jumps(j, error);
     if (status != SN_OK) return status;
     warn_of_filters(j);
-    status = sn_sense_run(&j->sensors, &j->clip, &params, &j->sense, error);
-    return status;
+    return sn_sense_run(&j->sensors, &j->clip, &params, &j->sense, error);
 }
 
 static sn_status sense_motion(job *j, sn_error *error) {
