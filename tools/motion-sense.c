@@ -488,6 +488,8 @@ static sn_status sense_motion(job *j, sn_error *error) {
 
 static void check_usage(const cli *c) {
     if (sensors_file == NULL && !list) cli_usage_error(c, "--sensors FILE is missing");
+    if (readings_file != NULL && strcmp(readings_file, "-") == 0 && strcmp(c->output, "-") == 0)
+        cli_usage_error(c, "--readings and --output cannot both go to the standard output");
     if (chart_file != NULL && !ends_with(chart_file, ".svg") && !ends_with(chart_file, ".png"))
         cli_usage_error(c, "--chart: the name of a chart ends in .svg or .png, not as '%s'", chart_file);
 }

@@ -103,7 +103,7 @@ static sn_status parse_joint(const sn_json_value *value, sn_side side, char **ou
 
 static sn_status parse_place(const sn_json_value *value, sn_side side, sn_sensor_place *out, sn_error *error) {
     sn_json_value joint = sn_json_member(value, "joint"), point = sn_json_member(value, "point");
-    bool world;
+    bool world = false;
     sn_status status = sn_json_require(&joint, "the name of a joint, or \"world\"", error);
     if (status == SN_OK) status = parse_joint(&joint, side, &out->joint, &world, error);
     if (status == SN_OK) status = parse_point(&point, side, out, error);
@@ -123,7 +123,7 @@ static sn_status parse_turning(const sn_json_value *joint, sn_side side, sn_sens
 
 static sn_status parse_to(const sn_json_value *to, sn_side side, sn_sensor_place *out, sn_error *error) {
     static const char *const known[] = {"joint", "point", NULL};
-    bool world;
+    bool world = false;
     sn_status status = sn_json_require(to, "where the distance goes to: a joint's name, or {\"joint\", \"point\"}", error);
     if (status != SN_OK) return status;
     if (!sn_json_is_text(to)) {
@@ -187,7 +187,8 @@ static void warn_of_unknown(const sn_json_value *value, sn_sensor_kind kind) {
 static sn_status parse_measure(const sn_json_value *value, sn_side side, sn_sensor *out, sn_error *error) {
     sn_json_value to = sn_json_member(value, "to"), reference = sn_json_member(value, "relativeTo"), axis = sn_json_member(value, "axis"),
                   joint = sn_json_member(value, "joint"), filter = sn_json_member(value, "filter");
-    sn_status status = is_angular(out->kind) ? parse_turning(&joint, side, &out->place, error) : parse_place(value, side, &out->place, error);
+    sn_status status =
+        is_angular(out->kind) ? parse_turning(&joint, side, &out->place, error) : parse_place(value, side, &out->place, error);
     if (status == SN_OK && out->kind == SN_SENSOR_DISTANCE) status = parse_to(&to, side, &out->other, error);
     if (status == SN_OK) status = parse_joint(&reference, side, &out->reference, &out->world, error);
     if (status == SN_OK && out->kind == SN_SENSOR_POSITION)
@@ -237,7 +238,7 @@ static const char *sensor_name(const void *data, sn_index i) { return ((const sn
 static const char *channel_name(const void *data, sn_index i) { return ((const sn_sensors *)data)->channels[i].name; }
 
 static sn_status parse_sensors(reader *r, const sn_json_value *list, sn_error *error) {
-    sn_index count;
+    sn_index count = 0;
     sn_status status = sn_json_require(list, "a list of sensors", error);
     if (status == SN_OK) status = sn_json_expect_list(list, SN_LIST_LIMIT, &count, error);
     if (status == SN_OK && count == 0) status = sn_json_complain(list, error, "there is no sensor");
@@ -463,8 +464,11 @@ static sn_status parse_head(reader *r, const sn_json_value *top, sn_error *error
     static const char *const known[] = {"format", "version", "name",    "description", "filter",
                                         "sides",  "muscles", "sensors", "channels",    NULL};
     sn_json_value name = sn_json_member(top, "name"), filter = sn_json_member(top, "filter"), sides = sn_json_member(top, "sides"),
-                  muscles = sn_json_member(top, "muscles");
+                  muscles = sn_json_member(top, "muscles"), unit = sn_json_member(top, "metersPerUnit");
+    double meters = 1.0;
     sn_status status = sn_json_expect_format(top, "sinew-sensors", 1, error);
+    if (status == SN_OK) status = sn_json_get_number(&unit, SN_JSON_POSITIVE, INFINITY, &meters, error);
+    if (status == SN_OK && meters != 1.0) status = sn_json_complain(&unit, error, "sensors measure in metres, whatever a scene's unit");
     if (status == SN_OK) sn_json_warn_unknown(top, known);
     if (status == SN_OK) status = sn_json_get_text(&name, &r->out->name, error);
     if (status == SN_OK) status = sn_json_get_number(&filter, 0.0, 1e5, &r->out->cutoff, error);

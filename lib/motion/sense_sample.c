@@ -7,6 +7,10 @@
 
 enum { PARTS = sizeof(sn_rigid) / sizeof(double) };
 
+/* The numbers that a pose is made of. */
+static double part_of(const sn_rigid *pose, int part) { return ((const double *)pose)[part]; }
+static void set_part(sn_rigid *pose, int part, double value) { ((double *)pose)[part] = value; }
+
 /* How the samples come from coefficients: the same for every joint. */
 typedef struct sampling {
     const sn_clip *clip;
@@ -55,15 +59,15 @@ static void take_local(const sn_clip *clip, sn_index j, sn_rigid *local) {
     }
 }
 
-/* One of the numbers that a pose is made of. */
+/* One of a pose's numbers. */
 static void sample_part(sampling *s, int part, sn_rigid *out) {
-    for (sn_index f = 0; f < s->clip->frame_count; f++) s->values[f] = (&s->local[f].rotation.w)[part];
+    for (sn_index f = 0; f < s->clip->frame_count; f++) s->values[f] = part_of(&s->local[f], part);
     sn_spline_solve(&s->spline, s->values);
     for (sn_index k = 0; k < s->count; k++) {
         const double *weights = s->weights + (size_t)k * SN_SPLINE_MOST;
         double sum = 0.0;
         for (int i = 0; i <= s->spline.degree; i++) sum += weights[i] * s->values[s->first[k] + i];
-        (&out[k].rotation.w)[part] = sum;
+        set_part(&out[k], part, sum);
     }
 }
 
@@ -88,11 +92,11 @@ static sn_status sample_joint(sampling *s, sn_index j, sn_clip_joint *out, sn_er
 static sn_rigid pose_before(const sn_rigid *near, sn_index step, sn_index count) {
     static const double weights[5][5] = {{1}, {2, -1}, {3, -3, 1}, {4, -6, 4, -1}, {5, -10, 10, -5, 1}};
     int last = count < 5 ? (int)count - 1 : 4;
-    sn_rigid out;
-    double *parts = &out.rotation.w;
+    sn_rigid out = sn_rigid_identity();
     for (int part = 0; part < PARTS; part++) {
-        parts[part] = 0.0;
-        for (int i = 0; i <= last; i++) parts[part] += weights[last][i] * (&near[i * step].rotation.w)[part];
+        double sum = 0.0;
+        for (int i = 0; i <= last; i++) sum += weights[last][i] * part_of(&near[i * step], part);
+        set_part(&out, part, sum);
     }
     out.rotation = sn_quat_normalize(out.rotation);
     return out;

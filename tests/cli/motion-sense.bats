@@ -179,6 +179,7 @@ END
     run -2 "$BIN/motion-sense" elbow.bvh
     [[ "$output" == "motion-sense: --sensors FILE is missing; see motion-sense --help" ]]
     run -2 "$BIN/motion-sense" --sensors elbow.sensors.json --chart a.pdf elbow.bvh
+    run -2 "$BIN/motion-sense" --sensors elbow.sensors.json --readings - elbow.bvh
     run -1 "$BIN/motion-sense" --sensors nowhere.json elbow.bvh
     [[ "$output" == *nowhere.json* ]]
 }
@@ -295,4 +296,29 @@ sense_gait() {
     sense_gait walk.motion.json walk.report.json
     # the heel comes first: the ball of the foot has slowed down before it is within 10 mm of its lowest
     "$BATS_TEST_DIRNAME/../foot-strikes.py" walk.motion.json walk.report.json 8
+}
+
+@test "run and walk, smoothed to 6 Hz, activate alike at 24, 60 and 240 Hz" {
+    [ -d "$captures" ] || skip "mocap-cmu is not there"
+    printf 'soleus_left\nsoleus_right\n' > calves.txt
+    for motion in 02_03 02_01; do
+        for rate in 24 60 120 240; do
+            "$BIN/motion-import" -q "$captures/$motion.amc" --skeleton "$captures/02.asf" --filter 6 --rate $rate |
+                "$BIN/motion-sense" -q --sensors "$share/examples/sensors/gait.sensors.json" --muscles calves.txt --rate 120 \
+                    --readings $rate.tsv -o activation.json
+        done
+        /usr/bin/python3 - << 'END'
+tables = {rate: [line.rstrip("\n").split("\t") for line in open(f"{rate}.tsv")] for rate in (24, 60, 120, 240)}
+columns = [i for i, name in enumerate(tables[120][0]) if name.endswith(".activation")]
+assert len(columns) == 8
+count = min(len(t) for t in tables.values())
+for column in columns:
+    values = {rate: [float(row[column]) for row in table[1:count]] for rate, table in tables.items()}
+    span = max(values[120]) - min(values[120])
+    assert span > 0.3, (column, span)
+    for rate in (24, 60, 240): # but for two frames of 24 Hz at each end, where nothing lies beyond
+        worst = max(abs(a - b) for a, b in list(zip(values[rate], values[120]))[10:-10]) / span
+        assert worst < 0.01, (tables[120][0][column], rate, worst)
+END
+    done
 }
