@@ -49,6 +49,9 @@ static sn_status load_motion(job *j, sn_error *error) {
     sn_status status = sn_blob_read(j->c.inputs.items[0], &j->motion, error);
     if (status != SN_OK) return status;
     sn_hash(j->motion.data, j->motion.size, j->c.input_hash);
+    const char *format = sn_clip_detect(&j->motion);
+    if (format != NULL && strcmp(format, "motion document") != 0 && strcmp(format, "BVH") != 0)
+        return sn_fail_at(error, SN_ERROR_INPUT, j->motion.name, 0, "is %s; make a motion document of it with motion-import", format);
     return sn_clip_parse(&j->motion, NULL, &(sn_clip_options){0}, &j->clip, error);
 }
 

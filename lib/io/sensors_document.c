@@ -8,7 +8,7 @@
 #include <string.h>
 
 /* More than any body has; what is told once may stand for many. */
-enum { MOST_SENSORS = 4096, MOST_CHANNELS = 1 << 14, MOST_INPUTS = 1 << 18, MOST_COMPARISONS = 1 << 22 };
+enum { MOST_SENSORS = 4096, MOST_MUSCLES = 4096, MOST_CHANNELS = 1 << 14, MOST_INPUTS = 1 << 18, MOST_COMPARISONS = 1 << 22 };
 
 typedef struct reader {
     sn_sides sides;
@@ -430,16 +430,32 @@ static sn_status parse_channels(reader *r, const sn_json_value *top, sn_error *e
 
 /* ---- the document ------------------------------------------------------------------------------------------------------------------ */
 
-static sn_status parse_muscle_list(const sn_json_value *list, sn_muscle_names *out, sn_error *error) {
-    sn_index count;
+/* A muscle's name; with a word in braces that of each side. */
+static sn_status parse_muscle(const sn_json_value *value, const sn_sides *sides, sn_muscle_names *out, size_t *capacity, sn_error *error) {
+    char *text = NULL;
+    sn_status status = sn_json_require(value, "the name of a muscle", error);
+    if (status == SN_OK) status = sn_json_get_text(value, &text, error);
+    if (status != SN_OK) return status;
+    bool sided = sn_text_has_side(text) && sides->count > 0;
+    free(text);
+    for (sn_index k = 0; k < (sided ? sides->count : 1) && status == SN_OK; k++) {
+        if (out->count >= MOST_MUSCLES)
+            return sn_json_complain(value, error, "there are more than %d muscles, all sides counted", MOST_MUSCLES);
+        if (!sn_grow((void **)&out->names, capacity, (size_t)out->count + 1, sizeof *out->names)) return sn_fail_memory(error, "names");
+        out->names[out->count++] = NULL;
+        status = sn_side_text(value, (sn_side){sides, sided ? k : SN_NONE}, &out->names[out->count - 1], error);
+    }
+    return status;
+}
+
+static sn_status parse_muscle_list(const sn_json_value *list, const sn_sides *sides, sn_muscle_names *out, sn_error *error) {
+    sn_index count = 0;
+    size_t capacity = 0;
     if (!sn_json_has(list)) return SN_OK;
     sn_status status = sn_json_expect_list(list, SN_LIST_LIMIT, &count, error);
-    if (status == SN_OK && (out->names = SN_NEW(char *, count)) == NULL) status = sn_fail_memory(error, "names");
     for (sn_index i = 0; status == SN_OK && i < count; i++) {
         sn_json_value name = sn_json_element(list, i);
-        out->count = i + 1;
-        status = sn_json_require(&name, "the name of a muscle", error);
-        if (status == SN_OK) status = sn_side_text(&name, (sn_side){NULL, SN_NONE}, &out->names[i], error);
+        status = parse_muscle(&name, sides, out, &capacity, error);
     }
     return status;
 }
@@ -473,7 +489,7 @@ static sn_status parse_head(reader *r, const sn_json_value *top, sn_error *error
     if (status == SN_OK) status = sn_json_get_text(&name, &r->out->name, error);
     if (status == SN_OK) status = sn_json_get_number(&filter, 0.0, 1e5, &r->out->cutoff, error);
     if (status == SN_OK) status = sn_sides_parse(&sides, &r->sides, error);
-    if (status == SN_OK) status = parse_muscle_list(&muscles, &r->muscles, error);
+    if (status == SN_OK) status = parse_muscle_list(&muscles, &r->sides, &r->muscles, error);
     if (status == SN_OK && r->known == NULL && r->muscles.count > 0) r->known = &r->muscles;
     if (status == SN_OK && r->known != NULL && (r->fed = SN_NEW(bool, r->known->count)) == NULL) status = sn_fail_memory(error, "names");
     return status;

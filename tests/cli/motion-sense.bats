@@ -176,6 +176,9 @@ END
     refused "has two channels" 's/]}$/], "channels": [{"muscles": ["m", "m"], "sensors": "biceps"}]}/'
     refused "no muscles that it could match" 's/]}$/], "channels": [{"muscles": "m*", "sensors": "biceps"}]}/'
     refused "not greater than" 's/\[90, 0.9\]/[-90, 0.9]/'
+    printf ':FULLY-SPECIFIED\n:DEGREES\n1\nroot 0 0 0\n' > a.amc
+    run -1 "$BIN/motion-sense" --sensors elbow.sensors.json a.amc
+    [[ "$output" == "motion-sense: a.amc: is AMC; make a motion document of it with motion-import" ]]
     run -2 "$BIN/motion-sense" elbow.bvh
     [[ "$output" == "motion-sense: --sensors FILE is missing; see motion-sense --help" ]]
     run -2 "$BIN/motion-sense" --sensors elbow.sensors.json --chart a.pdf elbow.bvh

@@ -616,7 +616,7 @@ static void patterns_match_as_a_shell_does(void **state) {
 static const char body[] =
     "{\"format\": \"sinew-sensors\", \"version\": 1, \"name\": \"body\", \"filter\": 6, \"sides\": {\"side\": [\"l\", \"r\"], \"Side\": "
     "[\"left\", \"right\"]},\n"
-    "\"muscles\": [\"vastus_med_l\", \"vastus_lat_l\", \"vastus_med_r\", \"soleus_l\", \"soleus_r\", \"deltoid_l\"],\n"
+    "\"muscles\": [\"vastus_med_l\", \"vastus_lat_l\", \"vastus_med_r\", \"soleus_{side}\", \"deltoid_l\"],\n"
     "\"sensors\": [\n"
     "{\"name\": \"knee_{side}\", \"type\": \"angle\", \"joint\": \"{Side}Tibia\", \"relativeTo\": \"{Side}Femur\", \"axis\": \"-x\", "
     "\"curve\": [[0, 0], [90, 1]]},\n"
@@ -746,7 +746,7 @@ static void what_is_wrong_is_said_with_its_place(void **state) {
     assert_wrong("\"threshold\": 0.4, ", "", "what the reading must pass");
     assert_wrong("[0, 3, 4]", "[0, 0, 0]", "no length");
     assert_wrong("\"joint\": \"root\"", "\"joint\": \"world\"", "the world has no angles");
-    assert_wrong("\"muscles\": [\"vastus_med_l\", \"vastus_lat_l\", \"vastus_med_r\", \"soleus_l\", \"soleus_r\", \"deltoid_l\"],", "",
+    assert_wrong("\"muscles\": [\"vastus_med_l\", \"vastus_lat_l\", \"vastus_med_r\", \"soleus_{side}\", \"deltoid_l\"],", "",
                  "no muscles that it could match");
     assert_wrong("\"sensors\": \"strike_{side}\"", "\"combine\": \"mean\", \"sensors\": [{\"sensor\": \"turn\", \"weight\": 0}]",
                  "above 0");
