@@ -12,6 +12,7 @@
 #include "sinew/muscle.h"
 #include "sinew/rig.h"
 #include "sinew/scene.h"
+#include "sinew/sense.h"
 
 /* ---- bytes (lib/io/stream.c) ---------------------------------------------------------------------------------------- */
 
@@ -276,6 +277,25 @@ SN_MUST_CHECK sn_status sn_table_create(const char *path, const sn_table_params 
 SN_MUST_CHECK sn_status sn_table_append(sn_table *table, const double *row, sn_error *error); /* row (columns) */
 SN_MUST_CHECK sn_status sn_table_commit(sn_table *table, sn_error *error);                    /* frees table */
 void sn_table_abort(sn_table *table);                                                         /* frees table; NULL is fine */
+
+/* ---- sensors and the activations that they give ------------------------------------------------------------------------------------- */
+
+typedef struct sn_muscle_names {
+    sn_index count;
+    char **names; /* (count) owned */
+} sn_muscle_names;
+/* The muscles' names of a scene document, or one a line (# begins a comment); at least one. */
+SN_MUST_CHECK sn_status sn_muscle_names_parse(const sn_blob *blob, sn_muscle_names *out, sn_error *error);
+void sn_muscle_names_free(sn_muscle_names *list); /* leaves all zeros */
+
+/* A sensors document (lib/io/sensors_document.c; share/schema/sensors.schema.json), sides and patterns written out: patterns match
+ * `muscles`, else (NULL) the document's own list. Warnings in the log: sensors that no channel takes, muscles without a channel, names and
+ * patterns that are no muscle's. */
+SN_MUST_CHECK sn_status sn_sensors_parse(const sn_blob *blob, const sn_muscle_names *muscles, sn_sensors *out, sn_error *error);
+/* An activation document (lib/io/activation_document.c; share/schema/activation.schema.json): a scene takes a channel of it by {"uri",
+ * "channel"}. entry is nullable. */
+SN_MUST_CHECK sn_status sn_activation_document_write(const sn_sensors *sensors, const sn_sense *sense, const sn_history_entry *entry,
+                                                     sn_output *output, sn_error *error);
 
 /* A fibre template (lib/io/fill_document.c): {"format": "sinew-fiber-template", "version": 1, "curves": [{"points": [x,y,z, ...]}, ...]},
  * the control points of Bezier curves; they become out->polylines. */

@@ -32,6 +32,7 @@ typedef struct sn_clip {
     char *name;         /* owned, nullable */
     const char *format; /* of the source, for messages: "BVH"; not owned */
     double rate;        /* frames a second */
+    double begin;       /* seconds: when frame 0 was in the motion that this was sampled from (sn_clip_from_motion); else 0 */
     bool rate_assumed;  /* the source says none */
     sn_index frame_count, joint_count;
     sn_clip_joint *joints; /* (joint_count) parents before children; owned */

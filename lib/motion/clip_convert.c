@@ -124,6 +124,7 @@ sn_status sn_clip_from_motion(const sn_motion *motion, double rate, sn_clip *out
     if (!(frames < SN_INDEX_MAX / 2)) return sn_fail(error, SN_ERROR_INPUT, "the motion is too long to sample at %g Hz", rate);
     sn_status status = sn_clip_create((sn_index)frames, motion->joint_count, motion->coordinate_count, out, error);
     out->rate = rate;
+    out->begin = begin;
     for (sn_index j = 0; j < motion->joint_count && status == SN_OK; j++) status = fill_joint(&motion->joints[j], &out->joints[j], error);
     for (sn_index c = 0; c < motion->coordinate_count && status == SN_OK; c++)
         status = fill_coordinate(&motion->coordinates[c], begin, out, &out->coordinates[c], error);

@@ -18,7 +18,7 @@ PROGRAM_STAMPS := $(patsubst tests/%.c,$(STAMPS)/program-%,$(sort $(wildcard tes
 SHORT_STAMPS := $(STAMPS)/layering $(STAMPS)/circles $(STAMPS)/parameters $(UNIT_STAMPS) $(CLI_STAMPS)
 ALL_STAMPS := $(SHORT_STAMPS) $(PROGRAM_STAMPS) $(STAMPS)/examples $(STAMPS)/anatomy $(STAMPS)/install
 ASSETS := $(wildcard share/make/sinew.mk share/make/assets share/make/*.awk)
-EVERYTHING := $(ASSETS) $(wildcard share/plots/* share/examples/assets/* share/examples/papers/* share/completions/*) $(BUILT_TOOLS) $(BUILT_LIBEXEC) $(EXAMPLES) $(wildcard share/schema/*.json) tests/suite
+EVERYTHING := $(ASSETS) $(wildcard share/plots/* share/examples/assets/* share/examples/papers/* share/examples/sensors/* share/completions/*) $(BUILT_TOOLS) $(BUILT_LIBEXEC) $(EXAMPLES) $(wildcard share/schema/*.json) tests/suite
 
 # the first make may install the compiler's libraries: build in a second one
 check: deps
@@ -48,7 +48,7 @@ $(PROGRAM_STAMPS): $(STAMPS)/program-%: $(B)/tests/%
 $(CLI_STAMPS): $(STAMPS)/cli-%: tests/cli/%.bats $(EVERYTHING)
 	@BIN=$(CURDIR)/$(B)/bin EXAMPLES=$(CURDIR)/$(B)/examples DATA=$(abspath $(DATA)) CONFIG=$(CONFIG) tests/suite $@ cli/$* bats --tap $<
 $(STAMPS)/cli-papers: tests/kohout-table $(B)/tests/numerics/hinge_rules
-$(STAMPS)/examples: tests/run-man-examples tests/sample-folder README.md $(wildcard share/man/*.[17]) $(EVERYTHING)
+$(STAMPS)/examples: tests/run-man-examples tests/sample-folder README.md $(wildcard share/man/*.[157]) $(EVERYTHING)
 	@tests/suite $@ examples tests/run-man-examples $(B)/bin $(B)/examples
 $(STAMPS)/anatomy: tests/anatomy $(EVERYTHING)
 	@tests/suite $@ anatomy tests/anatomy $(B)/bin $(DATA) $(B)/anatomy
@@ -149,16 +149,17 @@ endef
 export PKG_CONFIG
 
 D = $(DESTDIR)$(PREFIX)
-EXAMPLE_FOLDERS := arm assets papers tip
+EXAMPLE_FOLDERS := arm assets papers sensors tip
 COMPLETION_FOLDERS := bash-completion/completions zsh/site-functions fish/vendor_completions.d
 install: programs examples completions
-	install -d $D/bin $D/libexec/sinew $D/lib/pkgconfig $D/include/sinew $D/share/man/man1 $D/share/man/man7 $(COMPLETION_FOLDERS:%=$D/share/%)
+	install -d $D/bin $D/libexec/sinew $D/lib/pkgconfig $D/include/sinew $D/share/man/man1 $D/share/man/man5 $D/share/man/man7 $(COMPLETION_FOLDERS:%=$D/share/%)
 	install -d $(addprefix $D/share/sinew/,schema make plots $(EXAMPLE_FOLDERS:%=examples/%))
 	install -m 755 $(BUILT_TOOLS) $D/bin
 	install -m 755 $(BUILT_LIBEXEC) $(EXAMPLES) $D/libexec/sinew
 	install -m 644 $(B)/libsinew.a $D/lib
 	install -m 644 $(wildcard include/sinew/*.h) $D/include/sinew
 	install -m 644 $(wildcard share/man/*.1) $D/share/man/man1
+	install -m 644 $(wildcard share/man/*.5) $D/share/man/man5
 	install -m 644 $(wildcard share/man/*.7) $D/share/man/man7
 	install -m 644 $(wildcard share/schema/*.json) $D/share/sinew/schema
 	install -m 644 $(ASSETS) $D/share/sinew/make
@@ -173,6 +174,7 @@ install: programs examples completions
 uninstall:
 	rm -f $(BUILT_TOOLS:$(B)/bin/%=$D/bin/%) $D/lib/libsinew.a $D/lib/pkgconfig/sinew.pc
 	rm -rf $D/libexec/sinew $D/include/sinew $D/share/sinew
-	rm -f $(patsubst share/man/%,$D/share/man/man1/%,$(wildcard share/man/*.1)) $(patsubst share/man/%,$D/share/man/man7/%,$(wildcard share/man/*.7))
+	rm -f $(patsubst share/man/%,$D/share/man/man1/%,$(wildcard share/man/*.1)) $(patsubst share/man/%,$D/share/man/man5/%,$(wildcard share/man/*.5)) \
+	    $(patsubst share/man/%,$D/share/man/man7/%,$(wildcard share/man/*.7))
 	rm -f $(foreach t,$(notdir $(BUILT_TOOLS)),$D/share/bash-completion/completions/$t $D/share/zsh/site-functions/_$t \
 	    $D/share/fish/vendor_completions.d/$t.fish)

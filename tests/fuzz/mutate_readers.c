@@ -26,7 +26,7 @@
 enum { SECONDS_UNTIL_HANGING = 30 };
 enum { SEED_LIMIT = 64, GROWTH = 4096 };
 
-typedef enum kind { MESH, MUSCLE, SCENE, CACHE, REPORT, SETTINGS, MOTION, SKELETON, MODEL, STORAGE } kind;
+typedef enum kind { MESH, MUSCLE, SCENE, CACHE, REPORT, SETTINGS, MOTION, SKELETON, MODEL, STORAGE, SENSORS, NAMES } kind;
 
 typedef struct bytes {
     char *data;
@@ -113,6 +113,20 @@ static const char bones_asf[] =
 static const char wave_amc[] =
     "#!OML:ASF x\n:FULLY-SPECIFIED\n:DEGREES\n1\nroot 1 2 3 4 5 6\narm 10 1\nhand 20\n2\nroot 1 2 3 4 5 6\narm 11 1\n"
     "hand 21\nnail\n3\nroot 1 2 3 4 5 7\narm 190 1\nhand 2.2e1\n";
+static const char sensors_json[] =
+    "{\"format\":\"sinew-sensors\",\"version\":1,\"name\":\"s\",\"filter\":6,\"sides\":{\"side\":[\"a\",\"b\"],\"Side\":[\"x\",\"y\"]},"
+    "\"muscles\":[\"m1_x\",\"m2_x\",\"m_y\"],\n"
+    "\"sensors\":[{\"name\":\"angle_{side}\",\"type\":\"angle\",\"joint\":\"{side}\",\"axis\":\"-x\",\"curve\":[[0,0],[9.5,0.5],[90,1]]},\n"
+    "{\"name\":\"fast\",\"type\":\"velocity\",\"joint\":\"b\",\"point\":\"a\",\"relativeTo\":\"world\",\"axis\":[0,3,4],\"filter\":10,"
+    "\"trigger\":{\"threshold\":0.4,\"hysteresis\":0.1,\"when\":\"below\",\"attack\":0.02,\"hold\":0.1,\"decay\":0.2,\"level\":0.7}},\n"
+    "{\"name\":\"far_{side}\",\"type\":\"distance\",\"joint\":\"{side}\",\"point\":{\"a\":[1,2,3],\"b\":\"a\"},\"to\":{\"joint\":\"world\","
+    "\"point\":[0,0,1]},\"curve\":{\"a\":[[0,0],[1,1]],\"b\":[[0,1],[2,0]]}},\n"
+    "{\"name\":\"turn\",\"type\":\"angularAcceleration\",\"joint\":\"b\"}],\n"
+    "\"channels\":[{\"muscles\":\"m*_{Side}\",\"sensors\":[\"angle_{side}\",{\"sensor\":\"fast\",\"weight\":0.5}],\"combine\":\"sum\","
+    "\"floor\":"
+    "0.1},{\"muscles\":[\"other\",\"more\"],\"sensors\":\"far_a\",\"trigger\":{\"threshold\":0.5,\"decay\":0.1}}]}\n";
+static const char muscles_text[] = "# muscles\nbiceps brachii\n\n triceps \r\ndeltoid";
+
 static const char motion_json[] =
     "{\"format\":\"sinew-motion\",\"version\":1,\"name\":\"m\",\"metersPerUnit\":0.01,\"rate\":25,\"joints\":[{\"name\":\"a\",\"type\":"
     "\"pose\",\"rest\":[1,2,3],\"restRotation\":[1,0,0,0],\"end\":[1,2,9],\"keys\":[{\"frame\":0,\"rotation\":[1,0,0,0]},{\"frame\":4,"
@@ -265,6 +279,8 @@ static void make_seeds(void) {
     add_text(MOTION, "wave.amc", wave_amc);
     add_text(SKELETON, "bones.asf", bones_asf);
     add_text(MOTION, "wave.motion.json", motion_json);
+    add_text(SENSORS, "body.sensors.json", sensors_json);
+    add_text(NAMES, "muscles.names", muscles_text);
     add_text(MODEL, "joints.osim", joints_osim);
     add_text(MODEL, "old.osim", old_osim);
     add_text(MODEL, "dog.mjcf", dog_mjcf);
@@ -275,8 +291,8 @@ static void make_seeds(void) {
 
 /* Each good file in a folder of its format. */
 static void write_seeds(const char *target) {
-    static const char *const formats[] = {"obj", "ply", "stl", "off", "vtk",    "vtp",  "muscle", "scene",
-                                          "pc2", "bvh", "amc", "asf", "motion", "osim", "mjcf",   "mot"};
+    static const char *const formats[] = {"obj", "ply", "stl", "off",    "vtk",  "vtp",  "muscle", "scene",  "pc2",
+                                          "bvh", "amc", "asf", "motion", "osim", "mjcf", "mot",    "sensors"};
     mkdir(target, 0777);
     for (size_t k = 0; k < sizeof formats / sizeof *formats; k++) {
         char path[1024], part[16];
@@ -640,6 +656,44 @@ static const char *try_storage(const sn_blob *blob, sn_status *status, sn_error 
     return fault;
 }
 
+/* What was read can be measured on a motion, or names what that lacks; activations are in [0,1]. */
+static const char *use_sensors(const sn_sensors *sensors) {
+    static char name[] = "wave.motion.json", text[sizeof motion_json];
+    const sn_clip_options options = {0};
+    sn_sense_params params = SN_SENSE_PARAMS;
+    sn_error error = {0};
+    sn_clip clip;
+    sn_sense sense;
+    memcpy(text, motion_json, sizeof text);
+    const sn_blob motion = {.name = name, .data = text, .size = sizeof text - 1};
+    if (sn_clip_parse(&motion, NULL, &options, &clip, &error) != SN_OK) give_up(error.text);
+    sn_status status = sn_sense_run(sensors, &clip, &params, &sense, &error);
+    const char *fault = status == SN_OK || status == SN_ERROR_INPUT ? NULL : "the sensors cannot be measured";
+    for (sn_index i = 0; status == SN_OK && i < sense.channel_count; i++)
+        for (sn_index k = 0; k < sense.sample_count; k++)
+            if (!(sense.activations[i][k] >= 0.0 && sense.activations[i][k] <= 1.0)) fault = "an activation is not in [0,1]";
+    if (status == SN_OK) sn_sense_free(&sense);
+    sn_clip_free(&clip);
+    return fault;
+}
+
+static const char *try_sensors(const sn_blob *blob, sn_status *status, sn_error *error) {
+    sn_sensors sensors;
+    *status = sn_sensors_parse(blob, NULL, &sensors, error);
+    if (*status != SN_OK) return sensors.sensors == NULL && sensors.channels == NULL ? NULL : "refused sensors are left behind";
+    const char *fault = sensors.channel_count == 0 ? "there is no channel" : blob->size < 65536 ? use_sensors(&sensors) : NULL;
+    sn_sensors_free(&sensors);
+    return fault;
+}
+
+static const char *try_names(const sn_blob *blob, sn_status *status, sn_error *error) {
+    sn_muscle_names names;
+    *status = sn_muscle_names_parse(blob, &names, error);
+    if (*status != SN_OK) return names.names == NULL ? NULL : "refused names are left behind";
+    sn_muscle_names_free(&names);
+    return NULL;
+}
+
 static void report(const char *name, const char *fault, const sn_error *error) {
     failed++;
     printf("case %ld (%s): %s; '%s' %s:%lld\n", current_case, name, fault, error->text, error->file, (long long)error->line);
@@ -681,6 +735,8 @@ static void try_file(kind k, const char *name, const char *data, size_t size, bo
                         : k == SKELETON ? try_motion(&blob, true, &status, &error)
                         : k == MODEL    ? try_model(&blob, &status, &error)
                         : k == STORAGE  ? try_storage(&blob, &status, &error)
+                        : k == SENSORS  ? try_sensors(&blob, &status, &error)
+                        : k == NAMES    ? try_names(&blob, &status, &error)
                                         : try_cache(&blob, &status, &error);
     double taken = seconds() - start;
     setitimer(ITIMER_PROF, &NO_LIMIT, NULL);
@@ -848,6 +904,30 @@ static void try_hostile_motions(void) {
              MANY / 10, "{\"frame\":99999999999}]}]}", false);
 }
 
+static void try_hostile_sensors(void) {
+    enum { MANY = 100000 };
+    static const char head[] = "{\"format\":\"sinew-sensors\",\"version\":1,\"sides\":[\"0\",\"1\",\"2\",\"3\",\"4\",\"5\",\"6\",\"7\"],";
+    char start[1024];
+    snprintf(start, sizeof start, "%s\"sensors\":[", head);
+    try_rows(SENSORS, "many.sensors.json", start, "{\"name\":\"s@_{side}\",\"type\":\"angle\",\"joint\":\"a\",\"curve\":[[0,0],[1,1]]},",
+             4000, "{}]}", false);
+    try_rows(SENSORS, "some.sensors.json", start, "{\"name\":\"s@_{side}\",\"type\":\"angle\",\"joint\":\"a\",\"curve\":[[0,0],[1,1]]},",
+             500, "{\"name\":\"t\",\"type\":\"angle\",\"joint\":\"a\",\"curve\":[[0,0],[1,1]]}]}", false);
+    snprintf(start, sizeof start, "%s\"sensors\":[{\"name\":\"{side}", head);
+    try_rows(SENSORS, "long.sensors.json", start, "{side}", MANY, "\",\"type\":\"angle\",\"joint\":\"a\"}]}", false);
+    snprintf(start, sizeof start,
+             "%s\"sensors\":[{\"name\":\"s\",\"type\":\"angle\",\"joint\":\"a\",\"curve\":[[0,0],[1,1]]}],\"channels\":[", head);
+    try_rows(SENSORS, "channels.sensors.json", start, "{\"muscles\":\"m@\",\"sensors\":\"s\"},", 4000,
+             "{\"muscles\":\"m\",\"sensors\":\"s\"}]}", false);
+    snprintf(start, sizeof start,
+             "%s\"sensors\":[{\"name\":\"s\",\"type\":\"angle\",\"joint\":\"a\",\"curve\":[[0,0],[1,1]]}],\"muscles\":["
+             "\"aaaaaaaaaaaaaaaaaaaaab\"],"
+             "\"channels\":[{\"sensors\":\"s\",\"muscles\":[",
+             head);
+    try_rows(SENSORS, "patterns.sensors.json", start, "\"*a*a*a*a*a*a*a*a*a*@\",", 4000, "\"m\"]}]}", false);
+    try_rows(NAMES, "many.names", "", "m@\n", MANY, "", false);
+}
+
 /* Files that found a fault once: all are refused or read, as any other. */
 static void try_kept_files(void) {
     struct dirent **entries;
@@ -869,6 +949,8 @@ static void try_kept_files(void) {
                      : strstr(name, ".osim")     ? MODEL
                      : strstr(name, ".mjcf")     ? MODEL
                      : strstr(name, ".mot")      ? STORAGE
+                     : strstr(name, ".sensors.") ? SENSORS
+                     : strstr(name, ".names")    ? NAMES
                                                  : MESH;
             try_file(k, name, blob.data, blob.size, false);
             sn_blob_free(&blob);
@@ -921,6 +1003,7 @@ int main(int argc, char **argv) {
     try_kept_files();
     try_hostile_files();
     try_hostile_motions();
+    try_hostile_sensors();
     try_large_files();
     accepted = 0;
     for (long i = 0; i < count; i++) try_case(first + i);

@@ -1,6 +1,6 @@
 /*
  * reader.c -- one reader under libFuzzer, coverage-guided: built once for each format, with -DTARGET_obj, _ply, _stl, _off, _vtk, _vtp,
- * _muscle, _scene, _pc2, _bvh, _amc, _asf, _motion, _osim, _mjcf or _mot (make fuzz).
+ * _muscle, _scene, _pc2, _bvh, _amc, _asf, _motion, _osim, _mjcf, _mot or _sensors (make fuzz).
  *
  * Whatever the bytes, the reader must give a valid result or one line that names the file; the sanitizers and libFuzzer's limits of time
  * and memory watch over the rest.
@@ -151,6 +151,24 @@ static int try_bytes(const sn_blob *blob, sn_error *error) {
     if (status != SN_OK) return 0;
     demand(columns.row_count > 0 && columns.times != NULL, "a motion without a row");
     sn_columns_free(&columns);
+    return 0;
+}
+
+#elif defined(TARGET_sensors)
+
+static int try_bytes(const sn_blob *blob, sn_error *error) {
+    sn_sensors sensors;
+    sn_muscle_names names;
+    sn_status status = sn_sensors_parse(blob, NULL, &sensors, error);
+    judge(status, error);
+    if (status == SN_OK) {
+        demand(sensors.sensor_count > 0 && sensors.channel_count > 0, "there is no sensor, or no channel");
+        sn_sensors_free(&sensors);
+    }
+    *error = (sn_error){0};
+    status = sn_muscle_names_parse(blob, &names, error);
+    judge(status, error);
+    if (status == SN_OK) sn_muscle_names_free(&names);
     return 0;
 }
 
