@@ -131,7 +131,7 @@ static sn_status activate(const sn_sensor *sensor, const run *r, double *reading
         seen = curved;
     }
     if (status == SN_OK && sensor->has_trigger)
-        status = sn_trigger_run(&sensor->trigger, seen, r->count, r->clip->begin, r->rate, out, firings, error);
+        status = sn_trigger_run(&sensor->trigger, &(sn_series){seen, r->count, r->clip->begin, r->rate}, out, firings, error);
     else if (status == SN_OK && curved != NULL)
         memcpy(out, curved, (size_t)r->count * sizeof *out);
     free(curved);
@@ -184,7 +184,8 @@ static sn_status feed(const run *r, sn_index i, sn_sense *out, sn_error *error) 
     }
     out->cut[i] = cut / (double)r->count;
     if (channel->has_trigger)
-        status = sn_trigger_run(&channel->trigger, level, r->count, r->clip->begin, r->rate, values, &out->channel_firings[i], error);
+        status = sn_trigger_run(&channel->trigger, &(sn_series){level, r->count, r->clip->begin, r->rate}, values, &out->channel_firings[i],
+                                error);
     for (sn_index k = 0; k < r->count; k++) values[k] = fmax(values[k], channel->floor);
     free(level);
     return status;

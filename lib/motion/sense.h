@@ -31,8 +31,15 @@ SN_MUST_CHECK sn_status sn_sense_bind(const sn_sensor *sensor, const sn_clip *cl
 /* fine: padded; readings (frames without the padding). */
 SN_MUST_CHECK sn_status sn_sense_read(const sn_sense_bound *bound, const sn_clip *fine, double *readings, sn_error *error);
 
-/* What a trigger makes of values (count) that are 1/rate apart, the first one at `begin`. */
-SN_MUST_CHECK sn_status sn_trigger_run(const sn_trigger *trigger, const double *values, sn_index count, double begin, double rate,
-                                       double *out, sn_firings *firings, sn_error *error);
+/* Values (count) that are 1/rate apart, the first one at `begin`. */
+typedef struct sn_series {
+    const double *values;
+    sn_index count;
+    double begin, rate;
+} sn_series;
+
+/* What a trigger makes of a series: out (count). */
+SN_MUST_CHECK sn_status sn_trigger_run(const sn_trigger *trigger, const sn_series *series, double *out, sn_firings *firings,
+                                       sn_error *error);
 
 #endif

@@ -35,19 +35,19 @@ static sn_status fire(envelope *e, double time, sn_firings *firings, size_t *cap
     return SN_OK;
 }
 
-sn_status sn_trigger_run(const sn_trigger *t, const double *values, sn_index count, double begin, double rate, double *out,
-                         sn_firings *firings, sn_error *error) {
+sn_status sn_trigger_run(const sn_trigger *t, const sn_series *series, double *out, sn_firings *firings, sn_error *error) {
+    const double *values = series->values;
     const double sign = t->below ? -1.0 : 1.0, threshold = sign * t->threshold, release = threshold - t->hysteresis;
     envelope e = {.trigger = t};
     size_t capacity = 0;
     sn_status status = SN_OK;
     *firings = (sn_firings){0};
-    if (count > 0 && sign * values[0] > threshold) {
+    if (series->count > 0 && sign * values[0] > threshold) {
         e.ever = e.on = firings->from_start = true;
         e.since = -INFINITY;
     }
-    for (sn_index k = 0; k < count && status == SN_OK; k++) {
-        double now = begin + k / rate, before = begin + (k - 1) / rate, here = sign * values[k];
+    for (sn_index k = 0; k < series->count && status == SN_OK; k++) {
+        double now = series->begin + k / series->rate, before = series->begin + (k - 1) / series->rate, here = sign * values[k];
         if (k > 0 && !e.on && here > threshold) {
             status = fire(&e, crossing(before, now - before, sign * values[k - 1], here, threshold), firings, &capacity, error);
         } else if (e.on && here < release) {
