@@ -4,9 +4,14 @@
 model-fk.py origins MODEL.osim MOTION|- CLIP     frames of all bodies, and coordinates, within 1e-9 of CLIP (motion_models --write)
 model-fk.py lengths MODEL.osim CLIP LENGTHS.sto  lengths of the muscles' paths over the bodies of CLIP, within 2e-6 m of OpenSim's
 model-fk.py mjcf MODEL.xml MOTION|- CLIP         frames of all bodies and centres of joints within 1e-9
+model-fk.py bones MODEL MOTION|- DOCUMENT FOLDER vertices of all bones that motion-import --bones has written, moved by the joints of the
+                                                 motion document, within 1e-9 m of those of the model's mesh files in FOLDER
 Prints a line of figures; status 1 where a limit is passed. Only the standard library is used.
 """
+import json
 import math
+import os
+import struct
 import sys
 import xml.etree.ElementTree as ET
 
@@ -442,9 +447,111 @@ def mjcf(model_path, motion, clip_path):
     return worst < 1e-9 and len(joints) == len(model.bodies) and len(coordinates) >= count and (motion == "-" or moved > 0.05)
 
 
+# ---- bones --------------------------------------------------------------------------------------------------------------------------
+
+
+def read_ply(path):
+    """Positions and triangles of what motion-import writes."""
+    data = open(path, "rb").read()
+    end = data.index(b"end_header\n") + 11
+    head = data[:end].decode().split("\n")
+    assert head[1] == "format binary_little_endian 1.0" and [h for h in head if h.startswith("property")] == [
+        "property double x", "property double y", "property double z", "property list uchar int vertex_indices"], head
+    vertices, faces = (int(next(h for h in head if h.startswith("element " + e)).split()[2]) for e in ("vertex", "face"))
+    points = [struct.unpack_from("<3d", data, end + 24 * i) for i in range(vertices)]
+    return points, [struct.unpack_from("<B3i", data, end + 24 * vertices + 13 * i)[1:] for i in range(faces)]
+
+
+def read_vtp(path):
+    """Points of an ASCII file, in their order."""
+    root = ET.parse(path).getroot()
+    flat = numbers(root.find("PolyData/Piece/Points/DataArray").text)
+    return [flat[i:i + 3] for i in range(0, len(flat), 3)]
+
+
+def read_stl(path):
+    """Corners of the triangles of a binary file, in their order."""
+    data = open(path, "rb").read()
+    count = struct.unpack_from("<I", data, 80)[0]
+    return [struct.unpack_from("<3f", data, 84 + 50 * i + 12 + 12 * k) for i in range(count) for k in range(3)]
+
+
+def osim_meshes(model):
+    """Name, file, body, scale and place of every mesh of a document of version 4, all of them fixed to a body itself."""
+    owners = [model.model.find("Ground")] + list(model.model.find("BodySet/objects"))
+    for owner in owners:
+        for m in owner.findall("attached_geometry/Mesh"):
+            assert text_of(m, "socket_frame") == ".."
+            yield text_of(m, "mesh_file")[:-4], text_of(m, "mesh_file"), owner.get("name"), numbers(text_of(m, "scale_factors")), identity()
+
+
+def mjcf_meshes(model):
+    """The same of a model of MuJoCo's: geoms of a class that makes them meshes, at pos and euler or quat."""
+    files = {m.get("name"): m.get("file") for m in model.root.findall("asset/mesh")}
+    for body in model.root.iter("body"):
+        for g in body.findall("geom"):
+            if g.get("mesh"):
+                yield g.get("name"), files[g.get("mesh")], body.get("name"), [1, 1, 1], chain(shift(numbers(g.get("pos", "0 0 0"))), model.orientation(g))
+
+
+def world_poses(document, frame):
+    """World pose of each joint of a motion document at one of its frames."""
+    out = {}
+    for joint in document["joints"]:
+        key = joint["keys"][min(frame, len(joint["keys"]) - 1)]
+        own = chain(shift(key.get("translation", [0, 0, 0])), quaternion(*key.get("rotation", [1, 0, 0, 0])))
+        out[joint["name"]] = mul(out[joint["parent"]], own) if joint.get("parent") else own
+    return out
+
+
+def bone_error(bone, document_path, source, poses, frame, scale, up_y):
+    """How far off the vertices of a bone are, a few hundred of them; and how far they have gone from rest."""
+    points, triangles = read_ply(os.path.join(os.path.dirname(document_path), bone["mesh"]))
+    if source.endswith(".vtp"):
+        theirs, mine = read_vtp(source), points
+    else:
+        theirs, mine = read_stl(source), [points[v] for t in triangles for v in t]
+    assert len(theirs) == len(mine), (bone["name"], len(theirs), len(mine))
+    worst, moved, pose = 0.0, 0.0, poses.get(bone.get("joint"), identity())
+    for k in range(0, len(mine), max(1, len(mine) // 300)):
+        x, y, z = point(frame, [s * c for s, c in zip(scale, theirs[k])])
+        now = point(pose, mine[k])
+        worst = max(worst, math.dist(now, (x, -z, y) if up_y else (x, y, z)))
+        moved = max(moved, math.dist(now, mine[k]))
+    return worst, moved
+
+
+def bones(model_path, motion, document_path, folder):
+    document = json.load(open(document_path))
+    up_y = model_path.endswith(".osim")
+    model = Osim(model_path) if up_y else Mjcf(model_path)
+    meshes = {m[0]: m[1:] for m in (osim_meshes(model) if up_y else mjcf_meshes(model))}
+    if up_y:
+        rows = coordinate_rows(model, motion)
+    elif motion == "-":
+        rows = [{}]
+    else:
+        names, table, degrees = read_storage(motion)
+        rows = [{n: math.radians(v) if degrees else v for n, v in zip(names[1:], row[1:])} for row in table]
+    worst = moved = 0.0
+    frames = sorted({0, len(rows) // 3, len(rows) // 2, len(rows) - 1})
+    for k in frames:
+        bodies = model.frames(rows[k]) if up_y else model.frames(rows[k])[0]
+        poses = world_poses(document, k)
+        assert len(document["bones"]) == len(meshes)
+        for bone in document["bones"]:
+            file, body, scale, frame = meshes[bone["name"]]
+            assert bone.get("joint", "ground") == body and bone["units"] == 1, bone
+            off, way = bone_error(bone, document_path, os.path.join(folder, os.path.basename(file)), poses, mul(bodies[body], frame), scale, up_y)
+            worst, moved = max(worst, off), max(moved, way)
+    names = [b["name"] for b in document["bones"]]
+    print(f"{len(names)} bones at {len(frames)} of {len(rows)} frames: vertices within {worst:.2e} m; one has gone {moved:.3f} m")
+    return worst < 1e-9 and len(set(names)) == len(names) and (motion == "-" or moved > 0.05)
+
+
 def main():
-    modes = {"origins": (origins, 3), "lengths": (lengths, 3), "mjcf": (mjcf, 3)}
-    if len(sys.argv) != 5 or sys.argv[1] not in modes:
+    modes = {"origins": (origins, 3), "lengths": (lengths, 3), "mjcf": (mjcf, 3), "bones": (bones, 4)}
+    if len(sys.argv) < 2 or sys.argv[1] not in modes or len(sys.argv) != 2 + modes[sys.argv[1]][1]:
         raise SystemExit(__doc__)
     sys.exit(0 if modes[sys.argv[1]][0](*sys.argv[2:]) else 1)
 

@@ -50,7 +50,10 @@ sn_status sn_clip_parse(const sn_blob *motion, const sn_blob *skeleton, const sn
     if (status != SN_OK) return status;
     sn_clip_source source = {.motion = motion, .skeleton = skeleton, .options = *options};
     if (!(source.options.meters_per_unit > 0.0)) source.options.meters_per_unit = format->meters_per_unit;
+    if (options->bones != NULL) *options->bones->found = (sn_model_bones){0};
     status = format->read(&source, out, error);
+    if (status == SN_OK && options->bones != NULL && options->bones->found->bones == NULL)
+        status = sn_fail(error, SN_ERROR_INPUT, "has no meshes of bones: %s is no model; OpenSim's and MuJoCo's are", format->name);
     if (status == SN_OK) {
         /* columns of numbers stand in the axes of the model that they move */
         bool up_y = format->up_y && !(skeleton != NULL && sn_mjcf_detect(skeleton));
