@@ -6,6 +6,8 @@ model-fk.py lengths MODEL.osim CLIP LENGTHS.sto  lengths of the muscles' paths o
 model-fk.py mjcf MODEL.xml MOTION|- CLIP         frames of all bodies and centres of joints within 1e-9
 model-fk.py bones MODEL MOTION|- DOCUMENT FOLDER vertices of all bones that motion-import --bones has written, moved by the joints of the
                                                  motion document, within 1e-9 m of those of the model's mesh files in FOLDER
+model-fk.py trot MODEL.xml MOTION                columns of the dog's trot (share/examples/dog): in the joints' ranges, feet in turn, diagonals
+                                                 together, standing where they stand
 Prints a line of figures; status 1 where a limit is passed. Only the standard library is used.
 """
 import json
@@ -382,7 +384,7 @@ class Mjcf:
         self.defaults = {}
         for d in self.root.findall("default"):
             self.read_default(d, {}, "main")
-        self.bodies, self.first_joint = [], {}
+        self.bodies, self.range = [], {}
         for body in self.root.findall("worldbody/body"):
             self.read_body(body, "", "main")
 
@@ -407,17 +409,20 @@ class Mjcf:
         for j in body.findall("joint"):
             a = dict(self.defaults[j.get("class", style)])
             a.update(j.attrib)
+            self.range[j.get("name")] = numbers(a.get("range"))
             joints.append((j.get("name"), a.get("type", "hinge"), numbers(a.get("pos", "0 0 0")), numbers(a.get("axis", "0 0 1"))))
         place = chain(shift(numbers(body.get("pos", "0 0 0"))), self.orientation(body))
-        self.bodies.append((body.get("name"), parent, place, joints, body.find("freejoint") is not None))
+        free = body.find("freejoint")
+        self.bodies.append((body.get("name"), parent, place, joints, free.get("name") if free is not None else None))
         for child in body.findall("body"):
             self.read_body(child, body.get("name"), style)
 
     def frames(self, q):
         """World frame of each body, and the centre of its first joint in it."""
         out, centres = {"": identity()}, {}
-        for name, parent, place, joints, _ in self.bodies:
-            m = mul(out[parent], place)
+        for name, parent, place, joints, free in self.bodies:
+            gone = shift([q.get(f"{free}_t{axis}", 0.0) for axis in "xyz"])  # in the world's axes; it is never turned here
+            m = chain(gone, out[parent], place)
             for joint, kind, centre, axis in joints:
                 assert kind == "hinge"
                 m = chain(m, shift(centre), turn(axis, q.get(joint, 0.0)), shift([-c for c in centre]))
@@ -426,13 +431,19 @@ class Mjcf:
         return out, centres
 
 
+def mjcf_rows(model, motion):
+    """Values of the coordinates that a motion tells, row by row."""
+    if motion == "-":
+        return [{}]
+    lengths = {f"{body[4]}_t{axis}" for body in model.bodies if body[4] for axis in "xyz"}
+    names, table, degrees = read_storage(motion)
+    return [{n: math.radians(v) if degrees and n not in lengths else v for n, v in zip(names[1:], row[1:])} for row in table]
+
+
 def mjcf(model_path, motion, clip_path):
     model = Mjcf(model_path)
     coordinates, joints = read_clip(clip_path)
-    rows = [{}]
-    if motion != "-":
-        names, table, degrees = read_storage(motion)
-        rows = [{n: math.radians(v) if degrees else v for n, v in zip(names[1:], row[1:])} for row in table]
+    rows = mjcf_rows(model, motion)
     rest, centres = model.frames({})
     worst = 0.0
     for k, q in enumerate(rows):
@@ -526,13 +537,7 @@ def bones(model_path, motion, document_path, folder):
     up_y = model_path.endswith(".osim")
     model = Osim(model_path) if up_y else Mjcf(model_path)
     meshes = {m[0]: m[1:] for m in (osim_meshes(model) if up_y else mjcf_meshes(model))}
-    if up_y:
-        rows = coordinate_rows(model, motion)
-    elif motion == "-":
-        rows = [{}]
-    else:
-        names, table, degrees = read_storage(motion)
-        rows = [{n: math.radians(v) if degrees else v for n, v in zip(names[1:], row[1:])} for row in table]
+    rows = coordinate_rows(model, motion) if up_y else mjcf_rows(model, motion)
     worst = moved = 0.0
     frames = sorted({0, len(rows) // 3, len(rows) // 2, len(rows) - 1})
     for k in frames:
@@ -549,8 +554,56 @@ def bones(model_path, motion, document_path, folder):
     return worst < 1e-9 and len(set(names)) == len(names) and (motion == "-" or moved > 0.05)
 
 
+# ---- the dog's trot -----------------------------------------------------------------------------------------------------------------
+
+FEET = {"hind left": "toe_L", "fore right": "finger_R", "hind right": "toe_R", "fore left": "finger_L"}
+UP = 0.02  # m above its lowest place: a foot that swings
+
+
+def runs_of(flags):
+    """How many times a foot is lifted."""
+    return sum(b and not a for a, b in zip([False] + flags, flags))
+
+
+def out_of_range(model, names, table):
+    return [n for k, n in enumerate(names[1:], 1) if model.range.get(n) and
+            not all(model.range[n][0] <= row[k] <= model.range[n][1] for row in table)]
+
+
+def trot(model_path, motion):
+    model = Mjcf(model_path)
+    names, table, _ = read_storage(motion)
+    unknown = [n for n in names[1:] if n not in model.range and n not in ("root_tx", "root_tz")]
+    wrong = out_of_range(model, names, table)
+    places = {foot: [] for foot in FEET}
+    for q in mjcf_rows(model, motion):
+        frames, _ = model.frames(q)
+        for foot, body in FEET.items():
+            places[foot].append((frames[body][0][3], frames[body][2][3]))
+    lift = {foot: [z - min(p[1] for p in path) for _, z in path] for foot, path in places.items()}
+    up = {foot: [h > UP for h in heights] for foot, heights in lift.items()}
+    rows, step = len(table), table[1][0]
+    strides = round(table[-1][0] / 0.5)
+    together = min(sum(a == b for a, b in zip(up[x], up[y])) / rows for x, y in (("hind left", "fore right"), ("hind right", "fore left")))
+    flying = sum(all(up[f][k] for f in FEET) for k in range(rows))
+    standing = sum(not any(up[f][k] for f in FEET) for k in range(rows))
+    slip = 0.0
+    for n, path in enumerate(places.values()):
+        for k in range(rows - 1):
+            if 0.08 <= (table[k][0] / 0.5 + (n >= 2) * 0.5) % 1 <= 0.42:  # well within its stance
+                slip = max(slip, abs(path[k + 1][0] - path[k][0]) / step, abs(path[k + 1][1] - path[k][1]) / step)
+    heights = [max(lift[f]) for f in FEET]
+    again = max(abs(a - b) for n, a, b in zip(names[2:], table[0][2:], table[round(0.5 / step)][2:]))
+    print(f"{rows} rows, {len(names) - 1} columns: diagonals agree in {100 * together:.0f} % of them, all feet up in {flying}, down in {standing}; "
+          f"lifted by {min(heights):.3f} to {max(heights):.3f} m; feet that stand move by at most {slip:.2f} m/s of {table[-1][1] / table[-1][0]:.2f}")
+    print("not of the model:", unknown, "out of range:", wrong)
+    lifted = all(runs_of(up[f]) in (strides, strides + 1) for f in FEET)
+    return not unknown and not wrong and together >= 0.9 and lifted and 0.04 < min(heights) and max(heights) < 0.15 and again < 1e-3 \
+        and flying <= rows // 20 and standing < rows // 2 and slip < 0.4
+
+
 def main():
-    modes = {"origins": (origins, 3), "lengths": (lengths, 3), "mjcf": (mjcf, 3), "bones": (bones, 4)}
+    modes = {"origins": (origins, 3), "lengths": (lengths, 3), "mjcf": (mjcf, 3), "bones": (bones, 4), "trot": (trot, 2)}
     if len(sys.argv) < 2 or sys.argv[1] not in modes or len(sys.argv) != 2 + modes[sys.argv[1]][1]:
         raise SystemExit(__doc__)
     sys.exit(0 if modes[sys.argv[1]][0](*sys.argv[2:]) else 1)
