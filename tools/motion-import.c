@@ -11,7 +11,7 @@
 /* More jumps than this are counted, not told one by one. */
 enum { JUMPS_TOLD = 5 };
 
-static const char *skeleton, *frames, *bones;
+static const char *skeleton, *frames, *bones, *animation;
 static cli_list bone_paths;
 static double rate, cutoff, source_rate;
 static int units, up, positions;
@@ -34,7 +34,9 @@ static const cli_option options[] = {
     {0, "up", "AXIS", CLI_CHOICE, &up, CLI_RESULT, 0, 0, up_names,
      "up axis of the source: z, or y, turned to z (default: as its format says; BVH, AMC and OSIM y)"},
     {0, "source-rate", "HZ", CLI_NUMBER, &source_rate, CLI_RESULT, 1e-3, 1e5, NULL,
-     "frames a second of the source (default: as the file says, else 120)"},
+     "frames a second of the source (default: as the file says, else 120; of glTF, FBX and Collada as their keys suggest, else 30)"},
+    {0, "animation", "NAME|N", CLI_TEXT, &animation, CLI_RESULT, 0, 0, NULL,
+     "of a file with several animations (glTF, FBX, Collada), the one to read (default: the first)"},
     {0, "positions", "HOW", CLI_CHOICE, &positions, CLI_RESULT, 0, 0, position_names,
      "position channels of BVH: add to the OFFSET, replace it, or auto, whatever moves the joint less in the first frame (default)"},
     {0, "bones", "DIR", CLI_TEXT, &bones, CLI_RESULT, 0, 0, NULL,
@@ -45,7 +47,7 @@ static const cli_option options[] = {
 };
 
 static const cli_tool tool = {"motion-import",
-                              "read a recorded motion: BVH, ASF and AMC, MOT and STO with OSIM, MJCF, motion documents",
+                              "read a recorded motion: BVH, ASF and AMC, MOT and STO with OSIM, MJCF, glTF, FBX, Collada, motion documents",
                               CLI_TAKES_INPUT | CLI_HAS_OUTPUT | CLI_HAS_TRACE | CLI_HAS_REPORT | CLI_HAS_HISTORY,
                               options,
                               sizeof options / sizeof *options,
@@ -87,6 +89,7 @@ static sn_clip_options chosen_options(const cli *c) {
                                    : up == 1           ? SN_UP_Y
                                                        : SN_UP_Z,
                              .rate = source_rate,
+                             .animation = animation,
                              .positions = (sn_clip_positions)positions};
 }
 
@@ -231,6 +234,12 @@ static sn_status print_list(const sn_clip *clip, sn_error *error) {
     sn_output_print(output, "\nseconds");
     print_number(output, (clip->frame_count - 1) / clip->rate);
     sn_output_print(output, "\n");
+    for (sn_index i = 0; i < clip->animation_count; i++) {
+        sn_output_print(output, "animation\t%d", i + 1);
+        print_field(output, clip->animations[i].name);
+        print_number(output, clip->animations[i].seconds);
+        sn_output_print(output, "\n");
+    }
     for (sn_index i = 0; i < clip->joint_count; i++) print_joint(output, clip, i);
     for (sn_index i = 0; i < clip->coordinate_count; i++) print_coordinate(output, clip, i);
     status = sn_output_commit(output, error);

@@ -232,9 +232,10 @@ void sn_line_frames_abort(sn_line_frames *frames);                              
 /* What position channels of a BVH are to the joint's OFFSET. AUTO: whatever moves the joint less in the first frame. */
 typedef enum sn_clip_positions { SN_POSITIONS_AUTO, SN_POSITIONS_ADD, SN_POSITIONS_REPLACE } sn_clip_positions;
 typedef struct sn_clip_options {
-    double meters_per_unit;             /* 0 = what the file or its format says: BVH centimetres; AMC inches over the skeleton's `length` */
-    sn_up up;                           /* SN_UP_UNKNOWN = what the format says: BVH and AMC y */
-    double rate;                        /* 0 = what the file says; AMC, which says nothing, 120 Hz */
+    double meters_per_unit; /* 0 = what the file or its format says: BVH centimetres; AMC inches over the skeleton's `length` */
+    sn_up up;               /* SN_UP_UNKNOWN = what the format says: BVH and AMC y */
+    double rate;            /* 0 = what the file says; AMC, which says nothing, 120 Hz */
+    const char *animation;  /* of glTF, FBX and Collada: name or number from 1; NULL = the first, with a warning where there are more */
     sn_clip_positions positions;        /* BVH alone */
     const struct sn_bone_search *bones; /* sinew/model_files.h; nullable: find the meshes that show a model's bodies too */
 } sn_clip_options;
