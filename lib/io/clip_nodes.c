@@ -47,8 +47,8 @@ static double seconds_of(const sn_animation *a) {
     for (sn_index c = 0; c < a->channel_count; c++)
         for (int t = 0; t < SN_TRACK_COUNT; t++) {
             const sn_track *track = &a->channels[c].tracks[t];
-            if (track->count > 0) begin = fmin(begin, track->times[0]);
-            if (track->count > 0) end = fmax(end, track->times[track->count - 1]);
+            if (track->count > 1) begin = fmin(begin, track->times[0]);
+            if (track->count > 1) end = fmax(end, track->times[track->count - 1]);
         }
     return end > begin ? end - begin : 0.0;
 }

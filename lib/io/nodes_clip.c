@@ -19,7 +19,7 @@ static const double ON_FRAME = 1e-3;
 /* A scale this far from that at rest changes; numbers are of single precision. */
 static const double SCALE_CHANGES = 1e-3;
 /* Of all frames: bytes of poses, beside ten times those of the file, and nodes. */
-static const double MOST_BYTES = 48e6, MOST_NODES = 2e8;
+static const double MOST_BYTES = 32e6, MOST_NODES = 2e8;
 /* Of the nodes that FBX's importer makes for the parts of a transform. */
 static const char PIVOT[] = "_$AssimpFbx$_";
 
@@ -174,7 +174,9 @@ static bool same_values(const double *a, const double *b, sn_index width) {
     return true;
 }
 
+/* A single key is what a track is at all times: assimp makes some, at 0, for what an animation leaves alone. */
 static void scan_track(sampler *s, const sn_track *track, sn_index width) {
+    if (track->count < 2) return;
     for (sn_index k = 0; k < track->count; k++) {
         s->begin = fmin(s->begin, track->times[k]);
         s->end = fmax(s->end, track->times[k]);
@@ -188,7 +190,7 @@ static bool fits_rate(const sampler *s, double rate) {
     for (sn_index c = 0; c < s->animation->channel_count; c++)
         for (int t = 0; t < SN_TRACK_COUNT; t++) {
             const sn_track *track = &s->animation->channels[c].tracks[t];
-            for (sn_index k = 0; k < track->count; k++) {
+            for (sn_index k = 0; track->count > 1 && k < track->count; k++) {
                 double frame = (track->times[k] - s->begin) * rate;
                 if (fabs(frame - floor(frame + 0.5)) > ON_FRAME * (1.0 + 1e-3 * frame)) return false;
             }
@@ -204,7 +206,7 @@ static double choose_rate(const sampler *s, const sn_nodes_clip_options *options
     if (ticks >= LOWEST_TICKS && ticks <= HIGHEST_TICKS) return ticks;
     for (size_t i = 0; i < sizeof usual_rates / sizeof *usual_rates; i++)
         if (s->end > s->begin && fits_rate(s, usual_rates[i])) return usual_rates[i];
-    *assumed = true;
+    *assumed = s->end > s->begin;
     return FALLBACK_RATE;
 }
 
