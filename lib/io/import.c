@@ -165,8 +165,8 @@ static sn_status no_answer(const child *c, sn_error *error) {
 static sn_status take_answer(child *c, sn_error *error) {
     uint64_t most = ANSWER_BASE + ANSWER_SHARE * (uint64_t)c->blob->size;
     if (c->answer_size >= most) {
-        return sn_fail_at(error, SN_ERROR_INPUT, c->blob->name, 0, "holds more than %llu MB of %ss, too much for one %s file of its size",
-                          (unsigned long long)(most >> 20), c->noun, c->name);
+        return sn_fail_at(error, SN_ERROR_INPUT, c->blob->name, 0, "holds more than %llu MB of %s, too much for one %s file of its size",
+                          (unsigned long long)(most >> 20), c->question != NULL ? "keys" : "meshes", c->name);
     }
     if (!sn_grow((void **)&c->answer, &c->answer_capacity, c->answer_size + CHUNK, 1)) return sn_fail_memory(error, c->blob->name);
     ssize_t got = read(c->output, c->answer + c->answer_size, CHUNK);
