@@ -334,9 +334,11 @@ static sn_status parse_coordinates(const sn_json_value *list, sn_clock clock, sn
 }
 
 static sn_status parse_members(const sn_json_value *motion, sn_clock clock, sn_motion *out, sn_error *error) {
-    sn_json_value joints = sn_json_member(motion, "joints"), coordinates = sn_json_member(motion, "coordinates");
+    sn_json_value joints = sn_json_member(motion, "joints"), coordinates = sn_json_member(motion, "coordinates"),
+                  bones = sn_json_member(motion, "bones");
     sn_status status = parse_joints(&joints, clock, out, error);
-    return status == SN_OK ? parse_coordinates(&coordinates, clock, out, error) : status;
+    if (status == SN_OK) status = parse_coordinates(&coordinates, clock, out, error);
+    return status == SN_OK ? sn_motion_bones_parse(&bones, out, error) : status;
 }
 
 /* ---- documents ------------------------------------------------------------------------------------------------------------ */
@@ -362,9 +364,7 @@ static sn_status parse_motion_document(const sn_json_tree *tree, sn_clock *clock
     sn_status status = sn_json_expect_format(&top, "sinew-motion", 1, error);
     if (status == SN_OK) status = sn_json_get_number(&unit, SN_JSON_POSITIVE, INFINITY, &clock->meters_per_unit, error);
     if (status == SN_OK) status = sn_json_get_number(&rate, SN_JSON_POSITIVE, INFINITY, &clock->rate, error);
-    if (status == SN_OK) status = parse_members(&top, *clock, out, error);
-    sn_json_value bones = sn_json_member(&top, "bones");
-    return status == SN_OK ? sn_motion_bones_parse(&bones, out, error) : status;
+    return status == SN_OK ? parse_members(&top, *clock, out, error) : status;
 }
 
 sn_status sn_motion_parse(const sn_json_value *value, sn_clock clock, sn_motion *out, sn_error *error) {
