@@ -227,6 +227,14 @@ SN_MUST_CHECK sn_status sn_line_frames_append(sn_line_frames *frames, sn_index f
 SN_MUST_CHECK sn_status sn_line_frames_commit(sn_line_frames *frames, sn_error *error); /* frees frames */
 void sn_line_frames_abort(sn_line_frames *frames);                                      /* frees frames; NULL is fine */
 
+/* Meshes that move (lib/io/frames_mesh.c): PREFIX.0000.vtp, numbered by frame, attributes as point data, labels as strings of field data;
+ * and PREFIX.pvd, a collection with the time of each, s. A frame's file appears whole with its append, the collection with commit. */
+typedef struct sn_mesh_frames sn_mesh_frames;
+SN_MUST_CHECK sn_status sn_mesh_frames_create(const char *prefix, sn_mesh_frames **out, sn_error *error);
+SN_MUST_CHECK sn_status sn_mesh_frames_append(sn_mesh_frames *frames, sn_index frame, double time, const sn_mesh *mesh, sn_error *error);
+SN_MUST_CHECK sn_status sn_mesh_frames_commit(sn_mesh_frames *frames, sn_error *error); /* frees frames */
+void sn_mesh_frames_abort(sn_mesh_frames *frames);                                      /* frees frames; NULL is fine */
+
 /* ---- motions as they were recorded (lib/io/clip_formats.c and one file per format) -------------------------------------------- */
 
 /* What position channels of a BVH are to the joint's OFFSET. AUTO: whatever moves the joint less in the first frame. */
