@@ -10,7 +10,7 @@
 
 /* The first that recognises a file reads it. */
 static const sn_clip_format formats[] = {
-    {"motion document", 0.0, false, NULL, sn_motion_document_is, sn_motion_document_read},
+    {"motion document", 0.0, false, NULL, sn_motion_document_detect, sn_motion_document_read},
     {"BVH", 0.01, true, NULL, sn_bvh_is, sn_bvh_read},
     {"AMC", 0.0254, true, "an .asf file", sn_amc_is, sn_amc_read},
     {"ASF", 0.0254, true, NULL, sn_asf_is, sn_asf_read},

@@ -33,7 +33,6 @@ bool sn_asf_is(const sn_blob *blob);
 bool sn_amc_is(const sn_blob *blob);
 SN_MUST_CHECK sn_status sn_asf_read(const sn_clip_source *source, sn_clip *out, sn_error *error); /* the rest pose alone */
 SN_MUST_CHECK sn_status sn_amc_read(const sn_clip_source *source, sn_clip *out, sn_error *error);
-bool sn_motion_document_is(const sn_blob *blob);
 SN_MUST_CHECK sn_status sn_motion_document_read(const sn_clip_source *source, sn_clip *out, sn_error *error);
 /* Models alone are one frame, at rest (clip_models.c). */
 SN_MUST_CHECK sn_status sn_osim_read(const sn_clip_source *source, sn_clip *out, sn_error *error);
