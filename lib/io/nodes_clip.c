@@ -30,8 +30,10 @@ typedef struct sampler {
     sn_index *base;                /* (node_count) the node that its moving transform is relative to */
     sn_index *joint;               /* (node_count) SN_NONE = no joint */
     sn_index *joint_node;          /* (joint_count) */
+    sn_index *joint_frame;         /* (joint_count) the node whose frame is the joint's */
     sn_index joint_count;
-    sn_affine *rest, *now, *inverse; /* (node_count) world; inverse: of a joint's rest */
+    sn_affine *rest, *now; /* (node_count) world */
+    sn_affine *inverse;    /* (joint_count) of a joint's frame at rest */
     double begin, end;
     double worst_scale; /* how far a joint's scale leaves that at rest, and where */
     sn_index worst_joint, scaled;
@@ -220,23 +222,46 @@ static bool is_pivot(const sn_node *node, const char *name) {
     return name == NULL || (strlen(name) == (size_t)(mark - node->name) && memcmp(name, node->name, strlen(name)) == 0);
 }
 
-/*
- * Assimp tells the motion of an FBX node by channels of its pivots, or by one of the node itself, which then is the whole transform to the
- * parent of the first pivot. A post-rotation it then applies the wrong way round (5.2).
- */
+/* Parts of a transform that a channel of the whole has in it, as assimp makes it. A post-rotation it applies the wrong way round (5.2). */
+static bool is_plain_pivot(const sn_node *node) {
+    static const char *const parts[] = {"Translation", "Rotation", "PreRotation", "Scaling"};
+    const char *part = strstr(node->name, PIVOT) + sizeof PIVOT - 1;
+    for (size_t k = 0; k < sizeof parts / sizeof *parts; k++)
+        if (strcmp(part, parts[k]) == 0) return true;
+    return false;
+}
+
+static bool is_whole(const sn_node_channel *c) {
+    return c->tracks[SN_TRACK_POSITION].count > 0 && c->tracks[SN_TRACK_TURN].count > 0 && c->tracks[SN_TRACK_SCALE].count > 0;
+}
+
+/* Assimp tells the motion of an FBX node by channels of its pivots, or by one of the node itself, which then is the whole transform to the
+ * parent of the first pivot. */
 static sn_status find_base(sampler *s, sn_index i, sn_error *error) {
     const sn_nodes *n = s->nodes;
     sn_index top = n->nodes[i].parent;
     s->base[i] = top;
     if (s->channel[i] == SN_NONE || is_pivot(&n->nodes[i], NULL)) return SN_OK;
+    bool good = true;
     for (; top != SN_NONE && is_pivot(&n->nodes[top], n->nodes[i].name); top = n->nodes[top].parent) {
         if (s->channel[top] != SN_NONE) return SN_OK;
-        if (strstr(n->nodes[top].name, "_$AssimpFbx$_PostRotation") != NULL)
-            return sn_fail(error, SN_ERROR_INPUT,
-                           "the node \"%.100s\" has a post-rotation, which is not read where it is animated; bake it", n->nodes[i].name);
+        good = good && is_plain_pivot(&n->nodes[top]) && is_whole(&s->animation->channels[s->channel[i]]);
     }
     s->base[i] = top;
-    return SN_OK;
+    if (good) return SN_OK;
+    return sn_fail(error, SN_ERROR_INPUT,
+                   "the node \"%.100s\" has a post-rotation or another pivot that is not read where it is animated; bake it",
+                   n->nodes[i].name);
+}
+
+/* Whose frame is a joint's: of FBX without the geometric transform of its mesh, which is no part of the node's. */
+static sn_index frame_of(const sn_nodes *n, sn_index i) {
+    const char *name = n->nodes[i].name;
+    while (n->nodes[i].parent != SN_NONE && is_pivot(&n->nodes[n->nodes[i].parent], name) &&
+           strstr(n->nodes[n->nodes[i].parent].name, "_$AssimpFbx$_Geometric") != NULL)
+        i = n->nodes[i].parent;
+    sn_index above = n->nodes[i].parent;
+    return strstr(n->nodes[i].name, "_$AssimpFbx$_Geometric") != NULL && above != SN_NONE ? above : i;
 }
 
 static sn_status find_channels(sampler *s, sn_error *error) {
@@ -273,6 +298,7 @@ static sn_status find_joints(sampler *s, sn_error *error) {
         s->joint[i] = SN_NONE;
         if (!moved[i] || pivot) continue;
         s->joint_node[s->joint_count] = i;
+        s->joint_frame[s->joint_count] = frame_of(n, i);
         s->joint[i] = s->joint_count++;
     }
     free(moved);
@@ -298,19 +324,19 @@ static sn_status set_rest(sampler *s, sn_clip *out, sn_error *error) {
     const sn_nodes *n = s->nodes;
     find_worlds(s, 0.0, 0.0, true, s->rest);
     for (sn_index j = 0; j < s->joint_count; j++) {
-        sn_index i = s->joint_node[j], parent = n->nodes[i].parent;
+        sn_index i = s->joint_node[j], frame = s->joint_frame[j], parent = n->nodes[i].parent;
         const sn_node *node = &n->nodes[i];
         char spare[32];
         sn_clip_joint *joint = &out->joints[j];
-        if (node->bound) s->rest[i] = node->bind;
-        double d = determinant(&s->rest[i]);
+        sn_affine rest = node->bound ? node->bind : s->rest[frame];
+        double d = determinant(&rest);
         if (d == 0.0 || !isfinite(d)) return sn_fail(error, SN_ERROR_INPUT, "the node \"%.100s\" has a scale of 0 at rest", node->name);
-        s->inverse[i] = invert(&s->rest[i], d);
+        s->inverse[j] = invert(&rest, d);
         while (parent != SN_NONE && s->joint[parent] == SN_NONE) parent = n->nodes[parent].parent;
         joint->parent = parent != SN_NONE ? s->joint[parent] : SN_NONE;
-        joint->rest = place_of(&s->rest[i]);
+        joint->rest = place_of(&rest);
         joint->rest_rotation = sn_quat_identity();
-        sn_affine turned = s->rest[i];
+        sn_affine turned = rest;
         for (int a = 0; a < 3 && d < 0.0; a++) turned.m[a][0] = -turned.m[a][0]; /* mirrored: of the frame with its x the other way */
         nearest_rotation(&turned, &joint->rest_rotation);
         snprintf(spare, sizeof spare, "node_%d", (int)i + 1);
@@ -320,15 +346,15 @@ static sn_status set_rest(sampler *s, sn_clip *out, sn_error *error) {
 }
 
 static sn_status set_pose(sampler *s, sn_index j, sn_clip_joint *joint, sn_index frame, sn_error *error) {
-    sn_index i = s->joint_node[j];
-    sn_affine away = compose(&s->now[i], &s->inverse[i]);
+    const sn_affine *now = &s->now[s->joint_frame[j]];
+    sn_affine away = compose(now, &s->inverse[j]);
     sn_rigid *pose = &joint->poses[frame];
     double stretch = stretch_of(&away);
-    if (!nearest_rotation(&away, &pose->rotation) || !isfinite(stretch) || !sn_finite3(place_of(&s->now[i])))
+    if (!nearest_rotation(&away, &pose->rotation) || !isfinite(stretch) || !sn_finite3(place_of(now)))
         return sn_fail(error, SN_ERROR_INPUT,
                        "the node \"%.100s\" is flat, mirrored or too large in frame %d, which no motion of a bone is",
-                       s->nodes->nodes[i].name, (int)frame);
-    pose->translation = sn_sub(place_of(&s->now[i]), sn_quat_rotate(pose->rotation, joint->rest));
+                       s->nodes->nodes[s->joint_node[j]].name, (int)frame);
+    pose->translation = sn_sub(place_of(now), sn_quat_rotate(pose->rotation, joint->rest));
     if (stretch > s->worst_scale) {
         s->worst_scale = stretch;
         s->worst_joint = j;
@@ -391,8 +417,8 @@ sn_status sn_nodes_clip(const sn_nodes *nodes, const sn_nodes_clip_options *opti
     *out = (sn_clip){0};
     sn_status status = SN_OK;
     if (!(s.channel = SN_NEW(sn_index, count)) || !(s.base = SN_NEW(sn_index, count)) || !(s.joint = SN_NEW(sn_index, count)) ||
-        !(s.joint_node = SN_NEW(sn_index, count)) || !(s.rest = SN_NEW(sn_affine, count)) || !(s.now = SN_NEW(sn_affine, count)) ||
-        !(s.inverse = SN_NEW(sn_affine, count)))
+        !(s.joint_node = SN_NEW(sn_index, count)) || !(s.joint_frame = SN_NEW(sn_index, count)) || !(s.rest = SN_NEW(sn_affine, count)) ||
+        !(s.now = SN_NEW(sn_affine, count)) || !(s.inverse = SN_NEW(sn_affine, count)))
         status = sn_fail_memory(error, "a motion");
     if (status == SN_OK) status = find_channels(&s, error);
     if (status == SN_OK) status = find_joints(&s, error);
@@ -403,6 +429,7 @@ sn_status sn_nodes_clip(const sn_nodes *nodes, const sn_nodes_clip_options *opti
     free(s.base);
     free(s.joint);
     free(s.joint_node);
+    free(s.joint_frame);
     free(s.rest);
     free(s.now);
     free(s.inverse);
