@@ -4,9 +4,16 @@
 model-fk.py origins MODEL.osim MOTION|- CLIP     frames of all bodies, and coordinates, within 1e-9 of CLIP (motion_models --write)
 model-fk.py lengths MODEL.osim CLIP LENGTHS.sto  lengths of the muscles' paths over the bodies of CLIP, within 2e-6 m of OpenSim's
 model-fk.py mjcf MODEL.xml MOTION|- CLIP         frames of all bodies and centres of joints within 1e-9
+model-fk.py bones MODEL MOTION|- DOCUMENT FOLDER vertices of all bones that motion-import --bones has written, moved by the joints of the
+                                                 motion document, within 1e-9 m of those of the model's mesh files in FOLDER
+model-fk.py trot MODEL.xml MOTION                columns of the dog's trot (share/examples/dog): in the joints' ranges, feet in turn, diagonals
+                                                 together, standing where they stand
 Prints a line of figures; status 1 where a limit is passed. Only the standard library is used.
 """
+import json
 import math
+import os
+import struct
 import sys
 import xml.etree.ElementTree as ET
 
@@ -377,7 +384,7 @@ class Mjcf:
         self.defaults = {}
         for d in self.root.findall("default"):
             self.read_default(d, {}, "main")
-        self.bodies, self.first_joint = [], {}
+        self.bodies, self.range = [], {}
         for body in self.root.findall("worldbody/body"):
             self.read_body(body, "", "main")
 
@@ -402,17 +409,20 @@ class Mjcf:
         for j in body.findall("joint"):
             a = dict(self.defaults[j.get("class", style)])
             a.update(j.attrib)
+            self.range[j.get("name")] = numbers(a.get("range"))
             joints.append((j.get("name"), a.get("type", "hinge"), numbers(a.get("pos", "0 0 0")), numbers(a.get("axis", "0 0 1"))))
         place = chain(shift(numbers(body.get("pos", "0 0 0"))), self.orientation(body))
-        self.bodies.append((body.get("name"), parent, place, joints, body.find("freejoint") is not None))
+        free = body.find("freejoint")
+        self.bodies.append((body.get("name"), parent, place, joints, free.get("name") if free is not None else None))
         for child in body.findall("body"):
             self.read_body(child, body.get("name"), style)
 
     def frames(self, q):
         """World frame of each body, and the centre of its first joint in it."""
         out, centres = {"": identity()}, {}
-        for name, parent, place, joints, _ in self.bodies:
-            m = mul(out[parent], place)
+        for name, parent, place, joints, free in self.bodies:
+            gone = shift([q.get(f"{free}_t{axis}", 0.0) for axis in "xyz"])  # in the world's axes; it is never turned here
+            m = chain(gone, out[parent], place)
             for joint, kind, centre, axis in joints:
                 assert kind == "hinge"
                 m = chain(m, shift(centre), turn(axis, q.get(joint, 0.0)), shift([-c for c in centre]))
@@ -421,13 +431,19 @@ class Mjcf:
         return out, centres
 
 
+def mjcf_rows(model, motion):
+    """Values of the coordinates that a motion tells, row by row."""
+    if motion == "-":
+        return [{}]
+    lengths = {f"{body[4]}_t{axis}" for body in model.bodies if body[4] for axis in "xyz"}
+    names, table, degrees = read_storage(motion)
+    return [{n: math.radians(v) if degrees and n not in lengths else v for n, v in zip(names[1:], row[1:])} for row in table]
+
+
 def mjcf(model_path, motion, clip_path):
     model = Mjcf(model_path)
     coordinates, joints = read_clip(clip_path)
-    rows = [{}]
-    if motion != "-":
-        names, table, degrees = read_storage(motion)
-        rows = [{n: math.radians(v) if degrees else v for n, v in zip(names[1:], row[1:])} for row in table]
+    rows = mjcf_rows(model, motion)
     rest, centres = model.frames({})
     worst = 0.0
     for k, q in enumerate(rows):
@@ -442,9 +458,153 @@ def mjcf(model_path, motion, clip_path):
     return worst < 1e-9 and len(joints) == len(model.bodies) and len(coordinates) >= count and (motion == "-" or moved > 0.05)
 
 
+# ---- bones --------------------------------------------------------------------------------------------------------------------------
+
+
+def read_ply(path):
+    """Positions and triangles of what motion-import writes."""
+    data = open(path, "rb").read()
+    end = data.index(b"end_header\n") + 11
+    head = data[:end].decode().split("\n")
+    assert head[1] == "format binary_little_endian 1.0" and [h for h in head if h.startswith("property")] == [
+        "property double x", "property double y", "property double z", "property list uchar int vertex_indices"], head
+    vertices, faces = (int(next(h for h in head if h.startswith("element " + e)).split()[2]) for e in ("vertex", "face"))
+    points = [struct.unpack_from("<3d", data, end + 24 * i) for i in range(vertices)]
+    return points, [struct.unpack_from("<B3i", data, end + 24 * vertices + 13 * i)[1:] for i in range(faces)]
+
+
+def read_vtp(path):
+    """Points of an ASCII file, in their order."""
+    root = ET.parse(path).getroot()
+    flat = numbers(root.find("PolyData/Piece/Points/DataArray").text)
+    return [flat[i:i + 3] for i in range(0, len(flat), 3)]
+
+
+def read_stl(path):
+    """Corners of the triangles of a binary file, in their order."""
+    data = open(path, "rb").read()
+    count = struct.unpack_from("<I", data, 80)[0]
+    return [struct.unpack_from("<3f", data, 84 + 50 * i + 12 + 12 * k) for i in range(count) for k in range(3)]
+
+
+def osim_meshes(model):
+    """Name, file, body, scale and place of every mesh of a document of version 4, all of them fixed to a body itself."""
+    owners = [model.model.find("Ground")] + list(model.model.find("BodySet/objects"))
+    for owner in owners:
+        for m in owner.findall("attached_geometry/Mesh"):
+            assert text_of(m, "socket_frame") == ".."
+            yield text_of(m, "mesh_file")[:-4], text_of(m, "mesh_file"), owner.get("name"), numbers(text_of(m, "scale_factors")), identity()
+
+
+def mjcf_meshes(model):
+    """The same of a model of MuJoCo's: geoms of a class that makes them meshes, at pos and euler or quat."""
+    files = {m.get("name"): m.get("file") for m in model.root.findall("asset/mesh")}
+    for body in model.root.iter("body"):
+        for g in body.findall("geom"):
+            if g.get("mesh"):
+                yield g.get("name"), files[g.get("mesh")], body.get("name"), [1, 1, 1], chain(shift(numbers(g.get("pos", "0 0 0"))), model.orientation(g))
+
+
+def world_poses(document, frame):
+    """World pose of each joint of a motion document at one of its frames."""
+    out = {}
+    for joint in document["joints"]:
+        key = joint["keys"][min(frame, len(joint["keys"]) - 1)]
+        own = chain(shift(key.get("translation", [0, 0, 0])), quaternion(*key.get("rotation", [1, 0, 0, 0])))
+        out[joint["name"]] = mul(out[joint["parent"]], own) if joint.get("parent") else own
+    return out
+
+
+def bone_error(bone, document_path, source, poses, frame, scale, up_y):
+    """How far off the vertices of a bone are, a few hundred of them; and how far they have gone from rest."""
+    points, triangles = read_ply(os.path.join(os.path.dirname(document_path), bone["mesh"]))
+    if source.endswith(".vtp"):
+        theirs, mine = read_vtp(source), points
+    else:
+        theirs, mine = read_stl(source), [points[v] for t in triangles for v in t]
+    assert len(theirs) == len(mine), (bone["name"], len(theirs), len(mine))
+    worst, moved, pose = 0.0, 0.0, poses.get(bone.get("joint"), identity())
+    for k in range(0, len(mine), max(1, len(mine) // 300)):
+        x, y, z = point(frame, [s * c for s, c in zip(scale, theirs[k])])
+        now = point(pose, mine[k])
+        worst = max(worst, math.dist(now, (x, -z, y) if up_y else (x, y, z)))
+        moved = max(moved, math.dist(now, mine[k]))
+    return worst, moved
+
+
+def bones(model_path, motion, document_path, folder):
+    document = json.load(open(document_path))
+    up_y = model_path.endswith(".osim")
+    model = Osim(model_path) if up_y else Mjcf(model_path)
+    meshes = {m[0]: m[1:] for m in (osim_meshes(model) if up_y else mjcf_meshes(model))}
+    rows = coordinate_rows(model, motion) if up_y else mjcf_rows(model, motion)
+    worst = moved = 0.0
+    frames = sorted({0, len(rows) // 3, len(rows) // 2, len(rows) - 1})
+    for k in frames:
+        bodies = model.frames(rows[k]) if up_y else model.frames(rows[k])[0]
+        poses = world_poses(document, k)
+        assert len(document["bones"]) == len(meshes)
+        for bone in document["bones"]:
+            file, body, scale, frame = meshes[bone["name"]]
+            assert bone.get("joint", "ground") == body and bone["units"] == 1, bone
+            off, way = bone_error(bone, document_path, os.path.join(folder, os.path.basename(file)), poses, mul(bodies[body], frame), scale, up_y)
+            worst, moved = max(worst, off), max(moved, way)
+    names = [b["name"] for b in document["bones"]]
+    print(f"{len(names)} bones at {len(frames)} of {len(rows)} frames: vertices within {worst:.2e} m; one has gone {moved:.3f} m")
+    return worst < 1e-9 and len(set(names)) == len(names) and (motion == "-" or moved > 0.05)
+
+
+# ---- the dog's trot -----------------------------------------------------------------------------------------------------------------
+
+FEET = {"hind left": "toe_L", "fore right": "finger_R", "hind right": "toe_R", "fore left": "finger_L"}
+UP = 0.02  # m above its lowest place: a foot that swings
+
+
+def runs_of(flags):
+    """How many times a foot is lifted."""
+    return sum(b and not a for a, b in zip([False] + flags, flags))
+
+
+def out_of_range(model, names, table):
+    return [n for k, n in enumerate(names[1:], 1) if model.range.get(n) and
+            not all(model.range[n][0] <= row[k] <= model.range[n][1] for row in table)]
+
+
+def trot(model_path, motion):
+    model = Mjcf(model_path)
+    names, table, _ = read_storage(motion)
+    unknown = [n for n in names[1:] if n not in model.range and n not in ("root_tx", "root_tz")]
+    wrong = out_of_range(model, names, table)
+    places = {foot: [] for foot in FEET}
+    for q in mjcf_rows(model, motion):
+        frames, _ = model.frames(q)
+        for foot, body in FEET.items():
+            places[foot].append((frames[body][0][3], frames[body][2][3]))
+    lift = {foot: [z - min(p[1] for p in path) for _, z in path] for foot, path in places.items()}
+    up = {foot: [h > UP for h in heights] for foot, heights in lift.items()}
+    rows, step = len(table), table[1][0]
+    strides = round(table[-1][0] / 0.5)
+    together = min(sum(a == b for a, b in zip(up[x], up[y])) / rows for x, y in (("hind left", "fore right"), ("hind right", "fore left")))
+    flying = sum(all(up[f][k] for f in FEET) for k in range(rows))
+    standing = sum(not any(up[f][k] for f in FEET) for k in range(rows))
+    slip = 0.0
+    for n, path in enumerate(places.values()):
+        for k in range(rows - 1):
+            if 0.08 <= (table[k][0] / 0.5 + (n >= 2) * 0.5) % 1 <= 0.42:  # well within its stance
+                slip = max(slip, abs(path[k + 1][0] - path[k][0]) / step, abs(path[k + 1][1] - path[k][1]) / step)
+    heights = [max(lift[f]) for f in FEET]
+    again = max(abs(a - b) for n, a, b in zip(names[2:], table[0][2:], table[round(0.5 / step)][2:]))
+    print(f"{rows} rows, {len(names) - 1} columns: diagonals agree in {100 * together:.0f} % of them, all feet up in {flying}, down in {standing}; "
+          f"lifted by {min(heights):.3f} to {max(heights):.3f} m; feet that stand move by at most {slip:.2f} m/s of {table[-1][1] / table[-1][0]:.2f}")
+    print("not of the model:", unknown, "out of range:", wrong)
+    lifted = all(runs_of(up[f]) in (strides, strides + 1) for f in FEET)
+    return not unknown and not wrong and together >= 0.9 and lifted and 0.04 < min(heights) and max(heights) < 0.15 and again < 1e-3 \
+        and flying <= rows // 20 and standing < rows // 2 and slip < 0.4
+
+
 def main():
-    modes = {"origins": (origins, 3), "lengths": (lengths, 3), "mjcf": (mjcf, 3)}
-    if len(sys.argv) != 5 or sys.argv[1] not in modes:
+    modes = {"origins": (origins, 3), "lengths": (lengths, 3), "mjcf": (mjcf, 3), "bones": (bones, 4), "trot": (trot, 2)}
+    if len(sys.argv) < 2 or sys.argv[1] not in modes or len(sys.argv) != 2 + modes[sys.argv[1]][1]:
         raise SystemExit(__doc__)
     sys.exit(0 if modes[sys.argv[1]][0](*sys.argv[2:]) else 1)
 

@@ -168,8 +168,11 @@ static sn_index angle_count(const sn_motion *motion) {
     return count;
 }
 
+/* Columns before those of the fibres: time, hinges, coordinates. */
+static sn_index input_count(const sn_motion *motion) { return 1 + angle_count(motion) + motion->coordinate_count; }
+
 static int64_t column_count(const fiber_run *run) {
-    int64_t count = 1 + angle_count(&run->scene->motion);
+    int64_t count = input_count(&run->scene->motion);
     for (sn_index i = 0; i < run->model->muscle_count; i++)
         count += (run->with.blend > 0.0 ? 2 : 1) * (int64_t)run->muscles[i].bundle.fiber_count;
     return count;
@@ -187,6 +190,14 @@ static char *column_name(const char *name, const char *middle, sn_index number) 
     return text;
 }
 
+/* "NAME.rad", "NAME.m", or "NAME" of what has no unit. */
+static char *unit_name(const char *name, const char *unit) {
+    size_t size = strlen(name) + strlen(unit) + 2;
+    char *text = sn_alloc(size, 1);
+    if (text != NULL) snprintf(text, size, "%s%s%s", name, *unit != '\0' ? "." : "", unit);
+    return text;
+}
+
 static bool name_columns(const fiber_run *run, char **names) {
     const sn_motion *motion = &run->scene->motion;
     sn_index n = 0;
@@ -194,6 +205,10 @@ static bool name_columns(const fiber_run *run, char **names) {
     for (sn_index i = 0; i < motion->joint_count; i++)
         if (motion->joints[i].kind == SN_JOINT_HINGE)
             enough &= (names[n++] = column_name(motion->joints[i].name, ".angle", SN_NONE)) != NULL;
+    for (sn_index i = 0; i < motion->coordinate_count; i++) {
+        const sn_coordinate *coordinate = &motion->coordinates[i];
+        enough &= (names[n++] = unit_name(coordinate->name, coordinate->unit)) != NULL;
+    }
     for (sn_index i = 0; i < run->model->muscle_count; i++) {
         const char *muscle = run->model->muscles[i].source->name;
         sn_index count = run->muscles[i].bundle.fiber_count;
@@ -209,7 +224,7 @@ static sn_status create_table(fiber_run *run, int64_t rows, sn_index columns, ch
                                     .rows = rows,
                                     .columns = columns,
                                     .names = (const char *const *)names,
-                                    .smoothed_from = 1 + angle_count(&run->scene->motion),
+                                    .smoothed_from = input_count(&run->scene->motion),
                                     .rounds = run->with.smooth ? SMOOTHING_ROUNDS : 0};
     return sn_table_create(run->with.lengths, &params, &run->table, error);
 }
@@ -234,6 +249,7 @@ static sn_status write_lengths(fiber_run *run, double time, sn_error *error) {
     *to++ = time;
     for (sn_index i = 0; i < motion->joint_count; i++)
         if (motion->joints[i].kind == SN_JOINT_HINGE) *to++ = sn_channel_at(&motion->joints[i].angle, time) * DEGREES;
+    for (sn_index i = 0; i < motion->coordinate_count; i++) *to++ = sn_coordinate_at(&motion->coordinates[i], time);
     for (sn_index i = 0; i < run->model->muscle_count; i++) {
         const fiber_muscle *f = &run->muscles[i];
         double unit = run->model->muscles[i].source->rig.meters_per_unit;

@@ -1,5 +1,6 @@
 /*
- * mesh-import.c -- the meshes of a glTF, FBX, Collada, 3DS, ... file as one binary PLY file; the only user of assimp.
+ * mesh-import.c -- the meshes of a glTF, FBX, Collada, 3DS, ... file as one binary PLY file, or its nodes and their animations as text;
+ * the only user of assimp.
  *
  * Assimp crashes, hangs and eats memory on damaged files, so the other tools run this program as a child with limits (lib/io/import.c)
  * and believe nothing of its answer. Comments of the PLY file say what PLY cannot: the unit, the axis that is up, and which faces
@@ -19,8 +20,10 @@
 #include <sys/stat.h>
 
 static const char *name; /* --name */
+static bool motion;      /* --motion */
 
 static const cli_option options[] = {
+    {0, "motion", NULL, CLI_FLAG, &motion, 0, 0, 0, NULL, "write the nodes and their animations as text, in place of the meshes"},
     {0, "name", "FILE", CLI_TEXT, &name, 0, 0, 0, NULL, "what the standard input is called: for messages, and to find buffers beside it"},
 };
 
@@ -389,10 +392,11 @@ static void take_frame(const struct aiScene *scene, const char *kind, sn_mesh_fr
 static const struct aiScene *load(folder *f, const char *kind) {
     struct aiPropertyStore *properties = aiCreatePropertyStore();
     if (properties == NULL) return NULL;
-    static const char *const off[] = {AI_CONFIG_IMPORT_FBX_READ_MATERIALS,  AI_CONFIG_IMPORT_FBX_READ_TEXTURES,
-                                      AI_CONFIG_IMPORT_FBX_READ_CAMERAS,    AI_CONFIG_IMPORT_FBX_READ_LIGHTS,
-                                      AI_CONFIG_IMPORT_FBX_READ_ANIMATIONS, AI_CONFIG_IMPORT_FBX_READ_WEIGHTS};
+    static const char *const off[] = {AI_CONFIG_IMPORT_FBX_READ_MATERIALS, AI_CONFIG_IMPORT_FBX_READ_TEXTURES,
+                                      AI_CONFIG_IMPORT_FBX_READ_CAMERAS, AI_CONFIG_IMPORT_FBX_READ_LIGHTS};
     for (size_t i = 0; i < sizeof off / sizeof *off; i++) aiSetImportPropertyInteger(properties, off[i], 0);
+    aiSetImportPropertyInteger(properties, AI_CONFIG_IMPORT_FBX_READ_ANIMATIONS, motion);
+    aiSetImportPropertyInteger(properties, AI_CONFIG_IMPORT_FBX_READ_WEIGHTS, motion);
     aiSetImportPropertyInteger(properties, AI_CONFIG_IMPORT_NO_SKELETON_MESHES, 1);
     aiSetImportPropertyInteger(properties, AI_CONFIG_IMPORT_COLLADA_USE_COLLADA_NAMES, 1);
     f->io = (struct aiFileIO){.OpenProc = open_file, .CloseProc = close_file};
@@ -410,15 +414,23 @@ static sn_status fail_import(const char *kind, const char *words, sn_error *erro
     return sn_fail(error, SN_ERROR_INPUT, "cannot be imported as %s: %s", format, words);
 }
 
-static sn_status import(const sn_blob *input, meshes *out, sn_error *error) {
+/* The scene of a file; its root node without the turn and the scale that assimp has put there. */
+static sn_status open_scene(const sn_blob *input, const struct aiScene **out, sn_mesh_frame *frame, sn_error *error) {
     const char *kind = sn_import_detect(input);
     if (kind == NULL) return sn_fail(error, SN_ERROR_INPUT, "is in no format that can be imported; glTF, FBX, Collada and 3DS are some");
     folder f = {.input = input};
-    const struct aiScene *scene = load(&f, kind);
-    if (scene == NULL) return fail_import(kind, aiGetErrorString(), error);
+    *out = load(&f, kind);
+    if (*out == NULL) return fail_import(kind, aiGetErrorString(), error);
+    take_frame(*out, kind, frame);
+    return SN_OK;
+}
+
+static sn_status import(const sn_blob *input, meshes *out, sn_error *error) {
+    const struct aiScene *scene = NULL;
+    sn_status status = open_scene(input, &scene, &out->frame, error);
+    if (status != SN_OK) return status;
     static const transform world = {{{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}}};
-    take_frame(scene, kind, &out->frame);
-    sn_status status = add_node(out, scene, scene->mRootNode, &world, error);
+    status = add_node(out, scene, scene->mRootNode, &world, error);
     if (status == SN_OK && out->face_count == 0)
         status = sn_fail(error, SN_ERROR_INPUT, "holds no surface: no mesh of triangles or polygons is in its scene");
     aiReleaseImport(scene);
@@ -478,6 +490,209 @@ static sn_status convert(cli *c, const sn_blob *input, sn_error *error) {
     return status;
 }
 
+/* ---- nodes and animations ----------------------------------------------------------------------------------------------------------
+ *
+ * Text, a line for each thing: "sinew-nodes 1"; "metersPerUnit NUMBER", "up y" where they are known; "node PARENT NAME" (-1 = none), the
+ * twelve numbers of its transform to its parent behind it; "bind NODE" and twelve numbers: where a bone is in the world as its mesh was
+ * bound; "animation TICKS CHANNELS NAME", and for each channel "channel NODE POSITIONS ROTATIONS SCALES", then so many lines of a time in
+ * ticks and three or four numbers (w x y z); "end". A node is -1 where the scene has none of its name.
+ */
+
+typedef struct listing {
+    const struct aiNode **nodes; /* parents before children */
+    int *parents, *sorted;       /* sorted: by name */
+    size_t count, capacity;
+} listing;
+
+static void free_listing(listing *l) {
+    free(l->nodes);
+    free(l->parents);
+    free(l->sorted);
+}
+
+static bool add_listed(listing *l, const struct aiNode *node, int parent) {
+    size_t other = l->capacity;
+    if (l->count >= SN_INDEX_MAX || !sn_grow((void **)&l->parents, &other, l->count + 1, sizeof *l->parents) ||
+        !sn_grow((void **)&l->nodes, &l->capacity, l->count + 1, sizeof *l->nodes))
+        return false;
+    l->parents[l->count] = parent;
+    l->nodes[l->count++] = node;
+    return true;
+}
+
+static const listing *sorting; /* what qsort's and bsearch's comparison looks at */
+
+static int compare_names(const void *a, const void *b) {
+    int i = *(const int *)a, j = *(const int *)b, order = strcmp(sorting->nodes[i]->mName.data, sorting->nodes[j]->mName.data);
+    return order != 0 ? order : (i > j) - (i < j);
+}
+
+static int compare_with_name(const void *text, const void *b) { return strcmp(text, sorting->nodes[*(const int *)b]->mName.data); }
+
+/* Level by level, without a stack. */
+static sn_status list_nodes(const struct aiScene *scene, listing *l, sn_error *error) {
+    bool enough = add_listed(l, scene->mRootNode, -1);
+    for (size_t i = 0; i < l->count && enough; i++)
+        for (unsigned k = 0; k < l->nodes[i]->mNumChildren && enough; k++) enough = add_listed(l, l->nodes[i]->mChildren[k], (int)i);
+    if (enough) enough = (l->sorted = SN_NEW(int, l->count)) != NULL;
+    if (!enough) return sn_fail_memory(error, "the nodes");
+    for (size_t i = 0; i < l->count; i++) l->sorted[i] = (int)i;
+    sorting = l;
+    qsort(l->sorted, l->count, sizeof *l->sorted, compare_names);
+    return SN_OK;
+}
+
+/* *out is -1 where there is none. Assimp's animations name nodes, which fits one only where names are distinct. */
+static sn_status find_node(const listing *l, const struct aiString *text, int *out, sn_error *error) {
+    sorting = l;
+    const int *at = bsearch(text->data, l->sorted, l->count, sizeof *l->sorted, compare_with_name);
+    *out = at != NULL ? *at : -1;
+    if (at == NULL) return SN_OK;
+    size_t i = (size_t)(at - l->sorted);
+    bool twin = (i > 0 && compare_with_name(text->data, at - 1) == 0) || (i + 1 < l->count && compare_with_name(text->data, at + 1) == 0);
+    if (!twin) return SN_OK;
+    return sn_fail(error, SN_ERROR_INPUT, "an animation or a skin names the node \"%.100s\", and more than one is called so; rename them",
+                   text->data);
+}
+
+/* As one line. */
+static void write_name(const struct aiString *text, sn_output *output) {
+    char line[sizeof text->data + 1] = " ";
+    size_t length = 1;
+    for (size_t i = 0; i < text->length && text->data[i] != '\0' && length < sizeof line - 1; i++) {
+        unsigned char c = (unsigned char)text->data[i];
+        line[length++] = c < ' ' || c == 0x7f ? '_' : (char)c;
+    }
+    sn_output_write(output, line, length, NULL);
+}
+
+static void write_transform(const transform *t, sn_output *output) {
+    for (int i = 0; i < 3; i++)
+        for (int j = 0; j < 4; j++) sn_output_print(output, "%s%.17g", i + j > 0 ? " " : "", t->m[i][j]);
+    sn_output_print(output, "\n");
+}
+
+static void write_nodes(const listing *l, sn_output *output) {
+    for (size_t i = 0; i < l->count; i++) {
+        transform t = to_transform(&l->nodes[i]->mTransformation);
+        sn_output_print(output, "node %d", l->parents[i]);
+        write_name(&l->nodes[i]->mName, output);
+        sn_output_print(output, "\n");
+        write_transform(&t, output);
+    }
+}
+
+/* The inverse of what is affine; zeros where there is none. */
+static transform invert(const transform *t) {
+    const double(*m)[4] = t->m;
+    double d = determinant(t);
+    transform out = {{{0}}};
+    if (d == 0.0) return out;
+    for (int i = 0; i < 3; i++)
+        for (int j = 0; j < 3; j++) {
+            int a = (j + 1) % 3, b = (j + 2) % 3, u = (i + 1) % 3, v = (i + 2) % 3;
+            out.m[i][j] = (m[a][u] * m[b][v] - m[a][v] * m[b][u]) / d;
+        }
+    for (int i = 0; i < 3; i++) out.m[i][3] = -(out.m[i][0] * m[0][3] + out.m[i][1] * m[1][3] + out.m[i][2] * m[2][3]);
+    return out;
+}
+
+/* Where the node is in the world, at rest. */
+static transform world_of(const listing *l, int node) {
+    transform t = {{{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}}};
+    for (; node >= 0; node = l->parents[node]) {
+        transform own = to_transform(&l->nodes[node]->mTransformation);
+        t = multiply(&own, &t);
+    }
+    return t;
+}
+
+/* The bones of the meshes of one node. A bone's offset takes the mesh to the bone, as they were when the mesh was bound. */
+static sn_status write_binds(const listing *l, const struct aiScene *scene, int node, sn_output *output, sn_error *error) {
+    const struct aiNode *holder = l->nodes[node];
+    transform world = holder->mNumMeshes > 0 ? world_of(l, node) : (transform){{{0}}};
+    for (unsigned k = 0; k < holder->mNumMeshes; k++) {
+        if (holder->mMeshes[k] >= scene->mNumMeshes) return sn_fail(error, SN_ERROR_INPUT, "a node names a mesh that is not there");
+        const struct aiMesh *mesh = scene->mMeshes[holder->mMeshes[k]];
+        for (unsigned b = 0; b < mesh->mNumBones; b++) {
+            int bone;
+            transform offset = to_transform(&mesh->mBones[b]->mOffsetMatrix), inverse = invert(&offset), bind = multiply(&world, &inverse);
+            sn_status status = find_node(l, &mesh->mBones[b]->mName, &bone, error);
+            if (status != SN_OK) return status;
+            sn_output_print(output, "bind %d\n", bone);
+            write_transform(&bind, output);
+        }
+    }
+    return SN_OK;
+}
+
+static void write_vectors(const struct aiVectorKey *keys, unsigned count, sn_output *output) {
+    for (unsigned i = 0; i < count; i++) {
+        const struct aiVector3D v = keys[i].mValue;
+        sn_output_print(output, "%.17g %.9g %.9g %.9g\n", keys[i].mTime, (double)v.x, (double)v.y, (double)v.z);
+    }
+}
+
+static sn_status write_channel(const listing *l, const struct aiNodeAnim *channel, sn_output *output, sn_error *error) {
+    int node;
+    sn_status status = find_node(l, &channel->mNodeName, &node, error);
+    if (status != SN_OK) return status;
+    sn_output_print(output, "channel %d %u %u %u\n", node, channel->mNumPositionKeys, channel->mNumRotationKeys, channel->mNumScalingKeys);
+    write_vectors(channel->mPositionKeys, channel->mNumPositionKeys, output);
+    for (unsigned i = 0; i < channel->mNumRotationKeys; i++) {
+        const struct aiQuaternion q = channel->mRotationKeys[i].mValue;
+        sn_output_print(output, "%.17g %.9g %.9g %.9g %.9g\n", channel->mRotationKeys[i].mTime, (double)q.w, (double)q.x, (double)q.y,
+                        (double)q.z);
+    }
+    write_vectors(channel->mScalingKeys, channel->mNumScalingKeys, output);
+    return SN_OK;
+}
+
+static sn_status write_animations(const listing *l, const struct aiScene *scene, sn_output *output, sn_error *error) {
+    sn_status status = SN_OK;
+    for (unsigned i = 0; i < scene->mNumAnimations && status == SN_OK; i++) {
+        const struct aiAnimation *animation = scene->mAnimations[i];
+        sn_output_print(output, "animation %.17g %u", animation->mTicksPerSecond, animation->mNumChannels);
+        write_name(&animation->mName, output);
+        sn_output_print(output, "\n");
+        for (unsigned k = 0; k < animation->mNumChannels && status == SN_OK; k++)
+            status = write_channel(l, animation->mChannels[k], output, error);
+    }
+    return status;
+}
+
+static sn_status write_motion(const struct aiScene *scene, const sn_mesh_frame *frame, sn_output *output, sn_error *error) {
+    listing l = {0};
+    sn_status status = list_nodes(scene, &l, error);
+    if (status == SN_OK) {
+        sn_output_print(output, "sinew-nodes 1\n");
+        if (frame->meters_per_unit > 0.0) sn_output_print(output, "metersPerUnit %.17g\n", frame->meters_per_unit);
+        if (frame->up != SN_UP_UNKNOWN) sn_output_print(output, "up %c\n", frame->up == SN_UP_Y ? 'y' : 'z');
+        write_nodes(&l, output);
+    }
+    for (size_t i = 0; i < l.count && status == SN_OK; i++) status = write_binds(&l, scene, (int)i, output, error);
+    if (status == SN_OK) status = write_animations(&l, scene, output, error);
+    if (status == SN_OK) status = sn_output_print(output, "end\n");
+    free_listing(&l);
+    return status;
+}
+
+static sn_status convert_motion(cli *c, const sn_blob *input, sn_error *error) {
+    const struct aiScene *scene = NULL;
+    sn_mesh_frame frame = {0};
+    sn_output *output = NULL;
+    sn_status status = open_scene(input, &scene, &frame, error);
+    if (status != SN_OK) return status;
+    status = sn_output_open(c->output, false, &output, error);
+    if (status == SN_OK) status = write_motion(scene, &frame, output, error);
+    if (status == SN_OK)
+        status = sn_output_commit(output, error);
+    else
+        sn_output_abort(output);
+    aiReleaseImport(scene);
+    return status;
+}
+
 int main(int argc, char **argv) {
     cli c;
     sn_blob input = {0};
@@ -488,7 +703,7 @@ int main(int argc, char **argv) {
         free(input.name);
         if ((input.name = sn_strdup(name)) == NULL) status = sn_fail_memory(&error, "a file name");
     }
-    if (status == SN_OK) status = convert(&c, &input, &error);
+    if (status == SN_OK) status = motion ? convert_motion(&c, &input, &error) : convert(&c, &input, &error);
     if (status != SN_OK) sn_error_set_file(&error, input.name);
     sn_blob_free(&input);
     return cli_finish(&c, status, &error);

@@ -1,14 +1,18 @@
 /* motion-import.c -- a motion as it was recorded, from the files of other programs, as a motion document. */
 #include "cli.h"
+#include "sinew/model_files.h"
 
+#include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 
 /* More jumps than this are counted, not told one by one. */
 enum { JUMPS_TOLD = 5 };
 
-static const char *skeleton, *frames;
+static const char *skeleton, *frames, *bones, *animation;
+static cli_list bone_paths;
 static double rate, cutoff, source_rate;
 static int units, up, positions;
 static bool list;
@@ -30,14 +34,20 @@ static const cli_option options[] = {
     {0, "up", "AXIS", CLI_CHOICE, &up, CLI_RESULT, 0, 0, up_names,
      "up axis of the source: z, or y, turned to z (default: as its format says; BVH, AMC and OSIM y)"},
     {0, "source-rate", "HZ", CLI_NUMBER, &source_rate, CLI_RESULT, 1e-3, 1e5, NULL,
-     "frames a second of the source (default: as the file says, else 120)"},
+     "frames a second of the source (default: as the file says, else 120; of glTF, FBX and Collada as their keys suggest, else 30)"},
+    {0, "animation", "NAME|N", CLI_TEXT, &animation, CLI_RESULT, 0, 0, NULL,
+     "of a file with several animations (glTF, FBX, Collada), the one to read (default: the first)"},
     {0, "positions", "HOW", CLI_CHOICE, &positions, CLI_RESULT, 0, 0, position_names,
      "position channels of BVH: add to the OFFSET, replace it, or auto, whatever moves the joint less in the first frame (default)"},
+    {0, "bones", "DIR", CLI_TEXT, &bones, CLI_RESULT, 0, 0, NULL,
+     "write the model's own bones into DIR, a PLY file each, and name them in the document (OSIM, MJCF)"},
+    {0, "bone-path", "DIR", CLI_LIST, &bone_paths, 0, 0, 0, NULL,
+     "look for the model's mesh files in DIR first (default: beside the model, and in Geometry there)"},
     {0, "list", NULL, CLI_FLAG, &list, 0, 0, 0, NULL, "print frames, rate, joints with their parents and coordinates, and do nothing else"},
 };
 
 static const cli_tool tool = {"motion-import",
-                              "read a recorded motion: BVH, ASF and AMC, MOT and STO with OSIM, MJCF, motion documents",
+                              "read a recorded motion: BVH, ASF and AMC, MOT and STO with OSIM, MJCF, glTF, FBX, Collada, motion documents",
                               CLI_TAKES_INPUT | CLI_HAS_OUTPUT | CLI_HAS_TRACE | CLI_HAS_REPORT | CLI_HAS_HISTORY,
                               options,
                               sizeof options / sizeof *options,
@@ -48,6 +58,7 @@ typedef struct job {
     cli c;
     sn_blob motion, skeleton;
     sn_clip clip;
+    sn_model_bones bones;
     sn_clip_jump *jumps;
     sn_index jump_count, source_frames;
     double source_rate;
@@ -78,6 +89,7 @@ static sn_clip_options chosen_options(const cli *c) {
                                    : up == 1           ? SN_UP_Y
                                                        : SN_UP_Z,
                              .rate = source_rate,
+                             .animation = animation,
                              .positions = (sn_clip_positions)positions};
 }
 
@@ -85,6 +97,8 @@ static sn_clip_options chosen_options(const cli *c) {
 
 static sn_status load(job *j, sn_error *error) {
     sn_clip_options chosen = chosen_options(&j->c);
+    sn_bone_search search = {.folders = bone_paths.items, .folder_count = bone_paths.count, .found = &j->bones};
+    if (bones != NULL && !list) chosen.bones = &search;
     sn_status status = sn_blob_read(j->c.inputs.items[0], &j->motion, error);
     if (status == SN_OK && skeleton != NULL) status = sn_blob_read(skeleton, &j->skeleton, error);
     if (status != SN_OK) return status;
@@ -119,6 +133,56 @@ static void warn_of_jumps(const job *j) {
     }
     if (j->jump_count > JUMPS_TOLD)
         cli_warn(&j->c, "%s: and %d more such jumps; --report lists them all", j->motion.name, j->jump_count - JUMPS_TOLD);
+}
+
+/* ---- bones ----------------------------------------------------------------------------------------------------------------- */
+
+static sn_status make_folder(const char *path, sn_error *error) {
+    struct stat info;
+    if ((stat(path, &info) == 0 && S_ISDIR(info.st_mode)) || mkdir(path, 0777) == 0) return SN_OK;
+    return sn_fail_at(error, SN_ERROR_IO, path, 0, "cannot make this folder: %s", strerror(errno));
+}
+
+static char *bone_path(const char *name) {
+    static const char ending[] = ".ply";
+    size_t size = strlen(bones) + strlen(name) + sizeof ending + 1;
+    char *path = sn_alloc(size, 1);
+    if (path != NULL) snprintf(path, size, "%s%s%s%s", bones, bones[strlen(bones) - 1] == '/' ? "" : "/", name, ending);
+    return path;
+}
+
+static sn_status write_bone(const sn_mesh *mesh, const char *path, sn_error *error) {
+    sn_output *output = NULL;
+    sn_status status = sn_output_open(path, false, &output, error);
+    if (status == SN_OK) status = sn_mesh_write(mesh, SN_MESH_PLY, SN_ENCODING_DEFAULT, output, error);
+    if (status == SN_OK) return sn_output_commit(output, error);
+    sn_output_abort(output);
+    return status;
+}
+
+/* Its file, and its entry in the clip. */
+static sn_status save_bone(job *j, sn_index index, sn_error *error) {
+    const sn_model_bone *from = &j->bones.bones[index];
+    sn_motion_bone *to = &j->clip.bones[j->clip.bone_count];
+    sn_mesh mesh = {0};
+    *to = (sn_motion_bone){.name = sn_strdup(from->name), .path = bone_path(from->name), .meters_per_unit = 1.0, .joint = from->joint};
+    j->clip.bone_count++;
+    if (to->name == NULL || to->path == NULL) return sn_fail_memory(error, "a bone");
+    sn_status status = sn_model_bones_load(&j->bones, index, &mesh, error);
+    if (status == SN_OK) status = write_bone(&mesh, to->path, error);
+    sn_mesh_free(&mesh);
+    return status;
+}
+
+static sn_status save_bones(job *j, sn_error *error) {
+    sn_status status = make_folder(bones, error);
+    if (status == SN_OK && (j->clip.bones = SN_NEW(sn_motion_bone, j->bones.count)) == NULL) status = sn_fail_memory(error, "bones");
+    for (sn_index i = 0; i < j->bones.count && status == SN_OK; i++) {
+        status = save_bone(j, i, error);
+        if (status == SN_OK && SN_TRACE(&j->c.trace, "bone", sn_trace_text("name", j->bones.bones[i].name))) return SN_STOPPED;
+    }
+    if (status == SN_OK) cli_say(&j->c, "%d bones in %s", j->clip.bone_count, bones);
+    return status;
 }
 
 /* ---- list ------------------------------------------------------------------------------------------------------------------ */
@@ -170,6 +234,12 @@ static sn_status print_list(const sn_clip *clip, sn_error *error) {
     sn_output_print(output, "\nseconds");
     print_number(output, (clip->frame_count - 1) / clip->rate);
     sn_output_print(output, "\n");
+    for (sn_index i = 0; i < clip->animation_count; i++) {
+        sn_output_print(output, "animation\t%d", i + 1);
+        print_field(output, clip->animations[i].name);
+        print_number(output, clip->animations[i].seconds);
+        sn_output_print(output, "\n");
+    }
     for (sn_index i = 0; i < clip->joint_count; i++) print_joint(output, clip, i);
     for (sn_index i = 0; i < clip->coordinate_count; i++) print_coordinate(output, clip, i);
     status = sn_output_commit(output, error);
@@ -200,6 +270,8 @@ static void write_report(sn_json *json, const void *data) {
     sn_json_number(json, "duration", seconds);
     sn_json_integer(json, "joints", clip->joint_count);
     sn_json_integer(json, "coordinates", clip->coordinate_count);
+    sn_json_integer(json, "bones", clip->bone_count);
+    sn_json_integer(json, "bonesMissing", j->bones.missing);
     sn_json_text(json, "root", clip->joints[0].name);
     sn_json_number(json, "rootWay", way);
     sn_json_number(json, "rootSpeed", seconds > 0.0 ? way / seconds : 0.0);
@@ -227,7 +299,7 @@ static sn_status process(job *j, sn_error *error) {
         status = sn_clip_resample(&j->clip, rate, error);
         if (status == SN_OK && SN_TRACE(&j->c.trace, "resample", sn_trace_number("frames", j->clip.frame_count))) return SN_STOPPED;
     }
-    return status;
+    return status == SN_OK && bones != NULL ? save_bones(j, error) : status;
 }
 
 static sn_status write_motion(const job *j, const sn_motion *motion, const sn_history_entry *entry, sn_error *error) {
@@ -259,6 +331,8 @@ static sn_status save(job *j, sn_error *error) {
 }
 
 static sn_status import_motion(job *j, sn_error *error) {
+    if (bones == NULL && bone_paths.count > 0) cli_usage_error(&j->c, "--bone-path is for --bones, which was not given");
+    if (bones != NULL && *bones == '\0') cli_usage_error(&j->c, "--bones names no folder");
     sn_status status = load(j, error);
     if (status != SN_OK) return status;
     if (list) return print_list(&j->clip, error);
@@ -276,6 +350,7 @@ int main(int argc, char **argv) {
     cli_start(&j.c, &tool, argc, argv);
     sn_status status = import_motion(&j, &error);
     sn_clip_free(&j.clip);
+    sn_model_bones_free(&j.bones);
     sn_blob_free(&j.motion);
     sn_blob_free(&j.skeleton);
     free(j.jumps);

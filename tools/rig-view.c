@@ -1,6 +1,7 @@
-/* rig-view -- draw a muscle document, a mesh, a scene or frames of a simulation as a PNG picture. */
+/* rig-view -- draw a muscle document, a mesh, a motion, a scene or frames of a simulation as a PNG picture. */
 #include "bones.h"
 #include "cli.h"
+#include "motion_view.h"
 #include "sinew/sim.h"
 #include "sinew/view.h"
 
@@ -14,7 +15,7 @@
 static struct {
     const char *size, *camera, *show, *views, *background, *title, *frames, *frame, *error;
     double zoom, range, rate;
-    int64_t samples, columns, substeps;
+    int64_t samples, columns, substeps, frame_count;
     int law, scheme, solver, precision, stretch, preconditioner;
     bool legend;
     cli_list bones, bone_lists, states;
@@ -23,14 +24,16 @@ static struct {
 static const cli_option options[] = {
     {.kind = CLI_HEADING, .help = "What is drawn:"},
     {0, "show", "LIST", CLI_TEXT, &given.show, 0, 0, 0, NULL,
-     "any of surface, roots, structure, fibers, attachments, bones, wire, with commas (default: what is there)"},
+     "any of surface, roots, structure, fibers, attachments, bones, joints, wire, with commas (default: what is there)"},
     {'b', "bone", "[NAME=]FILE", CLI_LIST, &given.bones, 0, 0, 0, NULL, "draw the bone in FILE, in the muscle's unit, with every muscle"},
     {0, "bones", "LIST", CLI_LIST, &given.bone_lists, 0, 0, 0, NULL,
      "a text file with a bone a line: FILE, or NAME, a tab and FILE; relative to LIST"},
     {0, "frames", "PATH", CLI_TEXT, &given.frames, 0, 0, 0, NULL,
      "PC2 point cache of the scene's one muscle, or folder with MUSCLE.pc2 for each"},
     {0, "frame", "LIST", CLI_TEXT, &given.frame, 0, 0, 0, NULL,
-     "frames of the scene to draw, one tile each: 0,12,24 or 0:90:15 (default: its first)"},
+     "frames of the scene or motion to draw, one tile each: 0,12,24 or 0:90:15 (default: its first)"},
+    {0, "frame-count", "N", CLI_INTEGER, &given.frame_count, 0, 1, FRAMES_MAX, NULL,
+     "draw N frames, evenly from the first to the last of the scene or motion"},
     {.kind = CLI_HEADING, .help = "States of a scene:"},
     {0, "state", "FILE", CLI_LIST, &given.states, 0, 0, 0, NULL,
      "draw the scene at a state of simulate, coloured by constraint error; one tile each"},
@@ -65,11 +68,12 @@ static const cli_option options[] = {
 
 static const cli_tool tool = {
     .name = "rig-view",
-    .summary = "Draw muscle documents, meshes, scenes, frames and states of a simulation as a PNG picture.",
+    .summary = "Draw muscle documents, meshes, motions, scenes, frames and states of a simulation as a PNG picture.",
     .shared = CLI_TAKES_INPUTS | CLI_HAS_OUTPUT | CLI_HAS_UNITS | CLI_HAS_THREADS,
     .options = options,
     .option_count = sizeof options / sizeof *options,
-    .notes = "INPUT is a muscle document, a bare mesh (OBJ, PLY, STL, OFF, VTK, VTP) or a scene; nothing or \"-\" is standard input.\n"
+    .notes = "INPUT is a muscle document, a bare mesh (OBJ, PLY, STL, OFF, VTK, VTP), a motion document or a scene;\n"
+             "nothing or \"-\" is standard input.\n"
              "Several inputs, views or frames make a contact sheet.",
 };
 
@@ -80,9 +84,15 @@ static unsigned show_bit(const char *word, size_t length) {
     static const struct {
         const char *name;
         unsigned bit;
-    } names[] = {
-        {"surface", SN_SHOW_SURFACE},         {"roots", SN_SHOW_ROOTS}, {"structure", SN_SHOW_STRUCTURE}, {"fibers", SN_SHOW_FIBERS},
-        {"attachments", SN_SHOW_ATTACHMENTS}, {"bones", SN_SHOW_BONES}, {"wire", SN_SHOW_WIRE},           {"auto", SN_SHOW_AUTO}};
+    } names[] = {{"surface", SN_SHOW_SURFACE},
+                 {"roots", SN_SHOW_ROOTS},
+                 {"structure", SN_SHOW_STRUCTURE},
+                 {"fibers", SN_SHOW_FIBERS},
+                 {"attachments", SN_SHOW_ATTACHMENTS},
+                 {"bones", SN_SHOW_BONES},
+                 {"wire", SN_SHOW_WIRE},
+                 {"auto", SN_SHOW_AUTO},
+                 {"joints", SN_SHOW_JOINTS}};
     for (size_t i = 0; i < sizeof names / sizeof *names; i++)
         if (strlen(names[i].name) == length && memcmp(names[i].name, word, length) == 0) return names[i].bit;
     return 0;
@@ -95,8 +105,8 @@ static unsigned parse_show(const cli *c, const char *text) {
         size_t length = strcspn(text, ",");
         unsigned bit = show_bit(text, length);
         if (!bit)
-            cli_usage_error(c, "--show: '%.*s' is none of surface, roots, structure, fibers, attachments, bones, wire, auto", (int)length,
-                            text);
+            cli_usage_error(c, "--show: '%.*s' is none of surface, roots, structure, fibers, attachments, bones, joints, wire, auto",
+                            (int)length, text);
         show |= bit;
         text += length + (text[length] == ',');
     }
@@ -194,38 +204,6 @@ static looks parse_looks(const cli *c) {
     return all;
 }
 
-enum { FRAMES_MAX = 256 };
-typedef struct frame_list {
-    sn_index count;
-    int64_t items[FRAMES_MAX];
-} frame_list;
-
-/* "0,12,24", "0:90:15", or both mixed. Nothing given = empty. */
-static frame_list parse_frames(const cli *c) {
-    frame_list all = {0};
-    const char *text = given.frame ? given.frame : "";
-    while (*text) {
-        char word[64];
-        size_t length = strcspn(text, ",");
-        int64_t first = 0, last = 0, step = 1;
-        snprintf(word, sizeof word, "%.*s", (int)(length < 63 ? length : 63), text);
-        char *colon = strchr(word, ':'), *second = colon ? strchr(colon + 1, ':') : NULL;
-        if (colon) *colon = 0;
-        if (second) *second = 0;
-        bool good = sn_parse_integer(word, INT32_MIN, INT32_MAX, &first, NULL) == SN_OK;
-        last = first;
-        if (colon) good = good && sn_parse_integer(colon + 1, INT32_MIN, INT32_MAX, &last, NULL) == SN_OK;
-        if (second) good = good && sn_parse_integer(second + 1, 1, INT32_MAX, &step, NULL) == SN_OK;
-        if (!good || last < first) cli_usage_error(c, "--frame: '%.*s' is no frame and no FIRST:LAST:STEP", (int)length, text);
-        for (int64_t f = first; f <= last; f += step) {
-            if (all.count == FRAMES_MAX) cli_usage_error(c, "--frame: more than %d frames", FRAMES_MAX);
-            all.items[all.count++] = f;
-        }
-        text += length + (text[length] == ',');
-    }
-    return all;
-}
-
 enum { KINDS_MAX = 2 * SN_ROW_KINDS };
 typedef struct kind_list {
     sn_index count;
@@ -256,6 +234,7 @@ typedef struct content {
     sn_view view;
     char *caption;
     sn_index group; /* contents of one group share their cameras */
+    bool upright;   /* the automatic camera keeps z up: a body in motion */
 } content;
 
 typedef struct album {
@@ -292,7 +271,7 @@ static void album_free(album *a) {
 /* File name without folder and extensions. */
 static char *caption_of(const char *path) {
     const char *slash = strrchr(path, '/'), *name = slash ? slash + 1 : path;
-    const char *ends[] = {".muscle.json", ".scene.json", ".json", ".ply", ".obj", ".stl", ".off", ".vtk", ".vtp"};
+    const char *ends[] = {".muscle.json", ".scene.json", ".motion.json", ".json", ".ply", ".obj", ".stl", ".off", ".vtk", ".vtp"};
     size_t length = strlen(name);
     for (size_t i = 0; i < sizeof ends / sizeof *ends; i++)
         if (length > strlen(ends[i]) && strcmp(name + length - strlen(ends[i]), ends[i]) == 0)
@@ -584,8 +563,8 @@ static sn_status add_states(album *a, sn_scene *scene, sn_error *error) {
 
 static sn_status add_frames(album *a, const sn_scene *scene, const char *path, sn_error *error) {
     caches k = {0};
-    frame_list frames = parse_frames(a->c);
-    if (frames.count == 0) frames = (frame_list){1, {scene->first_frame}};
+    frame_list frames = frames_parse(a->c, given.frame);
+    if (frames.count == 0) frames = frames_spread(given.frame_count > 0 ? given.frame_count : 1, scene->first_frame, scene->last_frame);
     sn_status status = load_caches(scene, &k, error);
     for (sn_index i = 0; i < frames.count && !status; i++)
         status = add_frame(a, scene, &k, frames.items[i], frames.count == 1 ? path : NULL, error);
@@ -604,15 +583,48 @@ static sn_status add_scene(album *a, const sn_blob *blob, const char *path, sn_e
     return status;
 }
 
+/* ---- motions -------------------------------------------------------------------------------------------------------------- */
+
+static sn_status add_motion(album *a, const sn_blob *blob, const char *path, sn_error *error) {
+    motion_request request = {
+        .c = a->c, .path = path, .show = a->show, .frames = frames_parse(a->c, given.frame), .spread = given.frame_count};
+    motion_picture *pictures;
+    sn_index count;
+    sn_status status = motion_pictures(&request, blob, &pictures, &count, error);
+    if (status) return status;
+    if (a->bones.count > 0) cli_warn(a->c, "--bone is for muscle documents; %s brings its own bones", path);
+    for (sn_index i = 0; i < count && !status; i++) {
+        content item = {.view = pictures[i].view, .caption = pictures[i].caption, .group = a->group_count, .upright = true};
+        pictures[i] = (motion_picture){0}; /* the album's now */
+        if (count == 1) {
+            free(item.caption);
+            item.caption = caption_of(path);
+        }
+        status = album_add(a, &item, error);
+    }
+    a->group_count++;
+    motion_pictures_free(pictures, count);
+    return status;
+}
+
+/* ---- inputs --------------------------------------------------------------------------------------------------------------- */
+
+/* A motion of another format is no mesh either: say how it is drawn. */
+static sn_status add_other(album *a, const sn_blob *blob, const char *path, sn_error *error) {
+    const char *motion = sn_mesh_detect(blob) == SN_MESH_UNKNOWN ? sn_clip_detect(blob) : NULL;
+    if (motion) return sn_fail(error, SN_ERROR_INPUT, "this is %s; make a motion document of it with motion-import, and draw that", motion);
+    return add_muscle(a, blob, path, error);
+}
+
 static sn_status add_input(album *a, const char *path, sn_error *error) {
     sn_blob blob = {0};
     sn_status status = sn_blob_read(path, &blob, error);
     if (status) return status;
-    bool scene = sn_scene_detect(&blob);
+    bool scene = sn_scene_detect(&blob), motion = sn_motion_document_detect(&blob);
     if (!scene && given.states.count > 0)
         status = sn_fail(error, SN_ERROR_INPUT, "--state needs the scene that was simulated, and this is none");
     else
-        status = scene ? add_scene(a, &blob, path, error) : add_muscle(a, &blob, path, error);
+        status = scene ? add_scene(a, &blob, path, error) : motion ? add_motion(a, &blob, path, error) : add_other(a, &blob, path, error);
     if (status) sn_error_set_file(error, blob.name);
     sn_blob_free(&blob);
     return status;
@@ -635,12 +647,26 @@ static void join_groups(album *a) {
     }
 }
 
+/* From the front or the right, whichever shows a group wider. */
+static sn_camera upright_camera(const album *a, sn_index group, double spin) {
+    double widths[2];
+    for (int i = 0; i < 2; i++) {
+        sn_camera camera = sn_camera_from(90.0 * i, 0.0);
+        for (size_t k = 0; k < a->count; k++)
+            if (a->items[k].group == group) sn_camera_include(&camera, &a->items[k].view);
+        widths[i] = camera.extent.high.x - camera.extent.low.x;
+    }
+    return sn_camera_from(spin + (widths[1] > widths[0] ? 90.0 : 0.0), 0.0);
+}
+
 static sn_camera camera_for(const album *a, sn_index group, const look *l, const sn_view_options *o) {
     sn_camera camera = sn_camera_from(l->azimuth, l->elevation);
     bool oriented = !l->automatic;
     for (size_t i = 0; i < a->count; i++) {
         if (a->items[i].group != group) continue;
-        if (!oriented) camera = sn_camera_auto(&a->items[i].view, o->height > o->width, l->spin);
+        if (!oriented)
+            camera =
+                a->items[i].upright ? upright_camera(a, group, l->spin) : sn_camera_auto(&a->items[i].view, o->height > o->width, l->spin);
         oriented = true;
         sn_camera_include(&camera, &a->items[i].view);
     }
@@ -727,11 +753,12 @@ static sn_view_options picture_options(const cli *c, bool sheet) {
 }
 
 /* Options that mean nothing together. */
-static void check_state_options(const cli *c) {
+static void check_options(const cli *c) {
     static const char *const names[] = {"error",   "range",          "scheme", "solver",   "precision",
                                         "stretch", "preconditioner", "law",    "substeps", "rate"};
-    if (given.states.count > 0 && (given.frames || given.frame))
-        cli_usage_error(c, "--state shows its own frame: leave out --frames and --frame");
+    if (given.frame && given.frame_count > 0) cli_usage_error(c, "--frame and --frame-count both say which frames: leave out one");
+    if (given.states.count > 0 && (given.frames || given.frame || given.frame_count > 0))
+        cli_usage_error(c, "--state shows its own frame: leave out --frames, --frame and --frame-count");
     for (size_t i = 0; i < sizeof names / sizeof *names && given.states.count == 0; i++)
         if (cli_given(c, names[i])) cli_usage_error(c, "--%s needs --state FILE", names[i]);
 }
@@ -744,9 +771,9 @@ static sn_status view_rigs(const cli *c, sn_error *error) {
     sn_output *output = NULL;
     sn_image image = {0};
     picture_options(c, false); /* wrong words are told before any work */
-    parse_frames(c);
+    frames_parse(c, given.frame);
     parse_kinds(c);
-    check_state_options(c);
+    check_options(c);
     sn_status status = sn_output_open(c->output, false, &output, error);
     if (!status && sn_output_is_terminal(output))
         cli_usage_error(c, "a picture is not for a terminal; give -o FILE.png or redirect the output");

@@ -1,17 +1,17 @@
 /*
  * simulate -- move the bones of a scene, contract its muscles, write the frames and what there is to know about them.
  */
+#include "bone_frames.h"
 #include "cli.h"
 #include "fibers.h"
+#include "frame_files.h"
 #include "grips.h"
 #include "outcome.h"
 #include "sinew/error_time.h"
 
-#include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 
 /* ---- options -------------------------------------------------------------------------------------------------------------- */
 
@@ -19,7 +19,7 @@ enum { FORMAT_PC2, FORMAT_PLY };
 static const char *const FORMATS[] = {"pc2", "ply", NULL};
 
 typedef struct choices {
-    const char *frames, *log, *fail_on, *state, *from, *choose;
+    const char *frames, *log, *fail_on, *state, *from, *choose, *bone_frames;
     double rate, preroll, tolerance, target_error;
     int64_t substeps, iterations, save_every;
     int format, law, solver, scheme, hinges, anisotropy, stretch, preconditioner, precision;
@@ -61,6 +61,8 @@ static const cli_option OPTIONS[] = {
      "take the solver setting of error-time's report that reaches --target-error in the least time"},
     {0, NULL, NULL, CLI_HEADING, NULL, 0, 0, 0, NULL, "Output:"},
     {0, "format", "FORMAT", CLI_CHOICE, &given.format, 0, 0, 0, FORMATS, "frames in a folder: pc2 (default) or ply, one file per frame"},
+    {0, "bone-frames", "PATH", CLI_TEXT, &given.bone_frames, 0, 0, 0, NULL,
+     "the posed bones: a folder with --format's files for each, or NAME.pvd for all of them as NAME.0000.vtp"},
     {0, "log", "FILE", CLI_TEXT, &given.log, 0, 0, 0, NULL, "write the log to FILE instead of standard output"},
     {0, "state", "FILE", CLI_TEXT, &given.state, 0, 0, 0, NULL, "write the state to FILE at the end, or where --stop-after stops"},
     {0, "save-every", "N", CLI_INTEGER, &given.save_every, 0, 1, 1e9, NULL, "and after every N frames on the way"},
@@ -125,6 +127,7 @@ typedef struct job {
     sn_output *log;
     target *targets; /* (muscle_count); NULL = no frames */
     fiber_run fibers;
+    bone_run bones;
     outcome outcome;
     sn_index stop[3];     /* frame, substep, iteration */
     int stop_parts;       /* how many of them were given */
@@ -253,7 +256,7 @@ static sn_status load_scene(job *j, sn_error *error) {
     sn_blob blob = {0};
     sn_status status = sn_blob_read(j->c.inputs.items[0], &blob, error);
     if (status != SN_OK) return status;
-    status = sn_scene_parse(&blob, given.fibers.penetration, &j->scene, error);
+    status = sn_scene_parse(&blob, given.fibers.penetration || given.bone_frames != NULL, &j->scene, error);
     if (status == SN_OK) status = choose_setting(j, &blob, error);
     if (status == SN_OK) {
         apply_options(j);
@@ -315,11 +318,6 @@ static sn_status save_now_and_then(const job *j, sn_error *error) {
 
 /* ---- frames --------------------------------------------------------------------------------------------------------------- */
 
-static bool is_folder(const char *path) {
-    struct stat status;
-    return stat(path, &status) == 0 && S_ISDIR(status.st_mode);
-}
-
 static const char *extension(const char *path) {
     const char *slash = strrchr(path, '/'), *dot = strrchr(slash != NULL ? slash : path, '.');
     return dot != NULL ? dot : "";
@@ -329,7 +327,7 @@ static const char *extension(const char *path) {
 static bool one_file(const job *j) {
     const char *output = j->c.output;
     if (strcmp(output, "-") == 0) cli_usage_error(&j->c, "frames cannot go to standard output; name a file or a folder with -o");
-    if (is_folder(output) || extension(output)[0] == '\0' || output[strlen(output) - 1] == '/') return false;
+    if (frame_folder_is(output) || extension(output)[0] == '\0' || output[strlen(output) - 1] == '/') return false;
     if (given.format == FORMAT_PLY || strcmp(extension(output), ".ply") == 0)
         cli_usage_error(&j->c, "a PLY sequence needs a folder: -o FOLDER --format ply");
     if (strcmp(extension(output), ".pc2") != 0) cli_usage_error(&j->c, "-o %s: frames are written as NAME.pc2 or into a folder", output);
@@ -338,28 +336,11 @@ static bool one_file(const job *j) {
     return true;
 }
 
-static sn_status make_folder(const char *path, sn_error *error) {
-    if (is_folder(path) || mkdir(path, 0777) == 0) return SN_OK;
-    return sn_fail_at(error, SN_ERROR_IO, path, 0, "cannot make this folder: %s", strerror(errno));
-}
-
-/* "FOLDER/NAME" or "FOLDER/NAME.pc2"; a '/' in a muscle's name becomes '_'. */
-static char *path_in_folder(const char *folder, const char *name, const char *suffix) {
-    size_t size = strlen(folder) + strlen(name) + strlen(suffix) + 2;
-    char *path = sn_alloc(size, 1);
-    if (path == NULL) return NULL;
-    size_t start = (size_t)snprintf(path, size, "%s%s", folder, folder[strlen(folder) - 1] == '/' ? "" : "/");
-    snprintf(path + start, size - start, "%s%s", name, suffix);
-    for (char *p = path + start; *p != '\0'; p++)
-        if (*p == '/') *p = '_';
-    return path;
-}
-
 static sn_status open_target(job *j, sn_index muscle, bool file, sn_error *error) {
     const sn_model_muscle *m = &j->model->muscles[muscle];
     target *t = &j->targets[muscle];
     const char *suffix = given.format == FORMAT_PC2 ? ".pc2" : "";
-    t->path = file ? sn_strdup(j->c.output) : path_in_folder(j->c.output, m->source->name, suffix);
+    t->path = file ? sn_strdup(j->c.output) : frame_path(j->c.output, m->source->name, suffix);
     t->positions = SN_NEW(sn_vec3, m->vertex_count);
     if (t->path == NULL || t->positions == NULL) return sn_fail_memory(error, "the frames");
     sn_status status = fibers_open_frames(&j->fibers, muscle, t->path, j->first, error);
@@ -371,26 +352,18 @@ static sn_status open_target(job *j, sn_index muscle, bool file, sn_error *error
 static sn_status open_targets(job *j, sn_error *error) {
     if (!cli_given(&j->c, "output")) return SN_OK;
     bool file = one_file(j);
-    sn_status status = file ? SN_OK : make_folder(j->c.output, error);
+    sn_status status = file ? SN_OK : frame_folder_make(j->c.output, error);
     if (status == SN_OK && (j->targets = SN_NEW(target, j->model->muscle_count)) == NULL) status = sn_fail_memory(error, "the frames");
     for (sn_index i = 0; status == SN_OK && i < j->model->muscle_count; i++) status = open_target(j, i, file, error);
     return status;
 }
 
-static sn_status write_ply(const target *t, sn_index frame, sn_error *error) {
-    size_t size = strlen(t->path) + 32;
-    char *path = sn_alloc(size, 1);
-    sn_output *output = NULL;
-    if (path == NULL) return sn_fail_memory(error, "the frames");
-    snprintf(path, size, "%s.%04d.ply", t->path, (int)frame);
-    sn_status status = sn_output_open(path, false, &output, error);
-    if (status == SN_OK) status = sn_mesh_write(&t->mesh, SN_MESH_PLY, SN_ENCODING_LITTLE, output, error);
-    if (status == SN_OK)
-        status = sn_output_commit(output, error);
-    else
-        sn_output_abort(output);
-    free(path);
-    return status;
+static sn_status open_bones(job *j, sn_error *error) {
+    const bone_request request = {.path = given.bone_frames,
+                                  .ply = given.format == FORMAT_PLY,
+                                  .output = cli_given(&j->c, "output") ? j->c.output : NULL,
+                                  .first = j->first};
+    return bone_frames_open(&j->bones, &j->c, &request, &j->scene, error);
 }
 
 static sn_status write_frames(job *j, sn_error *error) {
@@ -398,7 +371,8 @@ static sn_status write_frames(job *j, sn_error *error) {
     for (sn_index i = 0; j->targets != NULL && status == SN_OK && i < j->model->muscle_count; i++) {
         target *t = &j->targets[i];
         sn_state_positions(j->model, j->state, i, t->cache != NULL ? t->positions : t->mesh.positions);
-        status = t->cache != NULL ? sn_pc2_append(t->cache, t->positions, error) : write_ply(t, j->state->frame, error);
+        status =
+            t->cache != NULL ? sn_pc2_append(t->cache, t->positions, error) : frame_write_ply(t->path, j->state->frame, &t->mesh, error);
     }
     return status;
 }
@@ -410,6 +384,7 @@ static sn_status commit_targets(job *j, sn_error *error) {
         j->targets[i].cache = NULL;
         if (cache != NULL) status = sn_pc2_commit(cache, error);
     }
+    if (status == SN_OK) status = bone_frames_commit(&j->bones, error);
     return status == SN_OK ? fibers_commit(&j->fibers, error) : status;
 }
 
@@ -502,6 +477,7 @@ static sn_status finish_frame(job *j, bool stopped, double seconds, sn_error *er
     if (status == SN_OK) status = outcome_check(&j->outcome, j->state, given.state != NULL, error);
     j->exploded = status == SN_STOPPED;
     if (status == SN_OK) status = write_frames(j, error);
+    if (status == SN_OK) status = bone_frames_write(&j->bones, j->state, error);
     if (status == SN_OK) status = fibers_write(&j->fibers, j->state->frame, error);
     if (status == SN_OK && !stopped) status = save_now_and_then(j, error);
     if (status == SN_OK) status = outcome_take(&j->outcome, j->state, seconds, error);
@@ -548,6 +524,7 @@ static sn_status prepare(job *j, sn_error *error) {
     if (status == SN_OK) status = fibers_bind(&j->fibers, &j->c, &given.fibers, j->model, j->pool, error);
     if (status == SN_OK) status = fibers_open_lengths(&j->fibers, rows_to_write(j), error);
     if (status == SN_OK) status = open_targets(j, error);
+    if (status == SN_OK) status = open_bones(j, error);
     if (status == SN_OK) status = sn_output_open(given.log, true, &j->log, error);
     j->setup_seconds = cli_seconds() - j->c.started;
     return status;
@@ -720,6 +697,7 @@ int main(int argc, char **argv) {
     (void)fibers_wanted(&j.c, &given.fibers);
     sn_status status = work(&j, &error);
     free_targets(&j);
+    bone_frames_free(&j.bones);
     fibers_free(&j.fibers);
     outcome_free(&j.outcome);
     sn_pool_destroy(j.pool);

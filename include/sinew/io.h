@@ -233,15 +233,25 @@ SN_MUST_CHECK sn_status sn_line_frames_append(sn_line_frames *frames, sn_index f
 SN_MUST_CHECK sn_status sn_line_frames_commit(sn_line_frames *frames, sn_error *error); /* frees frames */
 void sn_line_frames_abort(sn_line_frames *frames);                                      /* frees frames; NULL is fine */
 
+/* Meshes that move (lib/io/frames_mesh.c): PREFIX.0000.vtp, numbered by frame, attributes as point data, labels as strings of field data;
+ * and PREFIX.pvd, a collection with the time of each, s. A frame's file appears whole with its append, the collection with commit. */
+typedef struct sn_mesh_frames sn_mesh_frames;
+SN_MUST_CHECK sn_status sn_mesh_frames_create(const char *prefix, sn_mesh_frames **out, sn_error *error);
+SN_MUST_CHECK sn_status sn_mesh_frames_append(sn_mesh_frames *frames, sn_index frame, double time, const sn_mesh *mesh, sn_error *error);
+SN_MUST_CHECK sn_status sn_mesh_frames_commit(sn_mesh_frames *frames, sn_error *error); /* frees frames */
+void sn_mesh_frames_abort(sn_mesh_frames *frames);                                      /* frees frames; NULL is fine */
+
 /* ---- motions as they were recorded (lib/io/clip_formats.c and one file per format) -------------------------------------------- */
 
 /* What position channels of a BVH are to the joint's OFFSET. AUTO: whatever moves the joint less in the first frame. */
 typedef enum sn_clip_positions { SN_POSITIONS_AUTO, SN_POSITIONS_ADD, SN_POSITIONS_REPLACE } sn_clip_positions;
 typedef struct sn_clip_options {
-    double meters_per_unit;      /* 0 = what the file or its format says: BVH centimetres; AMC inches over the skeleton's `length` */
-    sn_up up;                    /* SN_UP_UNKNOWN = what the format says: BVH and AMC y */
-    double rate;                 /* 0 = what the file says; AMC, which says nothing, 120 Hz */
-    sn_clip_positions positions; /* BVH alone */
+    double meters_per_unit; /* 0 = what the file or its format says: BVH centimetres; AMC inches over the skeleton's `length` */
+    sn_up up;               /* SN_UP_UNKNOWN = what the format says: BVH and AMC y */
+    double rate;            /* 0 = what the file says; AMC, which says nothing, 120 Hz */
+    const char *animation;  /* of glTF, FBX and Collada: name or number from 1; NULL = the first, with a warning where there are more */
+    sn_clip_positions positions;        /* BVH alone */
+    const struct sn_bone_search *bones; /* sinew/model_files.h; nullable: find the meshes that show a model's bodies too */
 } sn_clip_options;
 
 /* Which of the motion formats this is ("BVH", "AMC", ...), from content alone; NULL = none. */
@@ -260,6 +270,15 @@ typedef struct sn_motion_head {
     const sn_blob *history_from;   /* nullable: the motion document that this one was made from */
 } sn_motion_head;
 SN_MUST_CHECK sn_status sn_motion_document_write(const sn_motion *motion, const sn_motion_head *head, sn_output *output, sn_error *error);
+/* Is this a motion document, by its "format" member? (lib/io/detect.c) */
+bool sn_motion_document_detect(const sn_blob *blob);
+/* Read one as it stands: hinges, keys, coordinates, and bones with paths from the working directory; valid. *name (owned by the caller) is
+ * NULL where it has none; *rate is 24 where it tells none. Errors name file, line and column. */
+SN_MUST_CHECK sn_status sn_motion_document_parse(const sn_blob *blob, sn_motion *out, char **name, double *rate, sn_error *error);
+/* The surface of a motion's bone, z up and valid, in units of *meters_per_unit: the bone's, else what the file says, else `fallback`.
+ * Errors name bone and file (lib/io/bone_document.c). */
+SN_MUST_CHECK sn_status sn_motion_bone_load(const sn_motion_bone *bone, double fallback, sn_mesh *out, double *meters_per_unit,
+                                            sn_error *error);
 
 /* Numbers over time (lib/io/table.c): a row of names, then rows of numbers, with tabs between them; a path that ends in .sto or .mot gets
  * OpenSim's storage header before them. Smoothing is [K21] 4.4's: `rounds` times x'_i = (x_{i-1} + 4 x_i + x_{i+1}) / 6 over the rows;

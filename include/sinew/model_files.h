@@ -33,4 +33,37 @@ SN_MUST_CHECK sn_status sn_mjcf_parse(const sn_blob *blob, sn_skeleton *out, sn_
 bool sn_storage_detect(const sn_blob *blob);
 SN_MUST_CHECK sn_status sn_storage_parse(const sn_blob *blob, sn_columns *out, sn_error *error);
 
+/*
+ * The mesh files that show a model's bodies (lib/io/model_bones.c), for the rest pose that sn_clip_parse makes of it. A file is looked for
+ * in the folders given, beside the model, and in Geometry beside it, each by the model's path and then by the name alone. A bone is called
+ * by its file (OpenSim) or its geom (MuJoCo), with _2, _3, ... where that is taken. The same file twice at the same place is one bone.
+ */
+typedef struct sn_model_bone {
+    char *name;     /* owned; no two alike, fit to name a file */
+    char *path;     /* owned: of the mesh file, which is there */
+    sn_index joint; /* of the clip; SN_NONE = on the ground */
+    sn_vec3 scale;  /* a vertex p of the file is frame(scale * p) in the model's world at rest, in its unit and axes */
+    sn_rigid frame;
+} sn_model_bone;
+
+typedef struct sn_model_bones {
+    sn_index count, missing;
+    sn_model_bone *bones; /* (count) in the order of the model */
+    char *first_missing;  /* owned; NULL = none is */
+    double meters_per_unit;
+    bool up_y;
+} sn_model_bones;
+
+/* For sn_clip_options: find them while the model is read. Files that are not there are left out, said by one warning; SN_ERROR_INPUT where
+ * all are, where the model names none, and of a motion without a model. */
+typedef struct sn_bone_search {
+    const char *const *folders; /* (folder_count) */
+    int folder_count;
+    sn_model_bones *found; /* free with sn_model_bones_free, also on failure */
+} sn_bone_search;
+
+/* The mesh of one, in the rest pose: metres, z up, vertices in the file's order, no attributes. */
+SN_MUST_CHECK sn_status sn_model_bones_load(const sn_model_bones *bones, sn_index index, sn_mesh *out, sn_error *error);
+void sn_model_bones_free(sn_model_bones *bones); /* leaves all zeros */
+
 #endif

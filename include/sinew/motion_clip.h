@@ -28,6 +28,12 @@ typedef struct sn_clip_joint {
     sn_rigid *poses; /* (frame_count) owned: world, away from rest: what a bone bound to the joint does, p -> R p + t */
 } sn_clip_joint;
 
+/* One of the animations that the source holds. */
+typedef struct sn_clip_animation {
+    char *name; /* owned; may be empty */
+    double seconds;
+} sn_clip_animation;
+
 typedef struct sn_clip {
     char *name;         /* owned, nullable */
     const char *format; /* of the source, for messages: "BVH"; not owned */
@@ -40,6 +46,8 @@ typedef struct sn_clip {
     sn_clip_coordinate *coordinates; /* (coordinate_count) owned */
     sn_index bone_count;
     sn_motion_bone *bones; /* (bone_count) owned */
+    sn_index animation_count;
+    sn_clip_animation *animations; /* (animation_count) of the source, where it can hold several; owned */
     double meters_per_unit_of_source;
 } sn_clip;
 

@@ -52,7 +52,8 @@ typedef enum sn_view_show {
     SN_SHOW_ATTACHMENTS = 16,
     SN_SHOW_BONES = 32,
     SN_SHOW_WIRE = 64,
-    SN_SHOW_AUTO = 128 /* the sections that are there, drawn so that they can be told apart */
+    SN_SHOW_JOINTS = 256, /* of a motion: its stick figure */
+    SN_SHOW_AUTO = 128    /* the sections that are there, drawn so that they can be told apart */
 } sn_view_show;
 
 typedef struct sn_view_mesh {
@@ -160,6 +161,23 @@ SN_MUST_CHECK sn_status sn_view_add_state(sn_view *view, const sn_model *model, 
 SN_MUST_CHECK sn_status sn_view_state_range(const sn_model *model, const sn_state *state, sn_row_kind kind, double *range, sn_error *error);
 /* The moment that a state has reached, in frames: a part of one where it was stopped inside a frame. */
 double sn_view_state_frame(const sn_model *model, const sn_state *state);
+
+/* ---- motions (lib/view/show_motion.c) ------------------------------------------------------------------------------------- */
+
+/* A motion at a time, s, as a stick figure: a dot at each joint's centre, a line from its parent's, a line to the end of its segment; one
+ * colour for those named left, one for those named right ("Left...", "..._l", "lfemur" beside "rfemur"). A joint's centre is its rest
+ * place, or the point of a hinge; a joint with neither is not drawn, and its children hang on the nearest joint that is. meshes (nullable;
+ * motion->bone_count; those without a triangle are left out): the bones' surfaces in the rest pose, m, drawn where the joint takes
+ * them. `show`: SN_SHOW_JOINTS, SN_SHOW_BONES, SN_SHOW_WIRE; SN_SHOW_AUTO is both, the bones translucent. */
+SN_MUST_CHECK sn_status sn_view_add_motion(sn_view *view, const sn_motion *motion, const sn_mesh *meshes, double time, unsigned show,
+                                           sn_error *error);
+/* Joints whose centre is not known. */
+sn_index sn_motion_placeless(const sn_motion *motion);
+/* Grow a box by the centres and ends of all joints at a time. */
+SN_MUST_CHECK sn_status sn_motion_extend(const sn_motion *motion, double time, sn_box *box, sn_error *error);
+sn_box sn_view_box(const sn_view *view); /* of its meshes and tubes; low > high where there is nothing */
+/* A grid of lines a round number of metres apart on the floor of a box, and a line of the legend that tells its height. */
+SN_MUST_CHECK sn_status sn_view_add_ground(sn_view *view, sn_box box, sn_error *error);
 
 /* ---- camera (lib/view/camera.c) ------------------------------------------------------------------------------------------- */
 

@@ -68,6 +68,29 @@ sn_status sn_motion_bones_parse(const sn_json_value *list, sn_motion *motion, sn
     return status;
 }
 
+/* ---- the surface ------------------------------------------------------------------------------------------------------ */
+
+/* What is wrong with its file, and whose it is. */
+static sn_status bone_fail(const sn_motion_bone *bone, const sn_error *why, sn_status status, sn_error *error) {
+    sn_fail_at(error, status, why->file[0] != '\0' ? why->file : bone->path, why->line, "bone \"%s\": %s", bone->name, why->text);
+    return status;
+}
+
+sn_status sn_motion_bone_load(const sn_motion_bone *bone, double fallback, sn_mesh *out, double *meters_per_unit, sn_error *error) {
+    sn_mesh_frame frame = {0};
+    sn_error why = {0};
+    *out = (sn_mesh){0};
+    sn_status status = sn_mesh_read(bone->path, out, &frame, &why);
+    if (status == SN_OK) status = sn_mesh_validate(out, &why);
+    if (status != SN_OK) {
+        sn_mesh_free(out);
+        return bone_fail(bone, &why, status, error);
+    }
+    sn_mesh_convert(out, 1.0, frame.up == SN_UP_Y);
+    *meters_per_unit = bone->meters_per_unit > 0.0 ? bone->meters_per_unit : frame.meters_per_unit > 0.0 ? frame.meters_per_unit : fallback;
+    return SN_OK;
+}
+
 /* ---- writing ---------------------------------------------------------------------------------------------------------- */
 
 /* One bone: its mesh from a document at `document`. */

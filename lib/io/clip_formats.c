@@ -10,13 +10,17 @@
 
 /* The first that recognises a file reads it. */
 static const sn_clip_format formats[] = {
-    {"motion document", 0.0, false, NULL, sn_motion_document_is, sn_motion_document_read},
+    {"motion document", 0.0, false, NULL, sn_motion_document_detect, sn_motion_document_read},
     {"BVH", 0.01, true, NULL, sn_bvh_is, sn_bvh_read},
     {"AMC", 0.0254, true, "an .asf file", sn_amc_is, sn_amc_read},
     {"ASF", 0.0254, true, NULL, sn_asf_is, sn_asf_read},
     {"OSIM", 1.0, true, NULL, sn_osim_detect, sn_osim_read},
     {"MJCF", 1.0, false, NULL, sn_mjcf_detect, sn_mjcf_read},
     {"MOT", 1.0, true, "its model, an .osim file or one of MuJoCo's,", sn_storage_detect, sn_storage_read},
+    {"glTF", 0.0, false, NULL, sn_gltf_is, sn_nodes_read},
+    {"FBX", 0.0, false, NULL, sn_fbx_is, sn_nodes_read},
+    {"Collada", 0.0, false, NULL, sn_collada_is, sn_nodes_read},
+    {"nodes", 0.0, false, NULL, sn_nodes_text_is, sn_nodes_read},
 };
 enum { FORMAT_COUNT = sizeof formats / sizeof *formats };
 
@@ -35,7 +39,7 @@ static sn_status check_source(const sn_clip_format *format, const sn_blob *motio
     if (format == NULL)
         return sn_fail_at(error, SN_ERROR_INPUT, motion->name, 0,
                           "holds no motion that is known; known are BVH, AMC with its ASF, MOT and STO with "
-                          "their OSIM, models of MuJoCo, and motion documents");
+                          "their OSIM, models of MuJoCo, glTF, FBX, Collada, and motion documents");
     if (skeleton != NULL && format->skeleton == NULL)
         return sn_fail_at(error, SN_ERROR_INPUT, motion->name, 0, "has its skeleton in it: %s takes none from another file", format->name);
     if (skeleton == NULL && format->skeleton != NULL)
@@ -50,7 +54,12 @@ sn_status sn_clip_parse(const sn_blob *motion, const sn_blob *skeleton, const sn
     if (status != SN_OK) return status;
     sn_clip_source source = {.motion = motion, .skeleton = skeleton, .options = *options};
     if (!(source.options.meters_per_unit > 0.0)) source.options.meters_per_unit = format->meters_per_unit;
+    if (options->bones != NULL) *options->bones->found = (sn_model_bones){0};
     status = format->read(&source, out, error);
+    if (status == SN_OK && options->bones != NULL && options->bones->found->bones == NULL)
+        status = sn_fail(error, SN_ERROR_INPUT, "has no meshes of bones: %s is no model; OpenSim's and MuJoCo's are", format->name);
+    if (status == SN_OK && options->animation != NULL && out->animation_count == 0)
+        status = sn_fail(error, SN_ERROR_INPUT, "has no animations to choose from: it is %s", format->name);
     if (status == SN_OK) {
         /* columns of numbers stand in the axes of the model that they move */
         bool up_y = format->up_y && !(skeleton != NULL && sn_mjcf_detect(skeleton));

@@ -19,8 +19,13 @@ static void take_options(const sn_clip_options *options, sn_clip *clip) {
 
 static sn_status animate(const sn_clip_source *source, const sn_skeleton *skeleton, const sn_columns *columns, sn_clip *out,
                          sn_error *error) {
+    const sn_blob *model = columns != NULL ? source->skeleton : source->motion;
     sn_status status = sn_skeleton_animate(skeleton, columns, out, error);
-    if (status == SN_OK) take_options(&source->options, out);
+    if (status != SN_OK) return status;
+    take_options(&source->options, out);
+    if (source->options.bones == NULL) return SN_OK;
+    status = sn_model_bones_find(skeleton, model->name, &source->options, error);
+    if (status != SN_OK) sn_error_set_file(error, model->name);
     return status;
 }
 

@@ -33,12 +33,20 @@ bool sn_asf_is(const sn_blob *blob);
 bool sn_amc_is(const sn_blob *blob);
 SN_MUST_CHECK sn_status sn_asf_read(const sn_clip_source *source, sn_clip *out, sn_error *error); /* the rest pose alone */
 SN_MUST_CHECK sn_status sn_amc_read(const sn_clip_source *source, sn_clip *out, sn_error *error);
-bool sn_motion_document_is(const sn_blob *blob);
 SN_MUST_CHECK sn_status sn_motion_document_read(const sn_clip_source *source, sn_clip *out, sn_error *error);
 /* Models alone are one frame, at rest (clip_models.c). */
 SN_MUST_CHECK sn_status sn_osim_read(const sn_clip_source *source, sn_clip *out, sn_error *error);
 SN_MUST_CHECK sn_status sn_mjcf_read(const sn_clip_source *source, sn_clip *out, sn_error *error);
 SN_MUST_CHECK sn_status sn_storage_read(const sn_clip_source *source, sn_clip *out, sn_error *error);
+/* glTF, FBX and Collada, by mesh-import (clip_nodes.c). They know their axis. */
+bool sn_gltf_is(const sn_blob *blob);
+bool sn_fbx_is(const sn_blob *blob);
+bool sn_collada_is(const sn_blob *blob);
+bool sn_nodes_text_is(const sn_blob *blob); /* what mesh-import --motion writes */
+SN_MUST_CHECK sn_status sn_nodes_read(const sn_clip_source *source, sn_clip *out, sn_error *error);
+/* Fill options->bones->found from a skeleton; `model` is its file, options have its unit (model_bones.c). */
+SN_MUST_CHECK sn_status sn_model_bones_find(const sn_skeleton *skeleton, const char *model, const sn_clip_options *options,
+                                            sn_error *error);
 
 /* ---- what text formats share (clip_formats.c) ----------------------------------------------------------------------------------- */
 

@@ -2,36 +2,26 @@
  * frames_vtp.c -- lines that move, for ParaView and VTK: a VTP file (XML PolyData, numbers as appended raw bytes) per frame, and a PVD
  * collection that gives each its time.
  */
-#include "sinew/io.h"
-
+#include "collection.h"
 #include "scalar.h"
 
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 struct sn_line_frames {
-    char *prefix;
-    char *path; /* of the frame at hand: room for the longest */
-    size_t path_size;
+    sn_collection collection;
     sn_index line_count, point_count;
     sn_index *start; /* (line_count + 1) */
     double *rest;    /* (line_count) rest lengths */
     double *stretch; /* (line_count) of the frame at hand */
-    sn_output *collection;
 };
 
-enum { SUFFIX = 32 }; /* room for ".0000.vtp" of any frame, or ".pvd" */
-
-static sn_status allocate(sn_line_frames *frames, const char *prefix, const sn_index *start, const double *rest, sn_error *error) {
+static sn_status allocate(sn_line_frames *frames, const sn_index *start, const double *rest, sn_error *error) {
     size_t lines = (size_t)frames->line_count;
-    frames->path_size = strlen(prefix) + SUFFIX;
-    frames->prefix = sn_strdup(prefix);
-    frames->path = sn_alloc(frames->path_size, 1);
     frames->start = SN_NEW(sn_index, lines + 1);
     frames->rest = SN_NEW(double, lines);
     frames->stretch = SN_NEW(double, lines);
-    bool enough = frames->prefix && frames->path && frames->start && frames->rest && frames->stretch;
+    bool enough = frames->start && frames->rest && frames->stretch;
     if (!enough) return sn_fail_memory(error, "the frames of the fibres");
     memcpy(frames->start, start, (lines + 1) * sizeof *start);
     memcpy(frames->rest, rest, lines * sizeof *rest);
@@ -44,14 +34,8 @@ sn_status sn_line_frames_create(const char *prefix, sn_index line_count, const s
     if (frames == NULL) return sn_fail_memory(error, "the frames of the fibres");
     frames->line_count = line_count;
     frames->point_count = start[line_count];
-    sn_status status = allocate(frames, prefix, start, rest_lengths, error);
-    if (status == SN_OK) {
-        snprintf(frames->path, frames->path_size, "%s.pvd", prefix);
-        status = sn_output_open(frames->path, false, &frames->collection, error);
-    }
-    if (status == SN_OK)
-        sn_output_print(frames->collection, "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"1.0\" "
-                                            "byte_order=\"LittleEndian\">\n<Collection>\n");
+    sn_status status = allocate(frames, start, rest_lengths, error);
+    if (status == SN_OK) status = sn_collection_open(&frames->collection, prefix, error);
     if (status == SN_OK) return SN_OK;
     sn_line_frames_abort(frames);
     *out = NULL;
@@ -121,51 +105,29 @@ static void write_arrays(const sn_line_frames *frames, const sn_vec3 *points, co
     sn_output_print(output, "\n</AppendedData>\n</VTKFile>\n");
 }
 
-/* A file name as an attribute of XML. */
-static void write_escaped(sn_output *output, const char *text) {
-    for (; *text != '\0'; text++) {
-        const char *entity = *text == '&' ? "&amp;" : *text == '<' ? "&lt;" : *text == '>' ? "&gt;" : *text == '"' ? "&quot;" : NULL;
-        sn_output_write(output, entity != NULL ? entity : text, entity != NULL ? strlen(entity) : 1, NULL);
-    }
-}
-
-static void list_frame(sn_line_frames *frames, double time) {
-    char number[40];
-    const char *slash = strrchr(frames->path, '/');
-    sn_format_number(time, number);
-    sn_output_print(frames->collection, "<DataSet timestep=\"%s\" part=\"0\" file=\"", number);
-    write_escaped(frames->collection, slash != NULL ? slash + 1 : frames->path);
-    sn_output_print(frames->collection, "\"/>\n");
-}
-
 sn_status sn_line_frames_append(sn_line_frames *frames, sn_index frame, double time, const sn_vec3 *points, const double *lengths,
                                 sn_error *error) {
     sn_output *output = NULL;
-    snprintf(frames->path, frames->path_size, "%s.%04d.vtp", frames->prefix, (int)frame);
-    sn_status status = sn_output_open(frames->path, false, &output, error);
+    sn_status status = sn_output_open(sn_collection_frame(&frames->collection, frame), false, &output, error);
     if (status != SN_OK) return status;
     write_elements(frames, output);
     write_arrays(frames, points, lengths, output);
     status = sn_output_commit(output, error); /* a failed write comes out here */
-    if (status == SN_OK) list_frame(frames, time);
+    if (status == SN_OK) sn_collection_list(&frames->collection, time);
     return status;
 }
 
 /* ---- the end ---------------------------------------------------------------------------------------------------------------- */
 
 sn_status sn_line_frames_commit(sn_line_frames *frames, sn_error *error) {
-    sn_output_print(frames->collection, "</Collection>\n</VTKFile>\n");
-    sn_status status = sn_output_commit(frames->collection, error);
-    frames->collection = NULL;
+    sn_status status = sn_collection_close(&frames->collection, error);
     sn_line_frames_abort(frames);
     return status;
 }
 
 void sn_line_frames_abort(sn_line_frames *frames) {
     if (frames == NULL) return;
-    sn_output_abort(frames->collection);
-    free(frames->prefix);
-    free(frames->path);
+    sn_collection_drop(&frames->collection);
     free(frames->start);
     free(frames->rest);
     free(frames->stretch);

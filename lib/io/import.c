@@ -1,5 +1,5 @@
 /*
- * import.c -- meshes of other formats: mesh-import reads them in a child process, which may crash, hang or eat memory in our stead.
+ * import.c -- other formats: mesh-import reads them in a child process, which may crash, hang or eat memory in our stead.
  *
  * The child gets the file's bytes as its standard input and answers with a binary PLY file whose comments say the rest (the
  * statements are those of tools/mesh-import.c): "comment metersPerUnit 0.01", "comment up y", "comment mesh TRIANGLES NAME". It is
@@ -23,6 +23,7 @@
 #include <unistd.h>
 
 #include "mesh_reader.h"
+#include "nodes.h"
 
 #ifndef SN_PREFIX
 #define SN_PREFIX "/usr/local"
@@ -40,7 +41,10 @@ enum { CHUNK = 1 << 16, MESSAGE_SIZE = 2048 };
 
 typedef struct child {
     const sn_blob *blob;
-    const char *name; /* of the format */
+    const char *name;     /* of the format */
+    const char *question; /* an option of mesh-import; NULL = the meshes */
+    const char *first;    /* what its answer begins with */
+    const char *noun;     /* what it is, for messages: "mesh" */
     char path[PATH_MAX + 64];
     pid_t pid;
     int input, output, messages; /* its stdin, its stdout and its stderr; -1 = closed */
@@ -128,7 +132,7 @@ static _Noreturn void become_program(const child *c, int output, int messages, c
 
 static sn_status start(child *c, sn_error *error) {
     int output[2] = {-1, -1}, messages[2] = {-1, -1};
-    char *argv[] = {c->path, "--name", c->blob->name, NULL};
+    char *argv[] = {c->path, "--name", c->blob->name, (char *)(uintptr_t)c->question, NULL};
     sn_status status = open_input(c, error);
     if (status != SN_OK) return status;
     if (pipe2(output, O_CLOEXEC) == 0 && pipe2(messages, O_CLOEXEC) == 0) c->pid = fork();
@@ -146,25 +150,23 @@ static sn_status start(child *c, sn_error *error) {
 
 /* ---- listen ----------------------------------------------------------------------------------------------------------- */
 
-/* An answer that does not begin like a PLY file is none. */
+/* An answer that does not begin as it should is none. */
 static bool is_answer(const child *c) {
-    static const char first[] = "ply\n";
-    size_t known = c->answer_size < sizeof first - 1 ? c->answer_size : sizeof first - 1;
-    return memcmp(c->answer, first, known) == 0;
+    size_t length = strlen(c->first), known = c->answer_size < length ? c->answer_size : length;
+    return memcmp(c->answer, c->first, known) == 0;
 }
 
 static sn_status no_answer(const child *c, sn_error *error) {
     return sn_fail_at(error, SN_ERROR_INTERNAL, c->blob->name, 0,
-                      "cannot be imported as %s: %s answers with something that is no mesh; is it of the same version of sinew?", c->name,
-                      c->path);
+                      "cannot be imported as %s: %s answers with something that is no %s; is it of the same version of sinew?", c->name,
+                      c->path, c->noun);
 }
 
 static sn_status take_answer(child *c, sn_error *error) {
     uint64_t most = ANSWER_BASE + ANSWER_SHARE * (uint64_t)c->blob->size;
     if (c->answer_size >= most) {
-        return sn_fail_at(error, SN_ERROR_INPUT, c->blob->name, 0,
-                          "holds more than %llu MB of meshes, too much for one %s file of its size", (unsigned long long)(most >> 20),
-                          c->name);
+        return sn_fail_at(error, SN_ERROR_INPUT, c->blob->name, 0, "holds more than %llu MB of %s, too much for one %s file of its size",
+                          (unsigned long long)(most >> 20), c->question != NULL ? "keys" : "meshes", c->name);
     }
     if (!sn_grow((void **)&c->answer, &c->answer_capacity, c->answer_size + CHUNK, 1)) return sn_fail_memory(error, c->blob->name);
     ssize_t got = read(c->output, c->answer + c->answer_size, CHUNK);
@@ -336,21 +338,42 @@ static sn_status read_answer(const child *c, bool allow_nonfinite, sn_mesh *out,
     return status;
 }
 
+/* Ask the child, and judge how it ended; its answer is in c, also on failure. */
+static sn_status ask(child *c, sn_error *error) {
+    c->pid = c->input = c->output = c->messages = -1;
+    sn_status status = find_program(c, error);
+    if (status == SN_OK) status = start(c, error);
+    if (c->pid > 0) {
+        if (status == SN_OK) status = listen_to(c, error);
+        if (status == SN_OK && !is_gone(c)) status = too_slow(c, error);
+        int wait_status = reap(c);
+        if (status == SN_OK) status = judge(c, wait_status, error);
+    }
+    close_descriptor(&c->output);
+    close_descriptor(&c->messages);
+    return status;
+}
+
 sn_status sn_import_parse(const sn_blob *blob, bool allow_nonfinite, sn_mesh *out, sn_mesh_frame *frame, sn_error *error) {
     const char *kind = sn_import_detect(blob);
     if (kind == NULL) return sn_fail_at(error, SN_ERROR_INPUT, blob->name, 0, "is in no format that can be imported");
-    child c = {.blob = blob, .name = sn_import_format_name(kind), .pid = -1, .input = -1, .output = -1, .messages = -1};
-    sn_status status = find_program(&c, error);
-    if (status == SN_OK) status = start(&c, error);
-    if (c.pid > 0) {
-        if (status == SN_OK) status = listen_to(&c, error);
-        if (status == SN_OK && !is_gone(&c)) status = too_slow(&c, error);
-        int wait_status = reap(&c);
-        if (status == SN_OK) status = judge(&c, wait_status, error);
-    }
-    close_descriptor(&c.output);
-    close_descriptor(&c.messages);
+    child c = {.blob = blob, .name = sn_import_format_name(kind), .first = "ply\n", .noun = "mesh"};
+    sn_status status = ask(&c, error);
     if (status == SN_OK) status = read_answer(&c, allow_nonfinite, out, frame, error);
+    free(c.answer);
+    return status;
+}
+
+sn_status sn_import_nodes(const sn_blob *blob, sn_nodes *out, sn_error *error) {
+    const char *kind = sn_import_detect(blob);
+    *out = (sn_nodes){0};
+    if (kind == NULL) return sn_fail_at(error, SN_ERROR_INPUT, blob->name, 0, "is in no format that can be imported");
+    child c = {.blob = blob, .name = sn_import_format_name(kind), .question = "--motion", .first = "sinew-nodes 1\n", .noun = "motion"};
+    sn_status status = ask(&c, error);
+    sn_blob answer = {blob->name, c.answer, c.answer_size};
+    sn_error detail = {0};
+    if (status == SN_OK && sn_nodes_parse(&answer, out, &detail) != SN_OK)
+        status = detail.code == SN_ERROR_INTERNAL ? no_answer(&c, error) : sn_fail_at(error, detail.code, blob->name, 0, "%s", detail.text);
     free(c.answer);
     return status;
 }

@@ -332,8 +332,28 @@ static char *path_in(sn_span folder, sn_span file) {
     return path;
 }
 
+/* MuJoCo first takes the mesh out of its own reference frame (refpos, refquat), then scales it. */
+static sn_status apply_reference(const mjcf *m, sn_index asset, sn_skeleton_mesh *mesh) {
+    double q[4] = {1, 0, 0, 0};
+    sn_vec3 s = mesh->scale, place = {0, 0, 0};
+    sn_status status = read_vec3(m, asset, (sn_span){NULL, 0}, "refpos", &place);
+    if (status == SN_OK)
+        status = sn_xml_numbers(m->tree, asset, "refquat", look_up(m, asset, (sn_span){NULL, 0}, "refquat"), 4, q, m->error);
+    if (status != SN_OK) return status;
+    sn_quat turned = {q[0], q[1], q[2], q[3]};
+    if (!(sn_quat_dot(turned, turned) > 0.0)) return sn_xml_fail(m->tree, asset, m->error, "refquat has no length");
+    turned = sn_quat_conjugate(sn_quat_normalize(turned));
+    if ((q[1] != 0.0 || q[2] != 0.0 || q[3] != 0.0) && (s.x != s.y || s.x != s.z))
+        return sn_xml_fail(m->tree, asset, m->error, "a mesh with refquat that is scaled unevenly is not read; turn its file");
+    place = sn_quat_rotate(turned, place);
+    sn_rigid reference = {turned, sn_v3(-s.x * place.x, -s.y * place.y, -s.z * place.z)};
+    mesh->frame = sn_rigid_compose(mesh->frame, reference);
+    return SN_OK;
+}
+
 static sn_status read_geom(mjcf *m, sn_index element, const scope *s) {
     sn_span mesh_name = look_up(m, element, s->childclass, "mesh"), name = sn_xml_attribute_text(m->tree, element, "name");
+    sn_span type = look_up(m, element, s->childclass, "type");
     sn_skeleton_mesh mesh = {.body = s->body, .scale = {1, 1, 1}};
     size_t which = 0;
     sn_status status = check_class(m, element, "class");
@@ -345,10 +365,12 @@ static sn_status read_geom(mjcf *m, sn_index element, const scope *s) {
     if (m->out->mesh_count == 4 * MOST) return too_many(m, element, "meshes on each body");
     sn_index asset = m->assets[which].element;
     sn_span file = sn_xml_attribute_text(m->tree, asset, "file");
-    if (file.length == 0) return SN_OK; /* made of numbers in the model, or by a rule */
+    /* made of numbers in the model, or by a rule; of another type: a primitive that MuJoCo fits to the mesh */
+    if (file.length == 0 || !sn_span_is(type, "mesh")) return SN_OK;
     status = read_vec3(m, asset, (sn_span){NULL, 0}, "scale", &mesh.scale);
     if (status == SN_OK) status = read_place(m, element, s->childclass, &mesh.frame);
     mesh.frame = sn_rigid_compose(s->frame, mesh.frame);
+    if (status == SN_OK) status = apply_reference(m, asset, &mesh);
     void *meshes = m->out->meshes;
     if (status != SN_OK) return status;
     if (!sn_grow(&meshes, &m->mesh_capacity, (size_t)m->out->mesh_count + 1, sizeof mesh)) return sn_fail_memory(m->error, "a mesh");

@@ -334,9 +334,11 @@ static sn_status parse_coordinates(const sn_json_value *list, sn_clock clock, sn
 }
 
 static sn_status parse_members(const sn_json_value *motion, sn_clock clock, sn_motion *out, sn_error *error) {
-    sn_json_value joints = sn_json_member(motion, "joints"), coordinates = sn_json_member(motion, "coordinates");
+    sn_json_value joints = sn_json_member(motion, "joints"), coordinates = sn_json_member(motion, "coordinates"),
+                  bones = sn_json_member(motion, "bones");
     sn_status status = parse_joints(&joints, clock, out, error);
-    return status == SN_OK ? parse_coordinates(&coordinates, clock, out, error) : status;
+    if (status == SN_OK) status = parse_coordinates(&coordinates, clock, out, error);
+    return status == SN_OK ? sn_motion_bones_parse(&bones, out, error) : status;
 }
 
 /* ---- documents ------------------------------------------------------------------------------------------------------------ */
@@ -362,9 +364,7 @@ static sn_status parse_motion_document(const sn_json_tree *tree, sn_clock *clock
     sn_status status = sn_json_expect_format(&top, "sinew-motion", 1, error);
     if (status == SN_OK) status = sn_json_get_number(&unit, SN_JSON_POSITIVE, INFINITY, &clock->meters_per_unit, error);
     if (status == SN_OK) status = sn_json_get_number(&rate, SN_JSON_POSITIVE, INFINITY, &clock->rate, error);
-    if (status == SN_OK) status = parse_members(&top, *clock, out, error);
-    sn_json_value bones = sn_json_member(&top, "bones");
-    return status == SN_OK ? sn_motion_bones_parse(&bones, out, error) : status;
+    return status == SN_OK ? parse_members(&top, *clock, out, error) : status;
 }
 
 sn_status sn_motion_parse(const sn_json_value *value, sn_clock clock, sn_motion *out, sn_error *error) {
@@ -392,19 +392,40 @@ static sn_status sample(const sn_clip_source *source, const sn_motion *motion, d
     return sn_clip_from_motion(motion, rate, out, error);
 }
 
+static sn_status parse_named(const sn_blob *blob, sn_clock *clock, sn_motion *motion, char **name, sn_error *error) {
+    sn_json_tree *tree = NULL;
+    *motion = (sn_motion){0};
+    *name = NULL;
+    sn_status status = sn_json_parse(blob, &tree, error);
+    if (status == SN_OK) status = parse_motion_document(tree, clock, motion, error);
+    if (status == SN_OK) {
+        sn_json_value top = sn_json_top(tree), member = sn_json_member(&top, "name");
+        status = sn_json_get_text(&member, name, error);
+    }
+    sn_json_tree_free(tree);
+    return status;
+}
+
+sn_status sn_motion_document_parse(const sn_blob *blob, sn_motion *out, char **name, double *rate, sn_error *error) {
+    sn_clock clock = {.rate = 24.0, .meters_per_unit = 1.0};
+    sn_status status = parse_named(blob, &clock, out, name, error);
+    if (status == SN_OK) status = sn_motion_validate(out, error);
+    *rate = clock.rate;
+    if (status == SN_OK) return SN_OK;
+    sn_error_set_file(error, blob->name);
+    sn_motion_free(out);
+    free(*name);
+    *name = NULL;
+    return status;
+}
+
 sn_status sn_motion_document_read(const sn_clip_source *source, sn_clip *out, sn_error *error) {
     const double *unit = &source->options.meters_per_unit;
     sn_clock clock = {.rate = 24.0, .meters_per_unit = *unit > 0.0 ? *unit : 1.0};
-    sn_motion motion = {0};
-    sn_json_tree *tree = NULL;
-    char *name = NULL;
+    sn_motion motion;
+    char *name;
     *out = (sn_clip){0};
-    sn_status status = sn_json_parse(source->motion, &tree, error);
-    if (status == SN_OK) status = parse_motion_document(tree, &clock, &motion, error);
-    if (status == SN_OK) {
-        sn_json_value top = sn_json_top(tree), member = sn_json_member(&top, "name");
-        status = sn_json_get_text(&member, &name, error);
-    }
+    sn_status status = parse_named(source->motion, &clock, &motion, &name, error);
     if (source->options.rate > 0.0) clock.rate = source->options.rate;
     if (status == SN_OK) status = sample(source, &motion, clock.rate, out, error);
     if (status == SN_OK) {
@@ -414,7 +435,6 @@ sn_status sn_motion_document_read(const sn_clip_source *source, sn_clip *out, sn
     }
     free(name);
     sn_motion_free(&motion);
-    sn_json_tree_free(tree);
     return status;
 }
 

@@ -102,30 +102,70 @@ static sn_status load_bone(const sn_json_value *mesh, bool has_units, sn_scene_b
     return SN_OK;
 }
 
+/* The bone of that name in the scene's motion document; NULL = none. */
+static const sn_motion_bone *find_motion_bone(const sn_motion *motion, const char *name) {
+    for (sn_index i = 0; i < motion->bone_count; i++)
+        if (strcmp(motion->bones[i].name, name) == 0) return &motion->bones[i];
+    return NULL;
+}
+
+/* In the place of one of the motion document's, where that has one of its name: on its joint, unless it names another. */
 static sn_status parse_bone(const sn_json_value *value, const reader *in, sn_scene_bone *out, sn_error *error) {
     sn_motion_bone bone;
     sn_status status = sn_bone_parse(value, &in->scene->motion, &bone, error);
+    const sn_motion_bone *replaced = status == SN_OK ? find_motion_bone(&in->scene->motion, bone.name) : NULL;
     out->name = bone.name;
     out->uri = bone.path;
-    out->joint = bone.joint;
+    out->joint = bone.joint == SN_NONE && replaced != NULL ? replaced->joint : bone.joint;
     out->meters_per_unit = bone.meters_per_unit > 0.0 ? bone.meters_per_unit : in->scene->meters_per_unit;
     if (status != SN_OK || !in->load_bones) return status;
     sn_json_value mesh = sn_json_member(value, "mesh");
     return load_bone(&mesh, bone.meters_per_unit > 0.0, out, error);
 }
 
+static bool has_bone(const sn_scene *scene, const char *name) {
+    for (sn_index i = 0; i < scene->bone_count; i++)
+        if (strcmp(scene->bones[i].name, name) == 0) return true;
+    return false;
+}
+
+/* A bone of the motion document, its mesh named from the scene. */
+static sn_status take_bone(const sn_motion_bone *bone, const char *scene, bool load, sn_scene_bone *out, sn_error *error) {
+    out->name = sn_strdup(bone->name);
+    out->uri = sn_path_from(scene, bone->path);
+    out->joint = bone->joint;
+    out->meters_per_unit = bone->meters_per_unit > 0.0 ? bone->meters_per_unit : 1.0;
+    if (out->name == NULL || out->uri == NULL) return sn_fail_memory(error, "a bone");
+    return load ? sn_motion_bone_load(bone, 1.0, &out->mesh, &out->meters_per_unit, error) : SN_OK;
+}
+
+/* Those of the motion document that the scene does not replace, behind its own. */
+static sn_status take_motion_bones(const reader *in, const char *name, sn_error *error) {
+    const sn_motion *motion = &in->scene->motion;
+    sn_index own = in->scene->bone_count;
+    sn_status status = SN_OK;
+    for (sn_index i = 0; i < motion->bone_count && status == SN_OK; i++) {
+        bool twice = i > 0 && find_motion_bone(motion, motion->bones[i].name) != &motion->bones[i];
+        if (!twice && has_bone(in->scene, motion->bones[i].name)) continue; /* of two alike, validation tells */
+        sn_scene_bone *out = &in->scene->bones[in->scene->bone_count++];
+        status = take_bone(&motion->bones[i], name, in->load_bones, out, error);
+    }
+    if (status == SN_OK && in->scene->bone_count > own)
+        sn_log(SN_LOG_INFO, "%d bones of the motion document are the scene's", (int)(in->scene->bone_count - own));
+    return status;
+}
+
 static sn_status parse_bones(const sn_json_value *value, const reader *in, sn_error *error) {
-    if (!sn_json_has(value)) return SN_OK;
-    sn_index count;
-    sn_status status = sn_json_expect_list(value, SN_LIST_LIMIT, &count, error);
+    sn_index count = 0;
+    sn_status status = sn_json_has(value) ? sn_json_expect_list(value, SN_LIST_LIMIT, &count, error) : SN_OK;
     if (status != SN_OK) return status;
-    if ((in->scene->bones = SN_NEW(sn_scene_bone, count)) == NULL) return sn_fail_memory(error, "bones");
+    if ((in->scene->bones = SN_NEW(sn_scene_bone, count + in->scene->motion.bone_count)) == NULL) return sn_fail_memory(error, "bones");
     for (sn_index i = 0; i < count && status == SN_OK; i++) {
         sn_json_value bone = sn_json_element(value, i);
         in->scene->bone_count = i + 1;
         status = parse_bone(&bone, in, &in->scene->bones[i], error);
     }
-    return status;
+    return status == SN_OK ? take_motion_bones(in, sn_json_name(value->tree), error) : status;
 }
 
 /* ---- reading: muscles ------------------------------------------------------------------------------------------------- */

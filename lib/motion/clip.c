@@ -49,6 +49,8 @@ void sn_clip_free(sn_clip *clip) {
         free(clip->coordinates[c].values);
     }
     sn_motion_bones_free(clip->bones, clip->bone_count);
+    for (sn_index i = 0; i < clip->animation_count; i++) free(clip->animations[i].name);
+    free(clip->animations);
     free(clip->joints);
     free(clip->coordinates);
     free(clip->name);

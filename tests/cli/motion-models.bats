@@ -107,3 +107,108 @@ assert joint["keys"][1]["translation"] == [0.25, 0, 0], joint'
     [ "$(wc -l < err)" -eq 1 ]
     grep -q 'includes are not read' err
 }
+
+# A model of two bodies, the second 0.5 m above the first, with meshes: a right-handed tetrahedron of volume 1/6 for what is asked.
+# meshed MESHES_OF_BLOCK [MESHES_OF_LID]
+meshed() {
+    mkdir -p Geometry
+    printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n' > Geometry/tetra.obj
+    printf '<OpenSimDocument Version="40000"><Model name="m"><Ground name="ground"/><BodySet><objects><Body name="block">
+<attached_geometry>%s</attached_geometry></Body><Body name="lid"><attached_geometry>%s</attached_geometry></Body></objects></BodySet>
+<JointSet><objects><SliderJoint name="rail"><socket_parent_frame>g</socket_parent_frame><socket_child_frame>/bodyset/block</socket_child_frame>
+<coordinates><Coordinate name="way"><default_value>0.5</default_value></Coordinate></coordinates><frames><PhysicalOffsetFrame name="g">
+<socket_parent>/ground</socket_parent><translation>0 1 0</translation><orientation>0 0 0</orientation></PhysicalOffsetFrame></frames></SliderJoint>
+<PinJoint name="hinge"><socket_parent_frame>b</socket_parent_frame><socket_child_frame>/bodyset/lid</socket_child_frame>
+<coordinates><Coordinate name="lift"/></coordinates><frames><PhysicalOffsetFrame name="b"><socket_parent>/bodyset/block</socket_parent>
+<translation>0 0.5 0</translation><orientation>0 0 0</orientation></PhysicalOffsetFrame></frames></PinJoint></objects></JointSet></Model>
+</OpenSimDocument>' "$1" "${2:-}" > meshed.osim
+}
+
+# mesh FILE SCALE: a mesh of the body itself, called as OpenSim calls them
+mesh() { printf '<Mesh name="body_geom_1"><socket_frame>..</socket_frame><scale_factors>%s</scale_factors><mesh_file>%s</mesh_file></Mesh>' "$2" "$1"; }
+
+# Vertices and signed volume of a PLY file of motion-import's.
+ply() {
+    python3 - "$1" << 'END'
+import struct, sys
+data = open(sys.argv[1], "rb").read()
+head, body = data.split(b"end_header\n", 1)
+n, m = (int(l.split()[2]) for l in head.decode().split("\n") if l.startswith("element"))
+p = [struct.unpack_from("<3d", body, 24 * i) for i in range(n)]
+t = [struct.unpack_from("<3i", body, 24 * n + 13 * i + 1) for i in range(m)]
+det = lambda a, b, c: a[0] * (b[1] * c[2] - b[2] * c[1]) + a[1] * (b[2] * c[0] - b[0] * c[2]) + a[2] * (b[0] * c[1] - b[1] * c[0])
+print([[round(c, 12) + 0.0 for c in q] for q in p], round(sum(det(*(p[i] for i in f)) for f in t) / 6, 12))
+END
+}
+
+@test "--bones: the model's meshes in its rest pose, metres, z up, each file beside the model or in Geometry" {
+    meshed "$(mesh tetra.obj '1 1 1')" "$(mesh 'C:\models\tetra.obj' '2 2 -2')"
+    printf 'm\ninDegrees=yes\nendheader\ntime\tway\tlift\n0\t0.5\t0\n0.5\t0.5\t90\n' > meshed.mot
+    "$import" meshed.mot --skeleton meshed.osim --bones bones -o meshed.motion.json
+    # (x, y, z) of the file are (x, -z, y) of ours; the block is at (0.5, 0, 1), the lid at (0.5, 0, 1.5)
+    [ "$(ply bones/tetra.ply)" = '[[0.5, 0.0, 1.0], [1.5, 0.0, 1.0], [0.5, 0.0, 2.0], [0.5, -1.0, 1.0]] 0.166666666667' ]
+    # twice as large and mirrored, with its outside still outside
+    [ "$(ply bones/tetra_2.ply)" = '[[0.5, 0.0, 1.5], [2.5, 0.0, 1.5], [0.5, 0.0, 3.5], [0.5, 2.0, 1.5]] 1.333333333333' ]
+    [ "$(python3 -c 'import json; print(json.load(open("meshed.motion.json"))["bones"])')" = \
+        "[{'name': 'tetra', 'mesh': 'bones/tetra.ply', 'units': 1, 'joint': 'block'}, {'name': 'tetra_2', 'mesh': 'bones/tetra_2.ply', 'units': 1, 'joint': 'lid'}]" ]
+    # the same bytes again, with a slash behind the folder; a document keeps its bones, named from where it is
+    mkdir -p other/deep
+    "$import" meshed.mot --skeleton meshed.osim --bones other/bones/ -o other/deep/m.json --report report.json
+    cmp bones/tetra_2.ply other/bones/tetra_2.ply
+    grep -q '"mesh": *"../bones/tetra_2.ply"' other/deep/m.json
+    python3 -c 'import json; r = json.load(open("report.json")); assert (r["bones"], r["bonesMissing"]) == (2, 0), r'
+    "$import" other/deep/m.json --rate 10 | grep -q '"mesh": *"other/deep/../bones/tetra.ply"'
+    # in cm, and z up as it is
+    "$import" meshed.osim --units cm --up z --bones cm -o cm.json
+    [ "$(ply cm/tetra.ply)" = '[[0.005, 0.01, 0.0], [0.015, 0.01, 0.0], [0.005, 0.02, 0.0], [0.005, 0.01, 0.01]] 1.66667e-07' ]
+}
+
+@test "--bones: what is not there is said once, with its number; nothing there is an error" {
+    meshed "$(mesh tetra.obj '1 1 1')$(mesh tetra.obj '1 1 1')$(mesh gone.vtp '1 1 1')" "$(mesh gone.stl '1 1 1')"
+    "$import" meshed.osim --bones bones -o m.json 2> err
+    [ "$(cat err)" = "motion-import: warning: meshed.osim: 2 of the model's 3 mesh files are not there and are left out, the first is gone.vtp" ]
+    [ "$(ls bones)" = tetra.ply ]
+    mkdir else
+    mv Geometry/tetra.obj else
+    refused "meshed.osim: none of the model's 3 mesh files is there, the first is tetra.obj" "$import" meshed.osim --bones never
+    "$import" meshed.osim --bones far --bone-path nowhere --bone-path else -o m.json -q
+    cmp far/tetra.ply bones/tetra.ply
+    printf 'v 0 0 0\nf 1 2 3\n' > else/tetra.obj
+    refused 'else/tetra.obj' "$import" meshed.osim --bones broken --bone-path else -q
+    refused 'slide.osim: the model names no mesh file' "$import" slide.osim --bones never
+    meshed "$(mesh tetra.obj '1 0 1')"
+    refused 'meshed.osim: the mesh "tetra.obj" has a scale of 0' "$import" meshed.osim --bones never
+    printf 'HIERARCHY\nROOT a\n{\nOFFSET 0 0 0\nCHANNELS 1 Xrotation\nEnd Site\n{\nOFFSET 0 1 0\n}\n}\nMOTION\nFrames: 1\nFrame Time: 1\n0\n' > a.bvh
+    refused 'a.bvh: has no meshes of bones: BVH is no model' "$import" a.bvh --bones never
+    [ ! -e never ]
+    touch file
+    meshed "$(mesh tetra.obj '1 1 1')"
+    refused 'file: cannot make this folder' "$import" meshed.osim --bones file
+    run -2 "$import" meshed.osim --bone-path else
+}
+
+@test "--bones: MuJoCo's meshes by their geoms' names, each once, those that show a body" {
+    mkdir m
+    printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n' > m/shin.obj
+    printf '<mujoco><compiler meshdir="m"/><asset><mesh file="shin.obj" scale="0.1 0.1 0.1"/></asset><worldbody><body name="leg" pos="0 0 1">
+<geom name="../shin" type="mesh" mesh="shin" pos="1 0 0"/><geom type="mesh" mesh="shin" pos="1 0 0"/><geom type="mesh" mesh="shin"/>
+<geom type="capsule" mesh="shin"/><joint name="hip"/></body></worldbody></mujoco>' > leg.xml
+    "$import" leg.xml --bones bones -o leg.json
+    [ "$(ls -A bones | LC_ALL=C sort | tr '\n' ' ')" = '_._shin.ply shin.ply ' ]
+    [ "$(ply bones/shin.ply)" = '[[0.0, 0.0, 1.0], [0.1, 0.0, 1.0], [0.0, 0.1, 1.0], [0.0, 0.0, 1.1]] 0.000166666667' ]
+}
+
+@test "a walk and a run of gait-opensim with the model's own bones, against an independent computation" {
+    [ -f "$walk" ] || skip "no gait-opensim in DATA"
+    for motion in "$walk" "$DATA/gait-opensim/motion/subject02_running_ik.mot"; do
+        "$import" "$motion" --skeleton "$model" --bones bones --bone-path "$DATA/gait-opensim/meshes" -q -o m.json
+        python3 "$BATS_TEST_DIRNAME/../model-fk.py" bones "$model" "$motion" m.json "$DATA/gait-opensim/meshes"
+    done
+}
+
+@test "the dog's own bones, against an independent computation" {
+    [ -f "$dog" ] || skip "no dog-dmcontrol in DATA"
+    "$import" "$dog" --bones bones --bone-path "$DATA/dog-dmcontrol/meshes" -q -o dog.json
+    [ "$(ls bones | wc -l)" -eq 162 ]
+    python3 "$BATS_TEST_DIRNAME/../model-fk.py" bones "$dog" - dog.json "$DATA/dog-dmcontrol/meshes"
+}

@@ -217,3 +217,65 @@ END
     "$BIN/rig-view" "$DATA/dog-dmcontrol/meshes/MUSCm.biceps_brachii_L.stl" -o biceps.png
     [ "$(png_size biceps.png)" = 800x600 ]
 }
+
+# A turn of 90 degrees about y at (0,0,1) in 6 frames of 6 Hz, with a bone below; 'bone' is the mesh.
+motion() {
+    cat << END
+{ "format": "sinew-motion", "version": 1, "name": "swing", "rate": 6, "joints": [
+  { "name": "hip", "type": "hinge", "axis": [0,1,0], "point": [0,0,1], "end": [0,0,0.2], "keys": [[0,0],[1,-90]] } ],
+  "bones": [ { "name": "shin", "mesh": "$1", "joint": "hip" } ] }
+END
+}
+
+@test "a motion is drawn from a file and a pipe, at a frame and on sheets; its sticks are not its bones" {
+    motion tetra.off > swing.motion.json
+    "$BIN/rig-view" swing.motion.json --size 200x150 -o first.png
+    [ "$(png_size first.png)" = 200x150 ]
+    "$BIN/rig-view" --size 200x150 < swing.motion.json > pipe.png
+    cmp first.png pipe.png
+    "$BIN/rig-view" swing.motion.json --size 200x150 --frame 0 --threads 1 -o same.png
+    cmp first.png same.png
+    "$BIN/rig-view" swing.motion.json --size 200x150 --frame 6 -o last.png
+    run -1 cmp -s first.png last.png
+    "$BIN/rig-view" swing.motion.json --size 200x150 --show joints -o joints.png
+    "$BIN/rig-view" swing.motion.json --size 200x150 --show bones -o bones.png
+    run -1 cmp -s joints.png bones.png
+    run -1 cmp -s joints.png first.png
+    "$BIN/rig-view" swing.motion.json --frame-count 7 --size 100x80 --columns 7 --no-legend -o spread.png
+    "$BIN/rig-view" swing.motion.json --frame 0:6 --size 100x80 --columns 7 --no-legend -o listed.png
+    cmp spread.png listed.png
+    "$BIN/rig-view" swing.motion.json --frame-count 99 --size 100x80 --columns 7 --no-legend -o all.png
+    cmp spread.png all.png
+}
+
+@test "a motion's missing bone is an error that names it, unless bones are left out; a frame beyond its end is one" {
+    motion nothing.ply > swing.motion.json
+    run -1 "$BIN/rig-view" swing.motion.json -o x.png
+    [[ "$output" == *nothing.ply*'bone "shin"'* ]]
+    [ ! -e x.png ]
+    "$BIN/rig-view" swing.motion.json --show joints -o x.png
+    run -1 "$BIN/rig-view" swing.motion.json --show joints --frame 7 -o y.png
+    [[ "$output" == *"frame 7 is not among those of the motion: 0 to 6"* ]]
+    [ ! -e y.png ]
+}
+
+@test "a joint without a place is told, and a recording is told to go through motion-import, which gives a picture in a pipe" {
+    printf '%s' '{ "format": "sinew-motion", "version": 1, "joints": [ { "name": "a", "type": "pose", "rest": [0,0,0], "end": [0,0,1],
+        "keys": [ { "frame": 0 } ] }, { "name": "b", "type": "pose", "keys": [ { "frame": 0 } ] } ] }' > b.motion.json
+    run -0 "$BIN/rig-view" b.motion.json -o x.png
+    [[ "$output" == *"1 of 2 joints are not drawn"* ]]
+    printf '%s\n' HIERARCHY 'ROOT elbow' '{' 'OFFSET 0 110 0' 'CHANNELS 1 Xrotation' 'End Site' '{' 'OFFSET 0 -25 0' '}' '}' MOTION \
+        'Frames: 3' 'Frame Time: 0.25' 0 -20 -45 > arm.bvh
+    run -1 "$BIN/rig-view" arm.bvh -o y.png
+    [[ "$output" == *BVH*motion-import* ]]
+    "$BIN/motion-import" arm.bvh | "$BIN/rig-view" --frame-count 3 -o sheet.png
+    png_size sheet.png
+    run -2 "$BIN/rig-view" arm.bvh --frame 1 --frame-count 2 -o z.png
+    run -2 "$BIN/rig-view" arm.bvh --frame-count 0 -o z.png
+}
+
+@test "frames of a scene can be spread evenly too" {
+    "$BIN/rig-view" one.scene.json --frame-count 2 --size 100x80 -o spread.png
+    "$BIN/rig-view" one.scene.json --frame 0,3 --size 100x80 -o listed.png
+    cmp spread.png listed.png
+}

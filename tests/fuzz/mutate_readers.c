@@ -127,6 +127,13 @@ static const char sensors_json[] =
     "0.1},{\"muscles\":[\"other\",\"more\"],\"sensors\":\"far_a\",\"trigger\":{\"threshold\":0.5,\"decay\":0.1}}]}\n";
 static const char muscles_text[] = "# muscles\nbiceps brachii\n\n triceps \r\ndeltoid";
 
+static const char walk_nodes[] =
+    "sinew-nodes 1\nmetersPerUnit 0.01\nup y\nnode -1 root\n1 0 0 0 0 1 0 0 0 0 1 0\nnode 0 hip_$AssimpFbx$_PreRotation\n1 0 0 0 0 0 -1 90 "
+    "0 1 0 "
+    "0\nnode 1 hip\n2 0 0 0 0 2 0 0 0 0 2 0\nnode 2 knee\n1 0 0 0 0 1 0 -40 0 0 1 0\nbind 3\n1 0 0 0 0 0 -1 50 0 1 0 0\nanimation 25 2 "
+    "walk\n"
+    "channel 2 2 3 2\n0 0 90 0\n12 10 90 0\n0 1 0 0 0\n5 0.9 0.1 0.2 0\n12 0.7 0.7 0 0\n0 2 2 2\n12 2 2 2.5\nchannel 3 1 2 1\n0 0 -40 0\n"
+    "0 1 0 0 0\n10 0 1 0 0\n0 1 1 1\nanimation 1000 0 still\nend\n";
 static const char motion_json[] =
     "{\"format\":\"sinew-motion\",\"version\":1,\"name\":\"m\",\"metersPerUnit\":0.01,\"rate\":25,\"joints\":[{\"name\":\"a\",\"type\":"
     "\"pose\",\"rest\":[1,2,3],\"restRotation\":[1,0,0,0],\"end\":[1,2,9],\"keys\":[{\"frame\":0,\"rotation\":[1,0,0,0]},{\"frame\":4,"
@@ -281,6 +288,7 @@ static void make_seeds(void) {
     add_text(MOTION, "wave.motion.json", motion_json);
     add_text(SENSORS, "body.sensors.json", sensors_json);
     add_text(NAMES, "muscles.names", muscles_text);
+    add_text(MOTION, "walk.nodes", walk_nodes);
     add_text(MODEL, "joints.osim", joints_osim);
     add_text(MODEL, "old.osim", old_osim);
     add_text(MODEL, "dog.mjcf", dog_mjcf);
@@ -291,8 +299,8 @@ static void make_seeds(void) {
 
 /* Each good file in a folder of its format. */
 static void write_seeds(const char *target) {
-    static const char *const formats[] = {"obj", "ply", "stl", "off",    "vtk",  "vtp",  "muscle", "scene",  "pc2",
-                                          "bvh", "amc", "asf", "motion", "osim", "mjcf", "mot",    "sensors"};
+    static const char *const formats[] = {"obj", "ply", "stl", "off",    "vtk",  "vtp",  "muscle", "scene", "pc2",
+                                          "bvh", "amc", "asf", "motion", "osim", "mjcf", "mot",    "nodes", "sensors"};
     mkdir(target, 0777);
     for (size_t k = 0; k < sizeof formats / sizeof *formats; k++) {
         char path[1024], part[16];

@@ -503,10 +503,16 @@ static void check_meshes(void) {
         DOG("<compiler meshdir=\"bones\"/><default><geom type=\"mesh\"/><mesh scale=\"2 2 2\"/></default><asset><mesh "
             "file=\"sub/femur.stl\"/></asset><worldbody><body name=\"a\"><geom mesh=\"femur\" pos=\"1 0 0\" quat=\"0 0 0 1\"/>"
             "</body></worldbody>");
+    static const char reference[] =
+        DOG("<asset><mesh name=\"m\" file=\"m.stl\" scale=\"2 2 2\" refpos=\"1 0 0\" refquat=\"1 0 0 1\"/></asset><worldbody><body "
+            "name=\"a\"><geom type=\"capsule\" mesh=\"m\"/><geom type=\"mesh\" mesh=\"m\" pos=\"0 0 5\"/></body></worldbody>");
     check_mesh(four, 0, NULL, "floor.vtp", sn_v3(1, 2, 3), sn_v3(1, 2, 3), "a mesh of the ground");
     check_mesh(four, 1, "a", "a & b.vtp", sn_v3(1, 1, 1), sn_v3(-2, 2, 4), "a mesh of an offset frame, with its scale");
     check_mesh(three, 0, "a", "f.vtp", sn_v3(1, 0, 0), sn_v3(3, 9, 4), "a mesh of version 3 under its body's scale and transform");
     check_mesh(dog, 0, "a", "bones/sub/femur.stl", sn_v3(1, 1, 1), sn_v3(-1, -2, 2), "a mesh of MuJoCo's by its asset");
+    /* (2, 0, 0) less (1, 0, 0), turned by -90 degrees about z, times 2 */
+    check_mesh(reference, 0, "a", "m.stl", sn_v3(2, 0, 0), sn_v3(0, -2, 5),
+               "a mesh of MuJoCo's out of its own frame; a fitted capsule is none");
 }
 
 /* ---- broken files
@@ -557,6 +563,9 @@ static const refusal refusals[] = {
     {"<mujoco><worldbody><body name=\"a\"/><body name=\"a\"/></worldbody></mujoco>", NULL, 0, "two bodies"},
     {"<mujoco><compiler eulerseq=\"xyq\"/></mujoco>", NULL, 1, "eulerseq"},
     {"<mujoco><worldbody><geom mesh=\"gone\"/></worldbody></mujoco>", NULL, 1, "no mesh \"gone\""},
+    {"<mujoco><asset><mesh name=\"m\" file=\"m\" scale=\"1 2 1\" refquat=\"1 1 0 0\"/></asset><worldbody><geom type=\"mesh\" "
+     "mesh=\"m\"/></worldbody></mujoco>",
+     NULL, 1, "scaled unevenly"},
     {GOOD, "no header\n", 1, "endheader"},
     {GOOD, "m\nnRows=two\nendheader\ntime j_q\n0 1\n", 2, "nRows is no count"},
     {GOOD, "m\ninDegrees=maybe\nendheader\ntime j_q\n0 1\n", 2, "inDegrees"},

@@ -1,6 +1,6 @@
 /*
  * reader.c -- one reader under libFuzzer, coverage-guided: built once for each format, with -DTARGET_obj, _ply, _stl, _off, _vtk, _vtp,
- * _muscle, _scene, _pc2, _bvh, _amc, _asf, _motion, _osim, _mjcf, _mot or _sensors (make fuzz).
+ * _muscle, _scene, _pc2, _bvh, _amc, _asf, _motion, _osim, _mjcf, _mot, _nodes or _sensors (make fuzz).
  *
  * Whatever the bytes, the reader must give a valid result or one line that names the file; the sanitizers and libFuzzer's limits of time
  * and memory watch over the rest.
@@ -62,7 +62,7 @@ static int try_bytes(const sn_blob *blob, sn_error *error) {
     return 0;
 }
 
-#elif defined(TARGET_bvh) || defined(TARGET_amc) || defined(TARGET_asf) || defined(TARGET_motion)
+#elif defined(TARGET_bvh) || defined(TARGET_amc) || defined(TARGET_asf) || defined(TARGET_motion) || defined(TARGET_nodes)
 
 #if defined(TARGET_bvh)
 static const char FORMAT[] = "BVH";
@@ -70,6 +70,8 @@ static const char FORMAT[] = "BVH";
 static const char FORMAT[] = "AMC";
 #elif defined(TARGET_asf)
 static const char FORMAT[] = "ASF";
+#elif defined(TARGET_nodes)
+static const char FORMAT[] = "nodes";
 #else
 static const char FORMAT[] = "motion document";
 #endif
