@@ -88,7 +88,7 @@ void sn_state_reset(const sn_model *model, sn_state *state) {
     double time = model->scene->first_frame / model->scene->rate;
     state->frame = model->scene->first_frame;
     state->substep = state->iteration = 0;
-    sn_motion_poses(&model->scene->motion, time, state->poses);
+    sn_motion_run_in_poses(&model->scene->motion, time, sn_scene_runs_in(model->scene) ? 0.0 : 1.0, state->poses);
     for (sn_index i = 0; i < model->muscle_count; i++) reset_muscle(&model->muscles[i], &state->muscles[i], state->poses, time);
 }
 

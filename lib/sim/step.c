@@ -30,11 +30,14 @@ typedef struct run {
     const sn_model *model;
     sn_state *state;
     const sn_backend *backend;
-    double begin;    /* frame number, as a time in frames, at which the first substep starts */
-    bool frozen;     /* time stands still: inputs and poses stay those of `begin` */
-    moment from, to; /* what to do now */
-    bool measure;    /* statistics at the end */
-    sn_point *start; /* (points of all muscles, one after the other) where they are before an iteration; NULL = nobody asks */
+    double begin;         /* frame number, as a time in frames, at which the first substep starts */
+    bool frozen;          /* time stands still: inputs and poses stay those of `begin` */
+    moment from, to;      /* what to do now */
+    bool measure;         /* statistics at the end */
+    sn_index run_in;      /* substeps of all of the pre-roll's run-in; 0 = this is no part of it */
+    sn_index run_in_done; /* before this run */
+    bool goes_on;         /* what is counted adds to what was */
+    sn_point *start;      /* (points of all muscles, one after the other) where they are before an iteration; NULL = nobody asks */
 } run;
 
 /* When so many parts of a substep are done. */
@@ -46,19 +49,32 @@ static double time_of(const run *r, sn_index substep, sn_index parts) {
 
 static double substep_time(const run *r, sn_index substep) { return time_of(r, substep, SN_SUBSTEP_PARTS); }
 
+/* How far the bones are from rest to the first frame, when so many parts of a substep of the run-in are done: eased, they set out and
+ * arrive at rest. */
+static double run_in_share(const run *r, sn_index substep, sn_index parts) {
+    double t = fmin((r->run_in_done + substep + parts / (double)SN_SUBSTEP_PARTS) / r->run_in, 1.0);
+    return t * t * (3.0 - 2.0 * t);
+}
+
 /* Of all joints, at the end of a substep. */
 static sn_rigid *substep_poses(const run *r, sn_index substep) {
-    size_t slot = r->frozen ? 0 : (size_t)substep;
+    size_t slot = r->frozen && r->run_in == 0 ? 0 : (size_t)substep;
     return r->state->poses + slot * (size_t)r->model->scene->motion.joint_count;
 }
 
 /* What a muscle is told of the moment in a substep when so many of its parts are done: only there do muscles that halve their steps need
  * poses of their own. */
 static void take_poses(const run *r, const sn_model_muscle *m, sn_muscle_state *s, sn_index substep, sn_index parts) {
-    if (parts == SN_SUBSTEP_PARTS || r->frozen)
+    const sn_motion *motion = &r->model->scene->motion;
+    bool between = parts < SN_SUBSTEP_PARTS && r->run_in > 0;
+    if (!between && (parts == SN_SUBSTEP_PARTS || r->frozen))
         sn_kinematics_aim(m, s, substep_poses(r, substep));
-    else
-        sn_kinematics_aim_at(m, s, &r->model->scene->motion, time_of(r, substep, parts));
+    else if (!between)
+        sn_kinematics_aim_at(m, s, motion, time_of(r, substep, parts));
+    for (sn_index i = 0; between && i < m->site_count; i++) {
+        double share = run_in_share(r, substep, parts), time = time_of(r, substep, parts);
+        if (m->sites[i].joint != SN_NONE) s->poses[i] = sn_motion_run_in_pose(motion, m->sites[i].joint, time, share);
+    }
 }
 
 /* Does the work of this run end in or with this substep? */
@@ -175,8 +191,11 @@ static void do_muscles(void *user, sn_index begin, sn_index end, sn_index chunk)
 
 static void prepare_poses(const run *r) {
     const sn_scene *scene = r->model->scene;
-    sn_index slots = r->frozen ? 1 : sn_solver_substeps(&scene->solver);
-    for (sn_index i = 0; i < slots; i++) sn_motion_poses(&scene->motion, substep_time(r, i), (sn_rigid *)substep_poses(r, i));
+    sn_index slots = r->frozen && r->run_in == 0 ? 1 : sn_solver_substeps(&scene->solver);
+    for (sn_index i = 0; i < slots; i++) {
+        double share = r->run_in > 0 ? run_in_share(r, i, SN_SUBSTEP_PARTS) : 1.0;
+        sn_motion_run_in_poses(&scene->motion, substep_time(r, i), share, substep_poses(r, i));
+    }
 }
 
 static void clear_counters(sn_state *state, sn_index muscle_count) {
@@ -269,7 +288,7 @@ static sn_status do_run(run *r, moment last, const sn_step_options *options, sn_
     if (sn_trace_stopped(trace)) return SN_STOPPED;
     r->backend = sn_backend_of(r->model->scene);
     prepare_poses(r);
-    if (r->from.substep == 0 && r->from.iteration == 0) clear_counters(r->state, r->model->muscle_count);
+    if (r->from.substep == 0 && r->from.iteration == 0 && !r->goes_on) clear_counters(r->state, r->model->muscle_count);
     if (trace != NULL && (trace->receive != NULL || trace->stop_after >= 0)) return do_watched(r, last, pool, trace, error);
     r->to = last;
     r->measure = true;
@@ -277,14 +296,39 @@ static sn_status do_run(run *r, moment last, const sn_step_options *options, sn_
     return SN_OK;
 }
 
+/* ---- the pre-roll ----------------------------------------------------------------------------------------------------------- */
+
+/* The bones go from rest to the first frame, a frame's time after the other. */
+static sn_status run_in(run *r, sn_index substeps, const sn_step_options *options, sn_error *error) {
+    sn_index frame = sn_solver_substeps(&r->model->scene->solver);
+    sn_status status = SN_OK;
+    r->run_in = substeps;
+    for (; r->run_in_done < substeps && status == SN_OK; r->goes_on = true) {
+        sn_index left = substeps - r->run_in_done, now = left < frame ? left : frame;
+        r->from = (moment){0, 0};
+        status = do_run(r, (moment){now, 0}, options, error);
+        if (status != SN_OK) return status;
+        r->run_in_done += now;
+        if (options != NULL && options->watch != NULL) status = options->watch(options->user, r->state, run_in_share(r, 0, 0), error);
+    }
+    r->run_in = 0;
+    return status;
+}
+
+/* Whole substeps, rounded up. */
+static double substeps_in(const sn_model *model, double seconds) { return fmax(ceil(seconds / model->substep_duration - 1e-9), 0.0); }
+
 sn_status sn_settle(const sn_model *model, sn_state *state, const sn_step_options *options, sn_error *error) {
     const sn_scene *scene = model->scene;
-    double substeps = ceil(scene->preroll / model->substep_duration - 1e-9);
+    double moving = sn_scene_runs_in(scene) ? fmax(substeps_in(model, scene->run_in), 1.0) : 0.0; /* it must arrive */
+    double substeps = fmax(substeps_in(model, scene->preroll), moving);
     if (!(substeps >= 1.0)) return SN_OK;
     if (substeps > SN_INDEX_MAX)
         return sn_fail(error, SN_ERROR_USAGE, "a pre-roll of %g s is more than %d substeps; shorten it", scene->preroll, (int)SN_INDEX_MAX);
     run r = {.model = model, .state = state, .begin = scene->first_frame, .frozen = true};
-    sn_status status = do_run(&r, (moment){(sn_index)substeps, 0}, options, error);
+    sn_status status = run_in(&r, (sn_index)moving, options, error);
+    r.from = (moment){0, 0};
+    if (status == SN_OK && substeps > moving) status = do_run(&r, (moment){(sn_index)(substeps - moving), 0}, options, error);
     if (status == SN_OK) state->substep = state->iteration = 0;
     return status;
 }
