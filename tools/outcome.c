@@ -100,6 +100,7 @@ static const char *help(const outcome *o, const sn_state *state, sn_index muscle
     const sn_solver_settings *solver = &o->model->scene->solver;
     const sn_model_muscle *m = &o->model->muscles[muscle];
     const sn_muscle_state *s = &state->muscles[muscle];
+    if (o->runs_in) return "a longer run-in may help";
     if (spread_of_bones(m, s) > 3.0) return "its bones have gone far apart: look at their motion and units";
     if (sign == SN_EXPLODED_VOLUME && !m->keeps_volume) return "nothing keeps its volume (see --plan): give it a volume stiffness";
     if (solver->scheme != SN_SCHEME_GUARDED) return "--scheme guarded, --solver qn or more --iterations may help";
@@ -115,14 +116,14 @@ static void tell_explosion(outcome *o, const sn_state *state, sn_index muscle, s
     const sn_statistics *s = &state->muscles[muscle].statistics;
     const char *name = name_of(o, muscle), *may_help = help(o, state, muscle, sign);
     if (sign == SN_EXPLODED_SOLVER)
-        cli_shortfall(o->c, "frame %d: the solver has failed on muscle \"%s\", its matrix could not be factored or solved; %s",
-                      (int)state->frame, name, may_help);
+        cli_shortfall(o->c, "%s: the solver has failed on muscle \"%s\", its matrix could not be factored or solved; %s", o->moment, name,
+                      may_help);
     else if (sign == SN_EXPLODED_VOLUME)
-        cli_shortfall(o->c, "frame %d: muscle \"%s\" has exploded, its volume is %.4g times its goal; %s", (int)state->frame, name,
-                      1.0 + s->volume_error, may_help);
+        cli_shortfall(o->c, "%s: muscle \"%s\" has exploded, its volume is %.4g times its goal; %s", o->moment, name, 1.0 + s->volume_error,
+                      may_help);
     else
-        cli_shortfall(o->c, "frame %d: muscle \"%s\" has exploded, its edge between vertices %d and %d is %.4g times its goal length; %s",
-                      (int)state->frame, name, (int)s->largest_edge[0], (int)s->largest_edge[1], s->largest_edge_ratio, may_help);
+        cli_shortfall(o->c, "%s: muscle \"%s\" has exploded, its edge between vertices %d and %d is %.4g times its goal length; %s",
+                      o->moment, name, (int)s->largest_edge[0], (int)s->largest_edge[1], s->largest_edge_ratio, may_help);
 }
 
 /* Each sign is told once of each muscle, where it shows first: later frames only follow from that one. */
@@ -136,14 +137,14 @@ static void check_explosions(outcome *o, const sn_state *state) {
     }
 }
 
-sn_status outcome_check(outcome *o, const sn_state *state, bool no_state, sn_error *error) {
+static sn_status check_points(outcome *o, const sn_state *state, bool no_state, sn_error *error) {
     for (sn_index i = 0; i < o->model->muscle_count; i++) {
         const sn_statistics *s = &state->muscles[i].statistics;
         if (!(sn_explosions(s) & SN_EXPLODED_POINTS)) continue;
         const char *may_help = help(o, state, i, SN_EXPLODED_POINTS);
         if (o->frame_count == 0)
-            return sn_fail(error, SN_ERROR_INPUT, "frame %d: muscle \"%s\" has %d points that are not finite, point %d first; %s",
-                           (int)state->frame, name_of(o, i), (int)s->nan_points, (int)s->first_nan, may_help);
+            return sn_fail(error, SN_ERROR_INPUT, "%s: muscle \"%s\" has %d points that are not finite, point %d first; %s", o->moment,
+                           name_of(o, i), (int)s->nan_points, (int)s->first_nan, may_help);
         cli_shortfall(
             o->c, "frame %d: muscle \"%s\" has exploded, %d of its points are not finite, point %d first; the run ends with frame %d%s; %s",
             (int)state->frame, name_of(o, i), (int)s->nan_points, (int)s->first_nan, (int)o->frames[o->frame_count - 1].number,
@@ -152,6 +153,21 @@ sn_status outcome_check(outcome *o, const sn_state *state, bool no_state, sn_err
         return SN_STOPPED;
     }
     return SN_OK;
+}
+
+sn_status outcome_run_in(void *user, const sn_state *state, double share, sn_error *error) {
+    outcome *o = user;
+    o->runs_in = true;
+    snprintf(o->moment, sizeof o->moment, "the run-in, %.0f %% of the way to frame %d", 100.0 * share, (int)state->frame);
+    sn_status status = check_points(o, state, false, error);
+    if (status == SN_OK) check_explosions(o, state);
+    o->runs_in = false;
+    return status;
+}
+
+sn_status outcome_check(outcome *o, const sn_state *state, bool no_state, sn_error *error) {
+    snprintf(o->moment, sizeof o->moment, "frame %d", (int)state->frame);
+    return check_points(o, state, no_state, error);
 }
 
 /* ---- frame after frame ---------------------------------------------------------------------------------------------------------- */

@@ -59,7 +59,9 @@ typedef struct outcome {
     outcome_tear *tears;   /* (tear_count) by their first frames */
     sn_index *last_tear;   /* (model.muscle_count) SN_NONE = it has not been torn yet */
     outcome_worst worst[WORST_COUNT];
-    unsigned *told; /* (model.muscle_count) bits of sn_explosion that were told already */
+    char moment[80]; /* what is looked at, for messages: "frame 12" */
+    bool runs_in;    /* that is in the pre-roll's run-in */
+    unsigned *told;  /* (model.muscle_count) bits of sn_explosion that were told already */
 } outcome;
 
 /* The limits of --fail-on; text is nullable. Bad ones are wrong usage. */
@@ -69,6 +71,8 @@ SN_MUST_CHECK sn_status outcome_start(outcome *o, const sn_model *model, sn_erro
 /* Is every coordinate finite? Where one is not, and no frame came before, SN_ERROR_INPUT; else that is told as a shortfall and SN_STOPPED
  * is returned: the run ends with the last frame. no_state: the state that was asked for will not be written. */
 SN_MUST_CHECK sn_status outcome_check(outcome *o, const sn_state *state, bool no_state, sn_error *error);
+/* The same on the way to the first frame, and signs of an explosion are told: a sn_watch_run_in, user is the outcome. */
+SN_MUST_CHECK sn_status outcome_run_in(void *user, const sn_state *state, double share, sn_error *error);
 /* Take down a frame that is finite, and tell which limits it is the first to break, and which muscles have exploded in it. */
 SN_MUST_CHECK sn_status outcome_take(outcome *o, const sn_state *state, double seconds, sn_error *error);
 /* Say how the run went, not under -q. */

@@ -20,7 +20,7 @@ static const char *const FORMATS[] = {"pc2", "ply", NULL};
 
 typedef struct choices {
     const char *frames, *log, *fail_on, *state, *from, *choose, *bone_frames;
-    double rate, preroll, tolerance, target_error;
+    double rate, preroll, run_in, tolerance, target_error;
     int64_t substeps, iterations, save_every;
     int format, law, solver, scheme, hinges, anisotropy, stretch, preconditioner, precision;
     bool plan, no_sleep;
@@ -33,6 +33,8 @@ static const cli_option OPTIONS[] = {
     {0, "frames", "A:B", CLI_TEXT, &given.frames, 0, 0, 0, NULL, "simulate frames A to B instead of the scene's"},
     {0, "rate", "N", CLI_NUMBER, &given.rate, 0, 1e-6, 1e6, NULL, "frames per second instead of the scene's"},
     {0, "preroll", "SECONDS", CLI_NUMBER, &given.preroll, 0, 0, 1e6, NULL, "let it settle this long at the first frame's inputs"},
+    {0, "run-in", "SECONDS", CLI_NUMBER, &given.run_in, 0, 0, 1e6, NULL,
+     "of the preroll: take the bones from rest to the first frame in this time, then hold"},
     {0, "law", "LAW", CLI_CHOICE, &given.law, 0, 0, 0, sn_fiber_law_names, "fibre law of all muscles: projected, paper or isochoric"},
     {0, "anisotropy", "FORM", CLI_CHOICE, &given.anisotropy, 0, 0, 0, sn_anisotropy_names,
      "surface edges along the fibres yield: scheme, none, pbd or xpbd"},
@@ -161,6 +163,7 @@ static void apply_options(job *j) {
     }
     if (cli_given(&j->c, "rate")) scene->rate = given.rate;
     if (cli_given(&j->c, "preroll")) scene->preroll = given.preroll;
+    if (cli_given(&j->c, "run-in")) scene->run_in = given.run_in;
     choose_method(j);
     if (cli_given(&j->c, "tolerance")) scene->solver.tolerance = given.tolerance;
     if (cli_given(&j->c, "substeps")) scene->solver.substeps = (sn_index)given.substeps;
@@ -499,7 +502,7 @@ static sn_status next_frame(job *j, sn_error *error) {
 }
 
 static sn_status run_frames(job *j, sn_error *error) {
-    sn_step_options options = {.pool = j->pool, .trace = &j->c.trace};
+    sn_step_options options = {.pool = j->pool, .trace = &j->c.trace, .watch = outcome_run_in, .user = &j->outcome};
     sn_status status = given.from != NULL ? SN_OK : sn_settle(j->model, j->state, &options, error);
     if (status == SN_OK && given.from == NULL) {
         status = finish_frame(j, false, NAN, error);

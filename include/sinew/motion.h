@@ -75,6 +75,10 @@ double sn_channel_at(const sn_channel *channel, double time);
 sn_rigid sn_motion_pose(const sn_motion *motion, sn_index joint, double time);
 /* World pose of every joint at `time`: poses (joint_count). */
 void sn_motion_poses(const sn_motion *motion, double time, sn_rigid *poses);
+/* World poses on the way from rest (share 0) to the pose at `time` (share 1, to the bit), which joints take together: a hinge by its angle,
+ * a joint with a rest place by slerp about it, any other along the screw of its pose (lib/motion/run_in.c). */
+sn_rigid sn_motion_run_in_pose(const sn_motion *motion, sn_index joint, double time, double share);
+void sn_motion_run_in_poses(const sn_motion *motion, double time, double share, sn_rigid *poses); /* poses (joint_count) */
 /* Linear between samples; outside them the end values hold; 0 where there is none. */
 double sn_coordinate_at(const sn_coordinate *coordinate, double time);
 SN_MUST_CHECK sn_status sn_motion_validate(const sn_motion *motion, sn_error *error);

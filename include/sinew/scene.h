@@ -123,6 +123,7 @@ typedef struct sn_scene {
     double rate;                      /* frames per second; default 24 */
     sn_index first_frame, last_frame; /* inclusive; frame f is at time f / rate; default 0, 0 */
     double preroll;                   /* seconds of settling at the first frame's inputs before it; default 0 */
+    double run_in;                    /* seconds of the pre-roll in which the bones first go from rest to the first frame; default 0 */
     sn_solver_settings solver;
 } sn_scene;
 
@@ -134,6 +135,8 @@ double sn_muscle_contraction(const sn_scene_muscle *muscle, double activation);
 void sn_scene_muscle_defaults(sn_scene_muscle *muscle); /* fills every default of an otherwise zeroed muscle */
 void sn_scene_defaults(sn_scene *scene);
 sn_solver_settings sn_solver_defaults(sn_solver_method method);
+/* Does the pre-roll begin at rest and move bones? Not where the first frame is the rest pose, to the bit. */
+bool sn_scene_runs_in(const sn_scene *scene);
 sn_index sn_solver_substeps(const sn_solver_settings *settings); /* per frame, before any is halved */
 /* To that method, with its defaults but the threads and the sleep there are; nothing where it is that method already. */
 void sn_solver_change(sn_solver_settings *settings, sn_solver_method method);

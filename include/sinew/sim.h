@@ -320,8 +320,9 @@ typedef struct sn_state {
 /* Arrays for every muscle of the model, put at the first frame (sn_state_reset). */
 SN_MUST_CHECK sn_status sn_state_create(const sn_model *model, sn_state **out, sn_error *error);
 void sn_state_destroy(const sn_model *model, sn_state *state); /* NULL is fine */
-/* The first frame, before any pre-roll: at rest, carried along where the first frame's bones are away from their rest place (each
- * point by the poses of its muscle's bones, weighted by the inverse square of its distance to each bone's attachment). */
+/* The first frame, before any pre-roll: at rest where that has a run-in; else carried along where the first frame's bones are away from
+ * their rest place (each point by the poses of its muscle's bones, weighted by the inverse square of its distance to each bone's
+ * attachment). */
 void sn_state_reset(const sn_model *model, sn_state *state);
 /* Positions of a muscle's surface vertices in its document's unit and order: positions (vertex_count). */
 void sn_state_positions(const sn_model *model, const sn_state *state, sn_index muscle, sn_vec3 *positions);
@@ -338,15 +339,22 @@ sn_index sn_state_next_frame(const sn_state *state);
 
 /* ---- stepping ------------------------------------------------------------------------------------------------------------- */
 
+/* Looks at the muscles during a run-in; share: of the way to the first frame's poses, in (0,1]. Another status than SN_OK ends it. */
+typedef sn_status sn_watch_run_in(void *user, const sn_state *state, double share, sn_error *error);
+
 /* How far to step, and who watches. */
 typedef struct sn_step_options {
     sn_pool *pool;           /* nullable: one thread */
     sn_trace *trace;         /* nullable: one step per substep and muscle, with its residuals */
     sn_index stop_substep;   /* 1..substeps: stop after this substep of the frame; 0 = do all */
     sn_index stop_iteration; /* with stop_substep: after this iteration in it; 0 = all */
+    sn_watch_run_in *watch;  /* nullable: sn_settle */
+    void *user;              /* of watch */
 } sn_step_options;
 
-/* The scene's pre-roll: whole substeps, rounded up, with the bones and activations of the first frame. */
+/* The scene's pre-roll: whole substeps, rounded up, with the bones and activations of the first frame; in its run-in (sn_scene_runs_in) the
+ * bones come from rest, by the smoothstep of its time. options->watch sees the muscles whenever a frame's time of the run-in is over, and
+ * at its end. What is done counts for the first frame. A pre-roll that the trace or the watch has stopped does not go on. */
 SN_MUST_CHECK sn_status sn_settle(const sn_model *model, sn_state *state, const sn_step_options *options, sn_error *error);
 /* The time of one frame passes with the bones and activations of the state's frame, whose number stays. */
 SN_MUST_CHECK sn_status sn_hold(const sn_model *model, sn_state *state, const sn_step_options *options, sn_error *error);

@@ -337,8 +337,7 @@ static sn_status apply_reference(const mjcf *m, sn_index asset, sn_skeleton_mesh
     double q[4] = {1, 0, 0, 0};
     sn_vec3 s = mesh->scale, place = {0, 0, 0};
     sn_status status = read_vec3(m, asset, (sn_span){NULL, 0}, "refpos", &place);
-    if (status == SN_OK)
-        status = sn_xml_numbers(m->tree, asset, "refquat", look_up(m, asset, (sn_span){NULL, 0}, "refquat"), 4, q, m->error);
+    if (status == SN_OK) status = sn_xml_numbers(find_value(m, asset, (sn_span){NULL, 0}, "refquat"), 4, q, m->error);
     if (status != SN_OK) return status;
     sn_quat turned = {q[0], q[1], q[2], q[3]};
     if (!(sn_quat_dot(turned, turned) > 0.0)) return sn_xml_fail(m->tree, asset, m->error, "refquat has no length");

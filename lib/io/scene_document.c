@@ -76,13 +76,14 @@ static sn_status parse_solver(const sn_json_value *value, sn_solver_settings *ou
 
 static sn_status parse_globals(const sn_json_value *top, sn_scene *scene, sn_error *error) {
     sn_json_value name = sn_json_member(top, "name"), unit = sn_json_member(top, "metersPerUnit"), rate = sn_json_member(top, "rate"),
-                  frames = sn_json_member(top, "frames"), preroll = sn_json_member(top, "preroll"),
+                  frames = sn_json_member(top, "frames"), preroll = sn_json_member(top, "preroll"), run_in = sn_json_member(top, "runIn"),
                   gravity = sn_json_member(top, "gravity"), solver = sn_json_member(top, "solver");
     sn_status status = sn_json_get_text(&name, &scene->name, error);
     if (status == SN_OK) status = sn_json_get_number(&unit, SN_JSON_POSITIVE, INFINITY, &scene->meters_per_unit, error);
     if (status == SN_OK) status = sn_json_get_number(&rate, SN_JSON_POSITIVE, INFINITY, &scene->rate, error);
     if (status == SN_OK) status = parse_frames(&frames, scene, error);
     if (status == SN_OK) status = sn_json_get_number(&preroll, 0.0, INFINITY, &scene->preroll, error);
+    if (status == SN_OK) status = sn_json_get_number(&run_in, 0.0, INFINITY, &scene->run_in, error);
     if (status == SN_OK) status = sn_json_get_vec3(&gravity, &scene->gravity, error);
     return status == SN_OK ? parse_solver(&solver, &scene->solver, error) : status;
 }
@@ -346,7 +347,7 @@ static sn_status parse_muscles(const sn_json_value *value, const reader *in, sn_
 /* ---- reading: the document ----------------------------------------------------------------------------------------------- */
 
 static sn_status parse_scene(const sn_json_value *top, bool load_bones, sn_scene *scene, sn_error *error) {
-    static const char *const known[] = {"format",  "version", "name",   "metersPerUnit", "rate",    "frames",  "preroll",
+    static const char *const known[] = {"format",  "version", "name",   "metersPerUnit", "rate",    "frames",  "preroll", "runIn",
                                         "gravity", "solver",  "motion", "bones",         "muscles", "history", NULL};
     sn_json_value motion = sn_json_member(top, "motion"), bones = sn_json_member(top, "bones"), muscles = sn_json_member(top, "muscles");
     sn_status status = sn_json_expect_format(top, FORMAT, NEWEST_VERSION, error);
@@ -467,6 +468,7 @@ void sn_scene_write(const sn_scene *scene, sn_json *json) {
     sn_json_number(json, "rate", scene->rate);
     sn_json_indices(json, "frames", (const sn_index[2]){scene->first_frame, scene->last_frame}, 2);
     sn_json_number(json, "preroll", scene->preroll);
+    sn_json_number(json, "runIn", scene->run_in);
     sn_json_vec3(json, "gravity", scene->gravity);
     write_solver(&scene->solver, json);
     sn_motion_write(&scene->motion, scene->meters_per_unit, json);

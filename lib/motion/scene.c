@@ -264,6 +264,9 @@ static sn_status check_clock(const sn_scene *scene, sn_error *error) {
                        (long)scene->first_frame);
     if (!within(scene->preroll, 0.0, HUGE_VAL))
         return sn_fail(error, SN_ERROR_INPUT, "preroll is %g s; it must be at least 0", scene->preroll);
+    if (!within(scene->run_in, 0.0, scene->preroll))
+        return sn_fail(error, SN_ERROR_INPUT, "runIn is %g s; it is a part of the preroll, which is %g s: make that as long at least",
+                       scene->run_in, scene->preroll);
     if (!sn_finite3(scene->gravity)) return sn_fail(error, SN_ERROR_INPUT, "gravity is not finite");
     if (solver->substeps == SN_SUBSTEPS_AUTO && solver->method != SN_SOLVER_QN)
         return sn_fail(error, SN_ERROR_INPUT, "solver.substeps auto is for the method qn; give a number or choose that method");

@@ -59,9 +59,10 @@ void sn_kinematics_aim(const sn_model_muscle *m, sn_muscle_state *s, const sn_ri
         s->inputs->poses[i] = m->sites[i].joint == SN_NONE ? sn_rigid_identity() : joint_poses[m->sites[i].joint];
 }
 
-void sn_kinematics_aim_at(const sn_model_muscle *m, sn_muscle_state *s, const sn_motion *motion, double time) {
+void sn_kinematics_aim_at(const sn_model_muscle *m, sn_muscle_state *s, const sn_motion *motion, double time, double share) {
     for (sn_index i = 0; i < m->site_count; i++)
-        s->inputs->poses[i] = m->sites[i].joint == SN_NONE ? sn_rigid_identity() : sn_motion_pose(motion, m->sites[i].joint, time);
+        s->inputs->poses[i] =
+            m->sites[i].joint == SN_NONE ? sn_rigid_identity() : sn_motion_run_in_pose(motion, m->sites[i].joint, time, share);
 }
 
 /* A bone that never moves leaves its points alone, to the last bit. */

@@ -137,7 +137,7 @@ void sn_state_reset(const sn_model *model, sn_state *state) {
     const sn_backend *backend = sn_backend_of(model->scene);
     state->frame = model->scene->first_frame;
     state->substep = state->iteration = 0;
-    sn_motion_poses(&model->scene->motion, time, state->poses);
+    sn_motion_run_in_poses(&model->scene->motion, time, sn_scene_runs_in(model->scene) ? 0.0 : 1.0, state->poses);
     for (sn_index i = 0; i < model->muscle_count; i++) reset_muscle(&model->muscles[i], &state->muscles[i], state->poses, time);
     for (sn_index i = 0; i < model->group_count; i++) {
         state->groups[i].progress = (sn_progress){.parts = SN_SUBSTEP_PARTS, .size = SN_SUBSTEP_PARTS};

@@ -19,12 +19,15 @@ typedef struct run {
     const sn_model *model;
     sn_state *state;
     const sn_backend *backend;
-    double begin;     /* frame number, as a time in frames, at which the first substep starts */
-    bool frozen;      /* time stands still: inputs and poses stay those of `begin` */
-    double seconds;   /* frozen: how long */
-    moment from, to;  /* what to do now */
-    bool measure;     /* statistics at the end */
-    sn_point *before; /* (points of all groups, one after the other) where they are before an iteration; NULL = nobody asks */
+    double begin;       /* frame number, as a time in frames, at which the first substep starts */
+    bool frozen;        /* time stands still: inputs and poses stay those of `begin` */
+    double seconds;     /* frozen: how long */
+    double run_in;      /* s: of all of the pre-roll's run-in, in which bones come from rest to `begin`; 0 = this is no part of it */
+    double run_in_done; /* s: of it, before this run */
+    bool goes_on;       /* what is counted adds to what was */
+    moment from, to;    /* what to do now */
+    bool measure;       /* statistics at the end */
+    sn_point *before;   /* (points of all groups, one after the other) where they are before an iteration; NULL = nobody asks */
 } run;
 
 /* ---- the times of a group ----------------------------------------------------------------------------------------------------- */
@@ -48,9 +51,18 @@ static double time_of(const run *r, const sn_group *g, sn_index substep, sn_inde
     return (r->begin + (substep + parts / (double)SN_SUBSTEP_PARTS) / (double)g->substeps) / scene->rate;
 }
 
+/* How far the bones are from rest to the first frame, so many seconds after this run's start: eased, they set out and arrive at rest. */
+static double run_in_share(const run *r, double seconds) {
+    double t = r->run_in > 0.0 ? fmin((r->run_in_done + seconds) / r->run_in, 1.0) : 1.0;
+    return t * t * (3.0 - 2.0 * t);
+}
+
+/* Do the bones stay where they are all the time? */
+static bool stands(const run *r) { return r->frozen && r->run_in == 0.0; }
+
 /* Of all joints, at the end of a substep of the scene's. */
 static sn_rigid *shared_poses(const run *r, sn_index substep) {
-    size_t slot = r->frozen ? 0 : (size_t)substep;
+    size_t slot = stands(r) ? 0 : (size_t)substep;
     return r->state->poses + slot * (size_t)r->model->scene->motion.joint_count;
 }
 
@@ -58,12 +70,13 @@ static sn_rigid *shared_poses(const run *r, sn_index substep) {
  * halves its steps, or has its own number of them, asks for its own. */
 static void take_poses(const run *r, const sn_group *g, sn_group_state *s, sn_index substep, sn_index parts) {
     const sn_scene *scene = r->model->scene;
-    bool shared = r->frozen || (parts == SN_SUBSTEP_PARTS && g->substeps == sn_solver_substeps(&scene->solver));
+    bool shared = stands(r) || (parts == SN_SUBSTEP_PARTS && g->substeps == sn_solver_substeps(&scene->solver));
+    double share = run_in_share(r, (substep + parts / (double)SN_SUBSTEP_PARTS) * g->substep_duration);
     for (sn_index i = 0; i < g->count; i++) {
         if (shared)
             sn_kinematics_aim(g->members[i], s->members[i], shared_poses(r, substep));
         else
-            sn_kinematics_aim_at(g->members[i], s->members[i], &scene->motion, time_of(r, g, substep, parts));
+            sn_kinematics_aim_at(g->members[i], s->members[i], &scene->motion, time_of(r, g, substep, parts), share);
     }
 }
 
@@ -267,10 +280,10 @@ static void do_groups(void *user, sn_index begin, sn_index end, sn_index chunk) 
 /* At the ends of the scene's substeps. */
 static void prepare_poses(const run *r) {
     const sn_scene *scene = r->model->scene;
-    sn_index slots = r->frozen ? 1 : sn_solver_substeps(&scene->solver);
+    sn_index slots = stands(r) ? 1 : sn_solver_substeps(&scene->solver);
     for (sn_index i = 0; i < slots; i++) {
         double time = (r->frozen ? r->begin : r->begin + (i + 1.0) / (double)slots) / scene->rate;
-        sn_motion_poses(&scene->motion, time, shared_poses(r, i));
+        sn_motion_run_in_poses(&scene->motion, time, run_in_share(r, (i + 1.0) * r->model->substep_duration), shared_poses(r, i));
     }
 }
 
@@ -383,7 +396,7 @@ static sn_status do_run(run *r, moment last, const sn_step_options *options, sn_
     if (sn_trace_stopped(trace)) return SN_STOPPED;
     r->backend = sn_backend_of(r->model->scene);
     prepare_poses(r);
-    if (r->from.substep == 0 && r->from.iteration == 0) clear_counters(r->state, r->model->muscle_count);
+    if (r->from.substep == 0 && r->from.iteration == 0 && !r->goes_on) clear_counters(r->state, r->model->muscle_count);
     if (trace != NULL && (trace->receive != NULL || trace->stop_after >= 0)) return do_watched(r, last, pool, trace, error);
     r->to = last;
     r->measure = true;
@@ -391,27 +404,58 @@ static sn_status do_run(run *r, moment last, const sn_step_options *options, sn_
     return SN_OK;
 }
 
-/* So many seconds with the inputs and poses of frame `begin`. */
-static sn_status freeze(const sn_model *model, sn_state *state, sn_index frame, double seconds, const sn_step_options *options,
-                        sn_error *error) {
-    run r = {.model = model, .state = state, .begin = frame, .frozen = true, .seconds = seconds};
-    double substeps = most_substeps(&r);
+/* ---- time stands still ------------------------------------------------------------------------------------------------------ */
+
+/* So many seconds with the inputs of frame r->begin, and its poses but for a run-in. */
+static sn_status freeze(run *r, double seconds, const sn_step_options *options, sn_error *error) {
+    r->frozen = true;
+    r->seconds = seconds;
+    r->from = (moment){0, 0};
+    double substeps = most_substeps(r);
     if (!(substeps >= 1.0)) return SN_OK;
     if (substeps > SN_INDEX_MAX)
         return sn_fail(error, SN_ERROR_USAGE, "a pre-roll of %g s is more than %d substeps; shorten it", seconds, (int)SN_INDEX_MAX);
-    sn_status status = do_run(&r, (moment){(sn_index)substeps, 0}, options, error);
-    if (status == SN_OK) state->substep = state->iteration = 0;
+    return do_run(r, (moment){(sn_index)substeps, 0}, options, error);
+}
+
+/* The bones go from rest to the first frame, a frame's time after the other. */
+static sn_status run_in(run *r, double seconds, const sn_step_options *options, sn_error *error) {
+    sn_status status = SN_OK;
+    r->run_in = seconds;
+    for (double left = seconds; left > 1e-9 * seconds && status == SN_OK; left = seconds - r->run_in_done, r->goes_on = true) {
+        double now = fmin(left, r->model->frame_duration);
+        status = freeze(r, now, options, error);
+        if (status != SN_OK) return status;
+        r->run_in_done += now;
+        if (options != NULL && options->watch != NULL) status = options->watch(options->user, r->state, run_in_share(r, 0.0), error);
+    }
+    r->run_in = 0.0;
     return status;
 }
 
+/* In whole substeps, rounded up. */
+static double rounded_up(const sn_model *model, double seconds) {
+    return fmax(ceil(seconds / model->substep_duration - 1e-9), 0.0) * model->substep_duration;
+}
+
 sn_status sn_settle(const sn_model *model, sn_state *state, const sn_step_options *options, sn_error *error) {
-    return freeze(model, state, model->scene->first_frame, model->scene->preroll, options, error);
+    const sn_scene *scene = model->scene;
+    double moving = sn_scene_runs_in(scene) ? fmax(rounded_up(model, scene->run_in), model->substep_duration) : 0.0; /* it must arrive */
+    double all = fmax(rounded_up(model, scene->preroll), moving);
+    run r = {.model = model, .state = state, .begin = scene->first_frame};
+    sn_status status = moving > 0.0 ? run_in(&r, moving, options, error) : SN_OK;
+    if (status == SN_OK) status = freeze(&r, all - moving, options, error);
+    if (status == SN_OK) state->substep = state->iteration = 0;
+    return status;
 }
 
 sn_status sn_hold(const sn_model *model, sn_state *state, const sn_step_options *options, sn_error *error) {
     if (state->substep != 0 || state->iteration != 0)
         return sn_fail(error, SN_ERROR_USAGE, "cannot hold a state in the middle of its frame");
-    return freeze(model, state, state->frame, model->frame_duration, options, error);
+    run r = {.model = model, .state = state, .begin = state->frame};
+    sn_status status = freeze(&r, model->frame_duration, options, error);
+    if (status == SN_OK) state->substep = state->iteration = 0;
+    return status;
 }
 
 /* Where the options stop within a frame; the frame's end where they do not. */

@@ -15,7 +15,7 @@ static const char *const motion = "{\"format\":\"sinew-motion\",\"version\":1,\"
 
 static const char *const scene_text =
     "{\"format\": \"sinew-scene\", \"version\": 1, \"name\": \"arm\", \"metersPerUnit\": 0.001,\n"
-    " \"rate\": 30, \"frames\": [1,90], \"preroll\": 0.5, \"gravity\": [0,0,-9.81], \"solver\": {\"substeps\": 16},\n"
+    " \"rate\": 30, \"frames\": [1,90], \"preroll\": 0.5, \"runIn\": 0.25, \"gravity\": [0,0,-9.81], \"solver\": {\"substeps\": 16},\n"
     " \"motion\": {\"joints\": [\n"
     "  {\"name\": \"elbow\", \"type\": \"hinge\", \"axis\": [1,2,3], \"point\": [1.7,23.456789,300.1],\n"
     "   \"keys\": [[0,0],[3.1,120.3]], \"interpolation\": \"smooth\"},\n"
@@ -75,7 +75,7 @@ static void an_empty_scene_has_every_default(void **state) {
                                "\"bones\":[{\"name\":\"humerus\",\"mesh\":\"none.obj\"}]}",
                                false);
     const sn_scene_muscle *m = &scene.muscles[0];
-    assert_true(scene.meters_per_unit == 1 && scene.rate == 24 && scene.first_frame == 0 && scene.last_frame == 0 && scene.preroll == 0);
+    assert_true(scene.meters_per_unit == 1 && scene.rate == 24 && scene.first_frame == 0 && scene.last_frame == 0 && scene.preroll == 0 && scene.run_in == 0);
     assert_true(sn_norm(scene.gravity) == 0);
     assert_true(scene.solver.method == SN_SOLVER_QN && scene.solver.substeps == SN_SUBSTEPS_AUTO && scene.solver.iterations == 10);
     assert_int_equal(scene.solver.threads, 0);
@@ -106,6 +106,7 @@ static void lengths_angles_and_times_are_si(void **state) {
     assert_near(ramp->angle.values[1], -0.5 * 89 * SN_PI / 180);
     assert_near(scene.motion.joints[2].angle.constant, 12.34 * SN_PI / 180);
     assert_near(pose->keys[0].time, 0.1);
+    assert_near(scene.run_in, 0.25);
     assert_near(pose->keys[0].pose.translation.z, 0.0033);
     sn_vec3 turned = sn_rigid_apply(pose->keys[2].pose, sn_v3(1, 0, 0)); /* the matrix turns x to y */
     assert_near(turned.x, 0.0051);
@@ -163,6 +164,7 @@ static void reading_what_was_written_is_the_same_scene(void **state) {
         assert_memory_equal(first.motion.joints[j].angle.values, second.motion.joints[j].angle.values, 2 * sizeof(double));
     assert_true(first.motion.joints[2].angle.constant == second.motion.joints[2].angle.constant);
     assert_memory_equal(first.motion.joints[3].keys, second.motion.joints[3].keys, 3 * sizeof(sn_pose_key));
+    assert_true(second.run_in == 0.25);
     assert_contains(text, "\"point\": [1.7,23.456789,300.1]");
     assert_contains(text, "\"keys\": [[0,0],[3.1,120.3]]");
     free(text);
