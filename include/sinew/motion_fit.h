@@ -198,8 +198,8 @@ typedef struct sn_fit_result {
 /*
  * Each frame: bone of joint j turns by R_j(t) A_j^-1, R_j the source's rotation away from rest, A_j the alignment; centres follow the
  * body's tree. The middle of the hips (first joints of the legs; the root where there are none) is at `scale` times that of the source.
- * A_j: up stays up and headings agree (level); the direction `along` agrees and the turn about it is settled by `aside`, or else is the
- * least one from the parent's alignment; or that of the parent.
+ * A_j starts as that of the parent. Level: a turn about the vertical until headings agree. Else: the least turn until the direction `along`
+ * agrees, then one about it until `aside` does, where that is given.
  * SN_ERROR_INPUT: a joint is not in the source, a direction has no length.
  */
 SN_MUST_CHECK sn_status sn_motion_fit(const sn_fit_body *body, const sn_clip *source, const sn_fit_params *params, sn_fit_result *out,

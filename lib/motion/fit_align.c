@@ -52,19 +52,28 @@ static sn_quat turn_about(sn_vec3 axis, sn_vec3 from, sn_vec3 to) {
     return sn_quat_axis_angle(axis, sn_atan2(sn_dot(axis, sn_cross(from, to)), sn_dot(from, to)));
 }
 
+/* What the parent's alignment has made upright stays so; headings agree. */
+static sn_status align_heading(const sn_fit_body *body, const sn_clip *source, sn_index joint, sn_quat parent, sn_quat *out,
+                               sn_error *error) {
+    const sn_vec3 up = {0, 0, 1};
+    const place_pair axes = {up, sn_quat_rotate(sn_quat_conjugate(parent), up)};
+    place_pair heading;
+    sn_status status = find_pair(body, source, &body->table->joints[joint].along, joint, &axes, &heading, error);
+    if (status == SN_OK)
+        *out = sn_quat_normalize(sn_quat_multiply(turn_about(up, sn_quat_rotate(parent, heading.source), heading.body), parent));
+    return status;
+}
+
 sn_status sn_fit_align_joint(const sn_fit_body *body, const sn_clip *source, sn_index joint, sn_quat parent, sn_quat *out,
                              sn_error *error) {
     const sn_fit_joint *j = &body->table->joints[joint];
-    const sn_vec3 up = {0, 0, 1}, zero = {0, 0, 0};
-    place_pair axes = j->along.level ? (place_pair){up, up} : (place_pair){zero, zero}, along, aside;
+    place_pair along, aside;
     *out = parent;
     if (j->inherits) return SN_OK;
-    sn_status status = find_pair(body, source, &j->along, joint, &axes, &along, error);
+    if (j->along.level) return align_heading(body, source, joint, parent, out, error);
+    const place_pair none = {{0, 0, 0}, {0, 0, 0}};
+    sn_status status = find_pair(body, source, &j->along, joint, &none, &along, error);
     if (status != SN_OK) return status;
-    if (j->along.level) {
-        *out = turn_about(up, along.source, along.body);
-        return SN_OK;
-    }
     *out = sn_quat_normalize(sn_quat_multiply(sn_fit_least_turn(sn_quat_rotate(parent, along.source), along.body), parent));
     if (!j->aside.given) return SN_OK;
     status = find_pair(body, source, &j->aside, joint, &along, &aside, error);
