@@ -6,14 +6,16 @@
 #include <stdlib.h>
 #include <string.h>
 
+static const double DEGREES = 180.0 / SN_PI;
+
 /* More bones, rows or joints than this are counted in a warning, not named. */
 enum { NAMES_TOLD = 6 };
 
 static const char *table_file, *skeleton;
 static cli_list bone_texts, bone_lists;
-static double scale, stance_height = 0.02, stance_speed = 0.3, tolerance = 0.1;
+static double scale, stance_height = 0.02, stance_speed = SN_FIT_STANCE_SPEED, tolerance = 0.1;
 static int align;
-static int64_t gap_every = 1;
+static int64_t gap_every;
 static bool ground = true, list;
 
 static const char *const align_names[] = {"segments", "none", NULL};
@@ -31,12 +33,13 @@ static const cli_option options[] = {
     {0, "scale", "X", CLI_NUMBER, &scale, CLI_RESULT, 1e-3, 1e3, NULL,
      "scale the way of the root by X (default: the ratio of the lengths of the legs)"},
     {0, "no-ground", NULL, CLI_CLEAR, &ground, CLI_RESULT, 0, 0, NULL,
-     "leave the height as it comes; otherwise the lowest vertex of the feet is at 0 in the frame where it is lowest"},
+     "leave the motion as it comes; otherwise the floor that standing feet tell is levelled and put to z = 0"},
     {0, "list", NULL, CLI_FLAG, &list, 0, 0, 0, NULL, "print joints with source, centre and spheres, and do nothing else"},
-    {0, "gap-every", "N", CLI_INTEGER, &gap_every, 0, 1, 1e9, NULL, "of the report: distances of bones at every Nth frame (default 1)"},
+    {0, "gap-every", "N", CLI_AUTO, &gap_every, 0, 1, 1e9, NULL,
+     "of the report: distances of bones at every Nth frame (default: auto, about 24 a second)"},
     {0, "gap-tolerance", "MM", CLI_NUMBER, &tolerance, 0, 1e-3, 100, NULL, "of the report: distances are exact to MM mm (default 0.1)"},
     {0, "stance-height", "M", CLI_NUMBER, &stance_height, 0, 0, 10, NULL,
-     "of the report: a foot that stands is less than M m above its lowest (default 0.02), and ..."},
+     "of the report: a foot that stands is less than M m above the floor (default 0.02), and ..."},
     {0, "stance-speed", "M/S", CLI_NUMBER, &stance_speed, 0, 0, 1e6, NULL, "... the source's goes slower than this (default 0.3)"},
 };
 
@@ -215,8 +218,6 @@ static sn_status print_list(const job *j, sn_error *error) {
 /* ---- report ----------------------------------------------------------------------------------------------------------------------------
  */
 
-static const double DEGREES = 180.0 / SN_PI;
-
 static void write_range(sn_json *json, const char *name, const sn_fit_range *range, int k) {
     const double ends[2] = {range->low[k] * DEGREES, range->high[k] * DEGREES};
     sn_json_numbers(json, name, ends, 2);
@@ -297,6 +298,9 @@ static void write_report(sn_json *json, const void *data) {
     sn_json_number(json, "scale", j->fit.scale);
     sn_json_number(json, "leg", j->fit.leg);
     sn_json_number(json, "sourceLeg", j->fit.source_leg);
+    sn_json_bool(json, "floor", j->fit.floor);
+    sn_json_number(json, "slope", j->fit.slope * DEGREES);
+    sn_json_bool(json, "levelled", j->fit.levelled);
     sn_json_number(json, "raised", j->fit.raised);
     sn_json_number(json, "gapTolerance", 1e-3 * tolerance);
     sn_json_integer(json, "gapEvery", gap_every);
@@ -310,7 +314,8 @@ static void write_report(sn_json *json, const void *data) {
 
 static sn_status measure(job *j, sn_error *error) {
     const sn_fit_foot_params foot = {stance_height, stance_speed};
-    sn_fit_gap_params gap = {1e-3 * tolerance, (sn_index)(gap_every < SN_INDEX_MAX ? gap_every : SN_INDEX_MAX - 1), NULL};
+    if (gap_every == 0) gap_every = (int64_t)fmax(1.0, round(j->source.rate / 24.0));
+    sn_fit_gap_params gap = {1e-3 * tolerance, (sn_index)gap_every, NULL};
     sn_status status = sn_fit_feet(&j->body, &j->fit, &j->source, &foot, &j->feet, error);
     if (status != SN_OK) return status;
     gap.pool = sn_pool_create(j->c.threads);
@@ -364,6 +369,9 @@ static bool trace_body(job *j) {
 
 static void tell(const job *j) {
     const char *how = cli_given(&j->c, "scale") ? "as told" : j->fit.leg > 0.0 ? "by the length of the legs" : "as the table names no leg";
+    if (j->fit.slope > 0.0 && ground)
+        cli_tell(&j->c, "the floor that standing feet tell rises by %.2f degrees along their way%s", j->fit.slope * DEGREES,
+                 j->fit.levelled ? "; the motion is turned to level it" : ": a slope, which is left");
     cli_tell(&j->c, "%d bones on %d joints, %d frames; the way of the root is scaled by %.4f, %s", j->fit.clip.bone_count,
              j->fit.clip.joint_count, j->fit.clip.frame_count, j->fit.scale, how);
 }

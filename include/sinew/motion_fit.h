@@ -183,7 +183,7 @@ bool sn_fit_below(const sn_fit_table *table, sn_index j, sn_index top);
 typedef struct sn_fit_params {
     bool align;   /* turn the source's rest pose onto the body's; else the two are taken to agree */
     double scale; /* of the way of the root; 0 = the ratio of the lengths of the legs, 1 where the table names none */
-    bool ground;  /* shift the whole motion in height so that the lowest vertex of the feet touches z = 0 once */
+    bool ground;  /* turn and shift the whole motion so that the floor that standing feet tell is level, at z = 0 */
 } sn_fit_params;
 #define SN_FIT_DEFAULTS ((sn_fit_params){.align = true, .scale = 0.0, .ground = true})
 
@@ -192,8 +192,15 @@ typedef struct sn_fit_result {
     sn_index *sources;             /* (joint_count) of the source; SN_NONE = moves with its parent */
     sn_quat *alignment;            /* (joint_count) turns the source's rest pose onto the body's, world */
     double scale, leg, source_leg; /* mean lengths hip-knee-ankle; 0 = the table names no leg */
+    bool floor, levelled;          /* standing feet tell a floor; the motion has been turned to level it */
+    double slope;                  /* of the floor, before, along the feet's way, radians; 0 = they do not tell it */
+    sn_vec3 uphill;                /* unit, horizontal */
     double raised;                 /* by which the motion was shifted in height */
 } sn_fit_result;
+
+/* A foot stands while the source's goes slower, m/s. A floor that is steeper, radians, is a slope, not a capture out of level: it stays. */
+#define SN_FIT_STANCE_SPEED 0.3
+#define SN_FIT_SLOPE_LIMIT 0.05235987755982988 /* 3 degrees */
 
 /*
  * Each frame: bone of joint j turns by R_j(t) A_j^-1, R_j the source's rotation away from rest, A_j the alignment; centres follow the
@@ -251,11 +258,12 @@ typedef struct sn_fit_foot {
     sn_fit_stance *stances; /* (stance_count) owned */
 } sn_fit_foot;
 typedef struct sn_fit_foot_params {
-    double height; /* a foot stands while its lowest vertex is less than this above its lowest height over the motion, ... */
-    double speed;  /* ... and the nearest joint of the source to the ground, of those that carry the foot, goes slower than this */
+    double
+        height;   /* a foot stands while its lowest vertex is less than this above the floor (its lowest height, where there is none) ... */
+    double speed; /* ... and the lowest of the source's joints that drive it, or their ends, goes slower than this: m/s */
 } sn_fit_foot_params;
-/* One for each `foot` row, in their order; *out is allocated, freed by sn_fit_feet_free. source: what the motion was fitted from, for the
- * speed: by the source, so that what the fit makes slide is not left out. */
+/* One for each `foot` row, in their order; *out is allocated, freed by sn_fit_feet_free. source: what the motion was fitted from: speed
+ * is judged by the source, so that what the fit makes slide is not left out. */
 SN_MUST_CHECK sn_status sn_fit_feet(const sn_fit_body *body, const sn_fit_result *fit, const sn_clip *source,
                                     const sn_fit_foot_params *params, sn_fit_foot **out, sn_error *error);
 void sn_fit_feet_free(sn_fit_foot *feet, sn_index count);

@@ -197,21 +197,6 @@ static void pose(const sn_fit_body *body, const sn_clip *source, sn_fit_result *
     }
 }
 
-static sn_status put_on_ground(const sn_fit_body *body, sn_fit_result *out, sn_error *error) {
-    sn_fit_contact *lowest = SN_NEW(sn_fit_contact, out->clip.frame_count);
-    if (lowest == NULL) return sn_fail_memory(error, "the feet");
-    double least = INFINITY;
-    for (sn_index k = 0; k < body->table->foot_count; k++) {
-        if (!sn_fit_contacts(body, &out->clip, body->table->feet[k].joint, lowest)) continue;
-        for (sn_index f = 0; f < out->clip.frame_count; f++) least = fmin(least, lowest[f].at.z);
-    }
-    free(lowest);
-    if (!isfinite(least)) return SN_OK;
-    out->raised = 0.0 - least;
-    for (sn_index f = 0; f < out->clip.frame_count; f++) shift_frame(&out->clip, f, sn_v3(0, 0, out->raised));
-    return SN_OK;
-}
-
 sn_status sn_motion_fit(const sn_fit_body *body, const sn_clip *source, const sn_fit_params *params, sn_fit_result *out, sn_error *error) {
     sn_index count = body->table->joint_count;
     *out = (sn_fit_result){.sources = SN_NEW(sn_index, count), .alignment = SN_NEW(sn_quat, count)};
@@ -221,7 +206,7 @@ sn_status sn_motion_fit(const sn_fit_body *body, const sn_clip *source, const sn
     if (status == SN_OK) status = choose_scale(body, source, params->scale, out, error);
     if (status == SN_OK) status = start_clip(body, source, out, error);
     if (status == SN_OK) pose(body, source, out);
-    if (status == SN_OK && params->ground) status = put_on_ground(body, out, error);
+    if (status == SN_OK && params->ground) status = sn_fit_put_on_floor(body, source, out, error);
     if (status == SN_OK) status = sn_clip_validate(&out->clip, error);
     if (status != SN_OK) sn_fit_result_free(out);
     return status;

@@ -3,7 +3,7 @@
  */
 #include <stdlib.h>
 
-#include "sinew/motion_fit.h"
+#include "fit_align.h"
 
 static void lower(const sn_mesh *mesh, sn_rigid pose, sn_index bone, sn_fit_contact *out) {
     for (sn_index v = 0; v < mesh->vertex_count; v++) {
@@ -20,25 +20,6 @@ bool sn_fit_contacts(const sn_fit_body *body, const sn_clip *fitted, sn_index to
         for (sn_index f = 0; f < fitted->frame_count; f++) lower(bone->mesh, fitted->joints[bone->joint].poses[f], b, &out[f]);
     }
     return out[0].bone != SN_NONE;
-}
-
-/* ---- standing, by the source ------------------------------------------------------------------------------------------------------- */
-
-/* Speed over the ground of the lowest joint, or end of one, of those that drive a foot, from frame f to the next. */
-static double source_speed(const sn_fit_body *body, const sn_fit_result *fit, const sn_clip *source, sn_index top, sn_index f) {
-    double lowest = INFINITY, speed = 0.0;
-    for (sn_index j = 0; j < body->table->joint_count; j++) {
-        if (fit->sources[j] == SN_NONE || !sn_fit_below(body->table, j, top)) continue;
-        const sn_clip_joint *joint = &source->joints[fit->sources[j]];
-        for (int k = 0; k < 1 + joint->has_end; k++) {
-            sn_vec3 rest = k == 0 ? joint->rest : joint->end;
-            sn_vec3 now = sn_rigid_apply(joint->poses[f], rest), next = sn_rigid_apply(joint->poses[f + 1], rest);
-            if (!(now.z < lowest)) continue;
-            lowest = now.z;
-            speed = sn_length2(next.x - now.x, next.y - now.y) * source->rate;
-        }
-    }
-    return speed;
 }
 
 /* ---- stances ---------------------------------------------------------------------------------------------------------------------------
@@ -101,9 +82,10 @@ static sn_status measure_foot(const sn_fit_body *body, const sn_fit_result *fit,
         return sn_fail_at(error, SN_ERROR_INPUT, body->table->name, 0, "the foot \"%s\" has no bone",
                           body->table->points[foot->joint].name);
     find_lowest(w, foot);
+    double limit = fit->floor ? params->height : foot->lowest + params->height;
+    sn_fit_stands(body, fit, source, foot->joint, params->speed, w->stands);
     for (sn_index f = 0; f + 1 < w->frames; f++)
-        w->stands[f] = w->contacts[f].at.z <= foot->lowest + params->height && w->contacts[f + 1].at.z <= foot->lowest + params->height &&
-                       source_speed(body, fit, source, foot->joint, f) <= params->speed;
+        w->stands[f] = w->stands[f] && w->contacts[f].at.z <= limit && w->contacts[f + 1].at.z <= limit;
     return find_stances(body, &fit->clip, w, foot, error);
 }
 
