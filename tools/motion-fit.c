@@ -40,7 +40,7 @@ static const cli_option options[] = {
     {0, "gap-tolerance", "MM", CLI_NUMBER, &tolerance, 0, 1e-3, 100, NULL, "of the report: distances are exact to MM mm (default 0.1)"},
     {0, "stance-height", "M", CLI_NUMBER, &stance_height, 0, 0, 10, NULL,
      "of the report: a foot that stands is less than M m above the floor (default 0.02), and ..."},
-    {0, "stance-speed", "M/S", CLI_NUMBER, &stance_speed, 0, 0, 1e6, NULL, "... the source's goes slower than this (default 0.3)"},
+    {0, "stance-speed", "M/S", CLI_NUMBER, &stance_speed, 0, 0, 1e6, NULL, "... the source's goes slower than this (default 0.5)"},
 };
 
 static const cli_tool tool = {"motion-fit",

@@ -199,7 +199,7 @@ typedef struct sn_fit_result {
 } sn_fit_result;
 
 /* A foot stands while the source's goes slower, m/s. A floor that is steeper, radians, is a slope, not a capture out of level: it stays. */
-#define SN_FIT_STANCE_SPEED 0.3
+#define SN_FIT_STANCE_SPEED 0.5
 #define SN_FIT_SLOPE_LIMIT 0.05235987755982988 /* 3 degrees */
 
 /*

@@ -29,9 +29,24 @@ static double source_step(const sn_fit_body *body, const sn_fit_result *fit, con
     return step;
 }
 
+/* A foot that goes on for less than this long between two stops has not left the ground: a capture jitters. Seconds. */
+static const double SHORTEST_LEAVE = 0.05;
+
+static void bridge(bool *stands, sn_index count, double most) {
+    sn_index last = SN_NONE;
+    for (sn_index f = 0; f < count; f++) {
+        if (!stands[f]) continue;
+        if (last != SN_NONE && f - last - 1 <= most)
+            for (sn_index k = last + 1; k < f; k++) stands[k] = true;
+        last = f;
+    }
+}
+
 void sn_fit_stands(const sn_fit_body *body, const sn_fit_result *fit, const sn_clip *source, sn_index top, double speed, bool *out) {
-    for (sn_index f = 0; f + 1 < source->frame_count; f++) out[f] = source_step(body, fit, source, top, f) * source->rate <= speed;
-    out[source->frame_count - 1] = source->frame_count > 1 ? out[source->frame_count - 2] : true;
+    sn_index last = source->frame_count - 1;
+    for (sn_index f = 0; f < last; f++) out[f] = source_step(body, fit, source, top, f) * source->rate <= speed;
+    out[last] = last > 0 ? out[last - 1] : true;
+    bridge(out, last + 1, SHORTEST_LEAVE * source->rate);
 }
 
 /* ---- the floor ------------------------------------------------------------------------------------------------------------------------
