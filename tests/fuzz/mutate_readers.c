@@ -121,7 +121,7 @@ static const char motion_json[] =
     "\"unit\":\"m\",\"rate\":50,\"values\":[0,1]}],\"history\":[]}\n";
 static const char arm_tsv[] =
     "\xEF\xBB\xBF# an arm\r\nunits\tmm\r\nfolder\tbones\r\njoint\ttrunk\t-\troot|Hips\tpoint 0,0,1e3\tlevel up_left>up_right\t\r\n"
-    "joint\tarm_{side}\ttrunk\t{s}arm\tsphere *_{Side}_humerus@far:{-}1,0,1,36@ball:{+}100,0,1300,40\t>hand_{side}\t-\r\n"
+    "joint\tarm_{side}\ttrunk\t{s}arm\tsphere *_{Side}_humerus@far:{-}1,0,1,36@ball:{+}100,0,1300,40\thand_{side}\t-\r\n"
     "joint\tup_{side}\tarm_{side}\t{s}up\taxis a@far:0,0,-1,2 b?c*\t-\r\n"
     "joint\thand_{side}\tup_{side}\t{S}hand\tmiddle x y\ttip_{side}\tup_{side}>tip_{side}\r\n"
     "place\ttip_{side}\t{s}hand.end\tmean *\r\nbone\t*_{Side}_*\tarm_{side}\t0.0276\r\nbone\t*\ttrunk\tin\r\n"
