@@ -329,7 +329,7 @@ static sn_status parse_side(fit_reader *r, const char *text, size_t size, int si
 
 static sn_status parse_line(fit_reader *r, const char *text, size_t size) {
     size_t blanks = 0;
-    while (blanks < size && strchr(" \t\r", text[blanks]) != NULL) blanks++;
+    while (blanks < size && memchr(" \t\r", text[blanks], 3) != NULL) blanks++;
     if (blanks == size || text[blanks] == '#') return SN_OK;
     if (memchr(text, '\0', size) != NULL) return COMPLAIN(r, "the line has a byte of zero in it; is this a table?");
     if (size > LINE_LIMIT) return COMPLAIN(r, "the line is longer than %d characters; is this a table?", LINE_LIMIT);
