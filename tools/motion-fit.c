@@ -91,6 +91,9 @@ static sn_status convert_bones(job *j, sn_error *error) {
         j->units[i] = told > 0.0 ? told : b->own_unit > 0.0 ? b->own_unit : j->table.meters_per_unit;
         sn_mesh_convert(&b->mesh, j->units[i], false);
         b->used = row != SN_NONE;
+        sn_index unused;
+        sn_status status = sn_drop_unused_vertices(&b->mesh, &unused, error); /* they are no part of the bone: no foot stands on them */
+        if (status != SN_OK) return status;
     }
     return SN_OK;
 }
@@ -284,6 +287,7 @@ static void write_foot(sn_json *json, const job *j, const sn_fit_foot *foot) {
         sn_json_integer(json, "last", foot->stances[s].last);
         sn_json_number(json, "travel", foot->stances[s].travel);
         sn_json_number(json, "path", foot->stances[s].path);
+        sn_json_number(json, "sourceTravel", foot->stances[s].source_travel);
         sn_json_close(json);
     }
     sn_json_close(json);

@@ -171,7 +171,8 @@ typedef struct sn_fit_body {
     sn_fit_place *places; /* (table->point_count) owned */
 } sn_fit_body;
 
-/* bones (count; copied). SN_ERROR_INPUT names the table's line: a selection without a vertex, what is no sphere, no bone bound at all. */
+/* bones (count; copied). SN_ERROR_INPUT names the table's line: a selection without a vertex, what is no sphere, no bone
+ * bound at all; or two bones of one name. */
 SN_MUST_CHECK sn_status sn_fit_body_create(const sn_fit_table *table, sn_index count, const sn_fit_bone *bones, sn_fit_body *out,
                                            sn_error *error);
 void sn_fit_body_free(sn_fit_body *body); /* leaves all zeros */
@@ -249,6 +250,7 @@ typedef struct sn_fit_stance {
     sn_index first, last; /* frames */
     double travel;        /* horizontal: the farthest that the point of contact gets from where it was at any time before */
     double path;          /* its length */
+    double source_travel; /* of the source's lowest joint, or end of one, that drives the foot, by the same measure, scaled */
 } sn_fit_stance;
 typedef struct sn_fit_foot {
     sn_index joint;

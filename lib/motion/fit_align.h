@@ -10,6 +10,9 @@ sn_quat sn_fit_least_turn(sn_vec3 from, sn_vec3 to);
 SN_MUST_CHECK sn_status sn_fit_align_joint(const sn_fit_body *body, const sn_clip *source, sn_index joint, sn_quat parent, sn_quat *out,
                                            sn_error *error);
 
+/* The step of the source's foot from frame f to the next: of the joint that is lowest in f, or end of one, of those that drive the bones at
+ * `top` and below. */
+sn_vec3 sn_fit_source_step(const sn_fit_body *body, const sn_fit_result *fit, const sn_clip *source, sn_index top, sn_index f);
 /* Does the foot at `top` stand, from each frame to the next: out (frame_count)? The lowest of the source's joints that drive it, and of
  * their ends, goes slower than `speed`: by the source, so that what a fit makes slide is not left out. */
 void sn_fit_stands(const sn_fit_body *body, const sn_fit_result *fit, const sn_clip *source, sn_index top, double speed, bool *out);

@@ -130,6 +130,15 @@ static sn_status find_place(const sn_fit_body *body, const sn_fit_point *point, 
 
 /* ---- the body ----------------------------------------------------------------------------------------------------------------------- */
 
+static sn_status check_names(const sn_fit_body *body, sn_error *error) {
+    for (sn_index b = 1; b < body->bone_count; b++)
+        for (sn_index a = 0; a < b; a++)
+            if (strcmp(body->bones[a].name, body->bones[b].name) == 0)
+                return sn_fail_at(error, SN_ERROR_INPUT, body->bones[b].path, 0,
+                                  "a bone \"%s\" is there already, %s; give one another name", body->bones[b].name, body->bones[a].path);
+    return SN_OK;
+}
+
 static sn_status bind_bones(sn_fit_body *body, sn_error *error) {
     sn_index bound = 0;
     for (sn_index b = 0; b < body->bone_count; b++) {
@@ -148,6 +157,7 @@ sn_status sn_fit_body_create(const sn_fit_table *table, sn_index count, const sn
     sn_status status = out->bones != NULL && out->places != NULL ? SN_OK : sn_fail_memory(error, "the body");
     if (status == SN_OK && count > 0) memcpy(out->bones, bones, (size_t)count * sizeof *bones);
     if (status == SN_OK) out->bone_count = count;
+    if (status == SN_OK) status = check_names(out, error);
     if (status == SN_OK) status = bind_bones(out, error);
     for (sn_index p = 0; p < table->point_count && status == SN_OK; p++)
         status = find_place(out, &table->points[p], &out->places[p], error);

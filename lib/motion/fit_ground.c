@@ -13,9 +13,9 @@ enum { FEWEST_CONTACTS = 10 };
 
 /* ---- standing ----------------------------------------------------------------------------------------------------------------------- */
 
-/* Way of the lowest joint, or end of one, of those that drive a foot, from frame f to the next. */
-static double source_step(const sn_fit_body *body, const sn_fit_result *fit, const sn_clip *source, sn_index top, sn_index f) {
-    double lowest = INFINITY, step = 0.0;
+sn_vec3 sn_fit_source_step(const sn_fit_body *body, const sn_fit_result *fit, const sn_clip *source, sn_index top, sn_index f) {
+    double lowest = INFINITY;
+    sn_vec3 step = {0, 0, 0};
     for (sn_index j = 0; j < body->table->joint_count; j++) {
         if (fit->sources[j] == SN_NONE || !sn_fit_below(body->table, j, top)) continue;
         const sn_clip_joint *joint = &source->joints[fit->sources[j]];
@@ -23,7 +23,7 @@ static double source_step(const sn_fit_body *body, const sn_fit_result *fit, con
             sn_vec3 rest = k == 0 ? joint->rest : joint->end, now = sn_rigid_apply(joint->poses[f], rest);
             if (!(now.z < lowest)) continue;
             lowest = now.z;
-            step = sn_distance(now, sn_rigid_apply(joint->poses[f + 1], rest));
+            step = sn_sub(sn_rigid_apply(joint->poses[f + 1], rest), now);
         }
     }
     return step;
@@ -44,7 +44,7 @@ static void bridge(bool *stands, sn_index count, double most) {
 
 void sn_fit_stands(const sn_fit_body *body, const sn_fit_result *fit, const sn_clip *source, sn_index top, double speed, bool *out) {
     sn_index last = source->frame_count - 1;
-    for (sn_index f = 0; f < last; f++) out[f] = source_step(body, fit, source, top, f) * source->rate <= speed;
+    for (sn_index f = 0; f < last; f++) out[f] = sn_norm(sn_fit_source_step(body, fit, source, top, f)) * source->rate <= speed;
     out[last] = last > 0 ? out[last - 1] : true;
     bridge(out, last + 1, SHORTEST_LEAVE * source->rate);
 }

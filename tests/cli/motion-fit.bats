@@ -224,6 +224,19 @@ END
     grep -q 'nothing tells which way "pelvis" faces' err
 }
 
+@test "one frame is enough; vertices without a triangle are no part of a bone; two bones of one name are refused" {
+    bvh 1 > one.bvh
+    "$BIN/motion-fit" -q one.bvh --body body.tsv --bones parts -o a.json --report a.report.json
+    echo 'v 0 0 -5' >> parts/left_foot.obj
+    echo 'v 9 9 9' >> parts/left_thigh.obj
+    "$BIN/motion-fit" -q one.bvh --body body.tsv --bones parts --no-history -o b.json --report b.report.json
+    [ "$(member a.json 'd["joints"]')" = "$(member b.json 'd["joints"]')" ]
+    [ "$(member a.report.json 'd["feet"] + d["joints"]')" = "$(member b.report.json 'd["feet"] + d["joints"]')" ]
+    cp parts/left_foot.obj parts/left_foot.OBJ
+    run -1 "$BIN/motion-fit" -q one.bvh --body body.tsv --bones parts
+    [[ "$output" == *'a bone "left_foot" is there already'* ]]
+}
+
 @test "a pipe, a folder in the table, and any number of threads give the same; the history tells what was used" {
     "$BIN/motion-fit" -q walk.bvh --body body.tsv --bones parts -o a.json --report a.report.json --gap-every 3 --threads 1
     "$BIN/motion-fit" -q --body body.tsv --bones parts --report b.report.json --gap-every 3 --threads 4 < walk.bvh | sed '/^  "name"/d' > b.json
