@@ -319,11 +319,11 @@ static void write_report(sn_json *json, const void *data) {
 static sn_status measure(job *j, sn_error *error) {
     const sn_fit_foot_params foot = {stance_height, stance_speed};
     if (gap_every == 0) gap_every = (int64_t)fmax(1.0, round(j->source.rate / 24.0));
-    sn_fit_gap_params gap = {1e-3 * tolerance, (sn_index)gap_every, NULL};
+    sn_fit_gap_params gap = {1e-3 * tolerance, (sn_index)gap_every, NULL, &j->c.trace};
     sn_status status = sn_fit_feet(&j->body, &j->fit, &j->source, &foot, &j->feet, error);
     if (status != SN_OK) return status;
     gap.pool = sn_pool_create(j->c.threads);
-    status = sn_fit_gaps(&j->body, &j->fit.clip, &gap, &j->c.trace, &j->gaps, &j->gap_count, error);
+    status = sn_fit_gaps(&j->body, &j->fit.clip, &gap, &j->gaps, &j->gap_count, error);
     sn_pool_destroy(gap.pool);
     return status == SN_STOPPED ? SN_OK : status;
 }

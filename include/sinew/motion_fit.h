@@ -196,7 +196,7 @@ typedef struct sn_fit_result {
     bool floor, levelled;          /* standing feet tell a floor; the motion has been turned to level it */
     double slope;                  /* of the floor, before, along the feet's way, radians; 0 = they do not tell it */
     sn_vec3 uphill;                /* unit, horizontal */
-    double raised;                 /* by which the motion was shifted in height */
+    double raised;                 /* by which the motion was shifted in height, at the middle of the contacts */
 } sn_fit_result;
 
 /* A foot stands while the source's goes slower, m/s. A floor that is steeper, radians, is a slope, not a capture out of level: it stays. */
@@ -239,10 +239,11 @@ typedef struct sn_fit_gap {
 typedef struct sn_fit_gap_params {
     double tolerance;
     sn_index every;
-    sn_pool *pool; /* nullable */
+    sn_pool *pool;   /* nullable */
+    sn_trace *trace; /* nullable */
 } sn_fit_gap_params;
-SN_MUST_CHECK sn_status sn_fit_gaps(const sn_fit_body *body, const sn_clip *fitted, const sn_fit_gap_params *params, sn_trace *trace,
-                                    sn_fit_gap **out, sn_index *count, sn_error *error);
+SN_MUST_CHECK sn_status sn_fit_gaps(const sn_fit_body *body, const sn_clip *fitted, const sn_fit_gap_params *params, sn_fit_gap **out,
+                                    sn_index *count, sn_error *error);
 
 /* A foot near the ground. The point of contact is the vertex that is lowest in a frame; from one frame to the next it goes as the foot
  * carries that vertex. A foot that rolls from heel to toe does not move by this measure, one that slides does. */

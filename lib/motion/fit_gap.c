@@ -250,15 +250,15 @@ static bool measure_frames(gap_work *w, sn_pool *pool) {
     return whole;
 }
 
-static sn_status measure_joints(gap_work *w, sn_pool *pool, sn_trace *trace, sn_fit_gap *out, sn_index *count, sn_error *error) {
+static sn_status measure_joints(gap_work *w, const sn_fit_gap_params *params, sn_fit_gap *out, sn_index *count, sn_error *error) {
     const sn_fit_table *table = w->body->table;
     for (sn_index j = 0; j < table->joint_count; j++) {
         sn_status status = find_pairs(w, j, error);
         if (status != SN_OK) return status;
         if (w->pair_count == 0) continue;
-        if (!measure_frames(w, pool)) return sn_fail_memory(error, "the distances");
+        if (!measure_frames(w, params->pool)) return sn_fail_memory(error, "the distances");
         out[(*count)++] = reduce(w, j);
-        if (SN_TRACE(trace, "gap", sn_trace_text("joint", table->points[j].name), sn_trace_number("rest", out[*count - 1].rest),
+        if (SN_TRACE(params->trace, "gap", sn_trace_text("joint", table->points[j].name), sn_trace_number("rest", out[*count - 1].rest),
                      sn_trace_number("least", out[*count - 1].least), sn_trace_number("greatest", out[*count - 1].greatest)))
             return SN_STOPPED;
     }
@@ -281,8 +281,8 @@ static void choose_frames(gap_work *w, sn_index every) {
     if (w->frames[w->frame_count - 1] != w->clip->frame_count - 1) w->frames[w->frame_count++] = w->clip->frame_count - 1;
 }
 
-sn_status sn_fit_gaps(const sn_fit_body *body, const sn_clip *fitted, const sn_fit_gap_params *params, sn_trace *trace, sn_fit_gap **out,
-                      sn_index *count, sn_error *error) {
+sn_status sn_fit_gaps(const sn_fit_body *body, const sn_clip *fitted, const sn_fit_gap_params *params, sn_fit_gap **out, sn_index *count,
+                      sn_error *error) {
     size_t frames = (size_t)fitted->frame_count + 2;
     gap_work w = {.body = body,
                   .clip = fitted,
@@ -299,7 +299,7 @@ sn_status sn_fit_gaps(const sn_fit_body *body, const sn_clip *fitted, const sn_f
     if (status == SN_OK) {
         find_balls(&w);
         choose_frames(&w, params->every);
-        status = measure_joints(&w, params->pool, trace, *out, count, error);
+        status = measure_joints(&w, params, *out, count, error);
     }
     for (sn_index b = 0; b < body->bone_count && w.bones != NULL; b++) sn_surface_destroy(w.bones[b].surface);
     free(w.bones);

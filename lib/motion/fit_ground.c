@@ -122,7 +122,8 @@ static sn_rigid find_floor(floor_work *w, sn_fit_result *fit) {
     sn_vec3 mean, direction;
     double slope;
     if (w->count < FEWEST_CONTACTS) {
-        turn.translation.z = isfinite(w->lowest) ? 0.0 - w->lowest : 0.0;
+        fit->raised = isfinite(w->lowest) ? 0.0 - w->lowest : 0.0;
+        turn.translation.z = fit->raised;
         return turn;
     }
     fit->floor = true;
@@ -135,7 +136,8 @@ static sn_rigid find_floor(floor_work *w, sn_fit_result *fit) {
             fit->levelled = true;
         }
     }
-    turn.translation.z -= floor_height(w, turn);
+    fit->raised = 0.0 - floor_height(w, turn);
+    turn.translation.z += fit->raised;
     return turn;
 }
 
@@ -160,7 +162,6 @@ sn_status sn_fit_put_on_floor(const sn_fit_body *body, const sn_clip *source, sn
     if (status == SN_OK) {
         gather_contacts(body, fit, source, &w);
         sn_rigid by = find_floor(&w, fit);
-        fit->raised = by.translation.z;
         move_clip(&fit->clip, by);
     }
     free(w.contacts);

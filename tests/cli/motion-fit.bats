@@ -55,7 +55,8 @@ bvh() {
 }
 
 # world poses and places of the joints of a motion document, for python
-cat > "$BATS_FILE_TMPDIR/motion.py" << 'END'
+setup_file() {
+    cat > "$BATS_FILE_TMPDIR/motion.py" << 'END'
 import json, math
 def rotate(q, v):
     w, x, y, z = q
@@ -84,6 +85,7 @@ class Motion:
         q, t = self.poses[name][f]
         return add(rotate(q, point or self.joints[name]["rest"]), t)
 END
+}
 
 setup() {
     cd "$BATS_TEST_TMPDIR" || exit 1
