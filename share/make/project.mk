@@ -18,7 +18,7 @@ PROGRAM_STAMPS := $(patsubst tests/%.c,$(STAMPS)/program-%,$(sort $(wildcard tes
 SHORT_STAMPS := $(STAMPS)/layering $(UNIT_STAMPS) $(CLI_STAMPS)
 ALL_STAMPS := $(SHORT_STAMPS) $(PROGRAM_STAMPS) $(STAMPS)/examples $(STAMPS)/anatomy $(STAMPS)/install
 ASSETS := $(wildcard share/make/sinew.mk share/make/assets share/make/*.awk)
-EVERYTHING := $(ASSETS) $(wildcard share/plots/* share/examples/assets/* share/examples/papers/* share/completions/*) $(BUILT_TOOLS) $(BUILT_LIBEXEC) $(EXAMPLES) $(wildcard share/schema/*.json) tests/suite
+EVERYTHING := $(ASSETS) $(wildcard share/plots/* share/examples/body/* share/examples/assets/* share/examples/papers/* share/completions/*) $(BUILT_TOOLS) $(BUILT_LIBEXEC) $(EXAMPLES) $(wildcard share/schema/*.json) tests/suite
 
 # the first make may install the compiler's libraries: build in a second one
 check: deps
@@ -146,7 +146,7 @@ endef
 export PKG_CONFIG
 
 D = $(DESTDIR)$(PREFIX)
-EXAMPLE_FOLDERS := arm assets papers tip
+EXAMPLE_FOLDERS := arm body assets papers tip
 COMPLETION_FOLDERS := bash-completion/completions zsh/site-functions fish/vendor_completions.d
 install: programs examples completions
 	install -d $D/bin $D/libexec/sinew $D/lib/pkgconfig $D/include/sinew $D/share/man/man1 $D/share/man/man7 $(COMPLETION_FOLDERS:%=$D/share/%)
