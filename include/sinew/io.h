@@ -9,6 +9,7 @@
 
 #include "sinew/embedding.h"
 #include "sinew/motion_clip.h"
+#include "sinew/motion_fit.h"
 #include "sinew/muscle.h"
 #include "sinew/rig.h"
 #include "sinew/scene.h"
@@ -279,6 +280,9 @@ SN_MUST_CHECK sn_status sn_motion_document_parse(const sn_blob *blob, sn_motion 
  * Errors name bone and file (lib/io/bone_document.c). */
 SN_MUST_CHECK sn_status sn_motion_bone_load(const sn_motion_bone *bone, double fallback, sn_mesh *out, double *meters_per_unit,
                                             sn_error *error);
+
+/* The table that binds a motion to a body (lib/io/fit_table.c; its rows: motion-fit(1)), linked, in metres. Errors name file and line. */
+SN_MUST_CHECK sn_status sn_fit_table_parse(const sn_blob *blob, sn_fit_table *out, sn_error *error);
 
 /* Numbers over time (lib/io/table.c): a row of names, then rows of numbers, with tabs between them; a path that ends in .sto or .mot gets
  * OpenSim's storage header before them. Smoothing is [K21] 4.4's: `rounds` times x'_i = (x_{i-1} + 4 x_i + x_{i+1}) / 6 over the rows;

@@ -18,7 +18,7 @@ PROGRAM_STAMPS := $(patsubst tests/%.c,$(STAMPS)/program-%,$(sort $(wildcard tes
 SHORT_STAMPS := $(STAMPS)/layering $(STAMPS)/circles $(STAMPS)/parameters $(UNIT_STAMPS) $(CLI_STAMPS)
 ALL_STAMPS := $(SHORT_STAMPS) $(PROGRAM_STAMPS) $(STAMPS)/examples $(STAMPS)/anatomy $(STAMPS)/install
 ASSETS := $(wildcard share/make/sinew.mk share/make/assets share/make/*.awk)
-EVERYTHING := $(ASSETS) $(wildcard share/plots/* share/examples/assets/* share/examples/papers/* share/examples/sensors/* share/completions/*) $(BUILT_TOOLS) $(BUILT_LIBEXEC) $(EXAMPLES) $(wildcard share/schema/*.json) tests/suite
+EVERYTHING := $(ASSETS) $(wildcard share/plots/* share/examples/body/* share/examples/assets/* share/examples/papers/* share/examples/sensors/* share/completions/*) $(BUILT_TOOLS) $(BUILT_LIBEXEC) $(EXAMPLES) $(wildcard share/schema/*.json) tests/suite
 
 # the first make may install the compiler's libraries: build in a second one
 check: deps
@@ -62,9 +62,10 @@ start-up: $(BUILT_TOOLS)
 	@BIN=$(B)/bin tests/bench/start-up.sh
 rig-time: $(BUILT_TOOLS)
 	@BIN=$(B)/bin DATA=$(DATA) tests/bench/rig-time.sh
-# what it takes to import a recorded walk
+# what it takes to import a recorded walk, and to fit it to a body
 motion-time: $(BUILT_TOOLS)
 	@BIN=$(B)/bin DATA=$(DATA) tests/bench/motion-time.sh
+	@BIN=$(B)/bin DATA=$(DATA) tests/bench/fit-time.sh
 # the repair of every defective mesh at hand, as a table; and how time and memory of mesh-clean grow
 .PHONY: repair-table clean-growth
 repair-table: $(BUILT_TOOLS)
@@ -149,7 +150,7 @@ endef
 export PKG_CONFIG
 
 D = $(DESTDIR)$(PREFIX)
-EXAMPLE_FOLDERS := arm assets papers sensors tip
+EXAMPLE_FOLDERS := arm body assets papers sensors tip
 COMPLETION_FOLDERS := bash-completion/completions zsh/site-functions fish/vendor_completions.d
 install: programs examples completions
 	install -d $D/bin $D/libexec/sinew $D/lib/pkgconfig $D/include/sinew $D/share/man/man1 $D/share/man/man5 $D/share/man/man7 $(COMPLETION_FOLDERS:%=$D/share/%)
