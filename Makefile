@@ -103,6 +103,7 @@ $(B)/bin/%: $(B)/tools/%.o $(TOOL_SHARED) $(B)/libsinew.a
 
 # sources of one tool alone
 $(B)/bin/simulate: $(B)/tools/fibers.o $(B)/tools/outcome.o $(B)/tools/bone_frames.o $(B)/tools/frame_files.o
+$(B)/bin/motion-import $(B)/bin/motion-fit: $(B)/tools/clip.o
 $(B)/bin/rig-view: $(B)/tools/motion_view.o $(B)/tools/frame_list.o
 
 $(B)/libexec/sinew/%: $(B)/tools/%.o $(TOOL_SHARED) $(B)/libsinew.a

@@ -25,7 +25,10 @@ typedef enum cli_kind {
     CLI_HEADING  /* help text only */
 } cli_kind;
 
-typedef struct cli_list { int count; const char **items; } cli_list;
+typedef struct cli_list {
+    int count;
+    const char **items;
+} cli_list;
 
 enum {
     CLI_RESULT = 1, /* changes the result: it is part of the history */
@@ -55,15 +58,15 @@ extern const char *const cli_up_names[];   /* "z", "y" */
 
 /* Which of the shared options a tool takes. */
 enum {
-    CLI_TAKES_INPUT = 1,   /* one positional INPUT; "-" or nothing = stdin */
-    CLI_TAKES_INPUTS = 2,  /* any number of positional inputs */
-    CLI_HAS_OUTPUT = 4,    /* -o, --output */
-    CLI_HAS_TRACE = 8,     /* --trace, --stop-after N */
-    CLI_HAS_REPORT = 16,   /* --report */
-    CLI_HAS_UNITS = 32,    /* --units, --up, --mesh for bare meshes */
-    CLI_HAS_HISTORY = 64,  /* --no-history */
-    CLI_HAS_THREADS = 128, /* --threads */
-    CLI_HAS_LIST = 256,    /* --list: cli_load obeys it */
+    CLI_TAKES_INPUT = 1,                       /* one positional INPUT; "-" or nothing = stdin */
+    CLI_TAKES_INPUTS = 2,                      /* any number of positional inputs */
+    CLI_HAS_OUTPUT = 4,                        /* -o, --output */
+    CLI_HAS_TRACE = 8,                         /* --trace, --stop-after N */
+    CLI_HAS_REPORT = 16,                       /* --report */
+    CLI_HAS_UNITS = 32,                        /* --units, --up, --mesh for bare meshes */
+    CLI_HAS_HISTORY = 64,                      /* --no-history */
+    CLI_HAS_THREADS = 128,                     /* --threads */
+    CLI_HAS_LIST = 256,                        /* --list: cli_load obeys it */
     CLI_CHAIN = 4 | 8 | 16 | 32 | 64 | 256 | 1 /* what every tool of the rig chain takes */
 };
 
@@ -73,28 +76,28 @@ typedef struct cli_tool {
     unsigned shared;     /* CLI_TAKES_... and CLI_HAS_... */
     const cli_option *options;
     int option_count;
-    const char *notes;   /* nullable: further lines for --help */
+    const char *notes; /* nullable: further lines for --help */
 } cli_tool;
 
 typedef struct cli {
     const cli_tool *tool;
-    cli_list inputs;      /* positional; for CLI_TAKES_INPUT exactly one, "-" when none was given */
-    const char *output;   /* "-" when none was given */
-    const char *report;   /* NULL = none */
+    cli_list inputs;        /* positional; for CLI_TAKES_INPUT exactly one, "-" when none was given */
+    const char *output;     /* "-" when none was given */
+    const char *report;     /* NULL = none */
     const char *stop_after; /* text as given; NULL = none. trace.stop_after holds it where it is a plain number */
-    sn_trace trace;       /* hand &cli.trace to the library */
-    sn_read_options read; /* --units, --up, --mesh */
-    bool list;            /* --list */
-    bool history;         /* false under --no-history */
-    int threads;          /* 0 = all */
-    int verbosity;        /* -1 quiet, 0, 1, 2 */
-    bool is_short;        /* cli_shortfall was called: exit status 3 */
+    sn_trace trace;         /* hand &cli.trace to the library */
+    sn_read_options read;   /* --units, --up, --mesh */
+    bool list;              /* --list */
+    bool history;           /* false under --no-history */
+    int threads;            /* 0 = all */
+    int verbosity;          /* -1 quiet, 0, 1, 2 */
+    bool is_short;          /* cli_shortfall was called: exit status 3 */
     char input_hash[SN_HASH_LENGTH];
     cli_hash_function hash_files; /* set by a tool with CLI_FILES options, before cli_save */
     const void *hash_user;
     /* private */
     sn_output *trace_output;
-    double started;       /* monotonic seconds at cli_start */
+    double started; /* monotonic seconds at cli_start */
     int given_count;
     struct cli_given *given;
     bool progress_shown;

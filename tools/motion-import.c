@@ -1,5 +1,5 @@
 /* motion-import.c -- a motion as it was recorded, from the files of other programs, as a motion document. */
-#include "cli.h"
+#include "clip.h"
 #include "sinew/model_files.h"
 
 #include <errno.h>
@@ -302,31 +302,9 @@ static sn_status process(job *j, sn_error *error) {
     return status == SN_OK && bones != NULL ? save_bones(j, error) : status;
 }
 
-static sn_status write_motion(const job *j, const sn_motion *motion, const sn_history_entry *entry, sn_error *error) {
-    const cli *c = &j->c;
-    bool document = strcmp(j->clip.format, "motion document") == 0;
-    sn_motion_head head = {.name = j->clip.name, .path = c->output, .rate = j->clip.rate};
-    sn_output *output = NULL;
-    if (c->history) {
-        head.entry = entry;
-        head.history_from = document ? &j->motion : NULL;
-    }
-    sn_status status = sn_output_open(c->output, false, &output, error);
-    if (status != SN_OK) return status;
-    status = sn_motion_document_write(motion, &head, output, error);
-    if (status == SN_OK) return sn_output_commit(output, error);
-    sn_output_abort(output);
-    return status;
-}
-
 static sn_status save(job *j, sn_error *error) {
-    sn_motion motion = {0};
-    cli_history history = {0};
-    sn_status status = sn_clip_to_motion(&j->clip, &motion, error);
-    if (status == SN_OK && j->c.history) status = cli_history_make(&j->c, &history, error);
-    if (status == SN_OK) status = write_motion(j, &motion, &history.entry, error);
-    cli_history_free(&history);
-    sn_motion_free(&motion);
+    bool document = strcmp(j->clip.format, "motion document") == 0;
+    sn_status status = cli_save_clip(&j->c, &j->clip, document ? &j->motion : NULL, error);
     return status == SN_OK ? cli_report(&j->c, write_report, j, error) : status;
 }
 

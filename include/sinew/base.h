@@ -104,6 +104,8 @@ int sn_format_number(double value, char *buffer);
 /* Parse one decimal number starting at text, not reading at or past end; *next is set behind it. Locale-free, correctly rounded.
  * false = no number here. "nan" and "inf" in any case are read as such, so that a reader can name the place. */
 bool sn_scan_number(const char *text, const char *end, const char **next, double *out);
+/* Does text match the pattern: '*' is any run of characters, '?' any one, all else itself? */
+bool sn_pattern_matches(const char *pattern, const char *text);
 /* The same for a signed integer; false also on overflow. */
 bool sn_scan_integer(const char *text, const char *end, const char **next, int64_t *out);
 

@@ -29,7 +29,7 @@ typedef struct sn_fit_region {
 
 /* Vertices of the bones whose names match; each region narrows what those before it have left. */
 typedef struct sn_fit_selection {
-    char *bones; /* a pattern: sn_fit_matches; owned */
+    char *bones; /* a pattern: sn_pattern_matches; owned */
     sn_index region_count;
     sn_fit_region regions[SN_FIT_REGIONS];
 } sn_fit_selection;
@@ -116,8 +116,6 @@ typedef struct sn_fit_table {
     sn_fit_meet *meets;
 } sn_fit_table;
 
-/* `*` stands for any characters, `?` for one; upper and lower case differ. */
-bool sn_fit_matches(const char *pattern, const char *name);
 /* Find what names mean, and put parents before children. SN_ERROR_INPUT names the line: a name that is unknown or stands twice, a cycle,
  * none or several joints without a parent. */
 SN_MUST_CHECK sn_status sn_fit_table_link(sn_fit_table *table, sn_error *error);

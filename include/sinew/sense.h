@@ -90,8 +90,6 @@ typedef struct sn_sensors {
 } sn_sensors;
 void sn_sensors_free(sn_sensors *sensors); /* leaves all zeros */
 
-/* Does text match the pattern: '*' is any run of characters, '?' any one, all else itself? */
-bool sn_pattern_matches(const char *pattern, const char *text);
 
 /* ---- measuring ----------------------------------------------------------------------------------------------------------------- */
 

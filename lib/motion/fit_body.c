@@ -34,7 +34,7 @@ static void append_mesh(const sn_mesh *mesh, gathered *g) {
 static sn_status gather(const sn_fit_body *body, const char *pattern, gathered *g, sn_error *error) {
     size_t points = 0, triangles = 0;
     for (sn_index b = 0; b < body->bone_count; b++) {
-        if (!sn_fit_matches(pattern, body->bones[b].name)) continue;
+        if (!sn_pattern_matches(pattern, body->bones[b].name)) continue;
         g->bone_count++;
         points += (size_t)body->bones[b].mesh->vertex_count;
         triangles += (size_t)body->bones[b].mesh->triangle_count;
@@ -46,7 +46,7 @@ static sn_status gather(const sn_fit_body *body, const char *pattern, gathered *
     g->chosen = SN_NEW(bool, points);
     if (g->points == NULL || g->triangles == NULL || g->chosen == NULL) return sn_fail_memory(error, "a selection");
     for (sn_index b = 0; b < body->bone_count; b++)
-        if (sn_fit_matches(pattern, body->bones[b].name)) append_mesh(body->bones[b].mesh, g);
+        if (sn_pattern_matches(pattern, body->bones[b].name)) append_mesh(body->bones[b].mesh, g);
     for (sn_index i = 0; i < g->point_count; i++) g->chosen[i] = true;
     return SN_OK;
 }

@@ -13,27 +13,6 @@ sn_index sn_fit_rule_selections(sn_fit_rule_kind kind) {
     return counts[kind];
 }
 
-/* One star at a time: behind the last one everything else has been matched as early as it can be. */
-bool sn_fit_matches(const char *pattern, const char *name) {
-    const char *star = NULL, *taken = NULL;
-    while (*name != '\0') {
-        if (*pattern == '*') {
-            star = ++pattern;
-            taken = name;
-        } else if (*pattern == *name || *pattern == '?') {
-            pattern++;
-            name++;
-        } else if (star != NULL) {
-            pattern = star;
-            name = ++taken;
-        } else {
-            return false;
-        }
-    }
-    while (*pattern == '*') pattern++;
-    return *pattern == '\0';
-}
-
 /* ---- freeing -------------------------------------------------------------------------------------------------------------------- */
 
 static void free_point(sn_fit_point *point) {
@@ -249,7 +228,7 @@ sn_status sn_fit_table_link(sn_fit_table *table, sn_error *error) {
 
 sn_index sn_fit_table_row(const sn_fit_table *table, const char *bone) {
     for (sn_index i = 0; i < table->bone_count; i++)
-        if (sn_fit_matches(table->bones[i].pattern, bone)) return i;
+        if (sn_pattern_matches(table->bones[i].pattern, bone)) return i;
     return SN_NONE;
 }
 

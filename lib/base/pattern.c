@@ -1,5 +1,5 @@
 /* pattern.c -- names by patterns. */
-#include "sinew/sense.h"
+#include "sinew/base.h"
 
 /* After a mismatch the last '*' takes one character more: no recursion, at most length of pattern x length of text steps. */
 bool sn_pattern_matches(const char *pattern, const char *text) {
