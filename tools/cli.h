@@ -64,6 +64,7 @@ enum {
     CLI_HAS_HISTORY = 64,  /* --no-history */
     CLI_HAS_THREADS = 128, /* --threads */
     CLI_HAS_LIST = 256,    /* --list: cli_load obeys it */
+    CLI_OWN_STOP = 512,    /* beside CLI_HAS_TRACE: --stop-after has a form of the tool's own, which the tool reads */
     CLI_CHAIN = 4 | 8 | 16 | 32 | 64 | 256 | 1 /* what every tool of the rig chain takes */
 };
 

@@ -135,6 +135,26 @@ END
     [ "$(member one.json '[d["rate"], len(d["joints"][0]["keys"])]')" = '[100, 101]' ]
 }
 
+@test "--stop-after takes a number of steps, and nothing else" {
+    for count in 1:2 -1 1.5 x; do
+        run -2 "$BIN/motion-import" --stop-after=$count arm.bvh -o none.json
+        [[ "$output" == *--stop-after* ]]
+        [ ! -e none.json ]
+    done
+}
+
+@test "a joint without a rest place gets none; keys before 0 seconds are told where they go" {
+    printf '{"format": "sinew-motion", "version": 1, "rate": 10, "joints": [
+ {"name": "drift", "type": "pose", "keys": [{"time": -0.5, "translation": [0, 0, 0]}, {"time": 0.5, "translation": [1, 0, 0]}]},
+ {"name": "knee", "parent": "drift", "type": "hinge", "axis": [0, 1, 0], "point": [0, 0, 0.5], "degrees": 30}]}' > early.motion.json
+    "$BIN/motion-import" early.motion.json -o late.motion.json 2> err
+    grep -q 'early.motion.json: its first key is at -0.5 s' err
+    [ "$(member late.motion.json '[[j.get("rest"), len(j["keys"])] for j in d["joints"]]')" = '[[null, 11], [[0, 0, 0.5], 11]]' ]
+    "$BIN/motion-import" -q --list early.motion.json | grep -q "^joint	1	drift	-	-	-	-$"
+    "$BIN/motion-import" late.motion.json -o again.motion.json 2> err
+    refute grep -q "first key" err
+}
+
 @test "a broken file is refused with its line, and nothing is written" {
     head -115 arm.bvh > cut.bvh
     echo old > kept.json
