@@ -354,7 +354,7 @@ static sn_status parse_scene(const sn_json_value *top, bool load_bones, sn_scene
     sn_json_value motion = sn_json_member(top, "motion"), bones = sn_json_member(top, "bones"), muscles = sn_json_member(top, "muscles");
     sn_status status = sn_json_expect_format(top, FORMAT, NEWEST_VERSION, error);
     if (status == SN_OK) status = parse_globals(top, scene, error);
-    const sn_clock clock = {scene->rate, scene->meters_per_unit, scene->first_frame, scene->last_frame};
+    const sn_clock clock = {scene->rate, scene->meters_per_unit, scene->first_frame, scene->last_frame, scene->rate};
     const reader in = {.scene = scene, .clock = clock, .load_bones = load_bones};
     if (status == SN_OK) status = sn_motion_parse(&motion, clock, &scene->motion, error);
     if (status == SN_OK) status = parse_bones(&bones, &in, error);

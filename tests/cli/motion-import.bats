@@ -155,6 +155,21 @@ END
     refute grep -q "first key" err
 }
 
+@test "what only a scene can tell, and coordinates without a sample, are refused" {
+    printf '{"format": "sinew-motion", "version": 1, "rate": 48, "joints": [
+ {"name": "elbow", "type": "hinge", "axis": [0, 1, 0], "point": [0, 0, 0], "degreesPerFrame": 10}]}' > turn.motion.json
+    run -1 "$BIN/motion-import" turn.motion.json
+    [[ "$output" == *'joints[0].degreesPerFrame: only the frames of a scene tell'* ]]
+    # in a scene of another rate it goes from the scene's first frame to its last
+    printf '{"format": "sinew-scene", "version": 1, "rate": 24, "frames": [12, 24], "motion": {"uri": "turn.motion.json"}}' > turn.scene.json
+    "$BIN/simulate" -q --plan turn.scene.json > plan.json
+    [ "$(member plan.json '[[time, round(degrees, 9)] for time, degrees in d["scene"]["motion"]["joints"][0]["keys"]]')" = '[[0.5, 0], [1, 120.0]]' ]
+    printf '{"format": "sinew-motion", "version": 1, "joints": [{"name": "a", "type": "pose", "keys": [{"time": 0}]}],
+ "coordinates": [{"name": "q", "values": []}]}' > bare.motion.json
+    run -1 "$BIN/motion-import" bare.motion.json
+    [[ "$output" == *'coordinates[0].values: there is no sample'* ]]
+}
+
 @test "a broken file is refused with its line, and nothing is written" {
     head -115 arm.bvh > cut.bvh
     echo old > kept.json
