@@ -298,17 +298,16 @@ static void check_inputs(cli *c) {
     if (most == 1 && c->inputs.count == 0) append(&c->inputs, "-");
 }
 
-/* A step count in the shared form; tools with a form of their own (simulate) read c->stop_after themselves. */
+/* A step count; tools with a form of their own (simulate) read c->stop_after themselves. */
 static void take_stop_after(cli *c) {
     sn_error error = {0};
     int64_t steps;
     c->trace.stop_after = -1;
     if (shared.stop_after == NULL) return;
     c->stop_after = shared.stop_after;
-    if (sn_parse_integer(shared.stop_after, 0, INT64_MAX, &steps, &error) == SN_OK)
-        c->trace.stop_after = steps;
-    else if (strchr(shared.stop_after, ':') == NULL)
-        cli_usage_error(c, "--stop-after: %s", error.text);
+    if (c->tool->shared & CLI_OWN_STOP) return;
+    if (sn_parse_integer(shared.stop_after, 0, INT64_MAX, &steps, &error) != SN_OK) cli_usage_error(c, "--stop-after: %s", error.text);
+    c->trace.stop_after = steps;
 }
 
 static void receive_log(void *user, sn_log_level level, const char *text) {

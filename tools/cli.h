@@ -58,15 +58,16 @@ extern const char *const cli_up_names[];   /* "z", "y" */
 
 /* Which of the shared options a tool takes. */
 enum {
-    CLI_TAKES_INPUT = 1,                       /* one positional INPUT; "-" or nothing = stdin */
-    CLI_TAKES_INPUTS = 2,                      /* any number of positional inputs */
-    CLI_HAS_OUTPUT = 4,                        /* -o, --output */
-    CLI_HAS_TRACE = 8,                         /* --trace, --stop-after N */
-    CLI_HAS_REPORT = 16,                       /* --report */
-    CLI_HAS_UNITS = 32,                        /* --units, --up, --mesh for bare meshes */
-    CLI_HAS_HISTORY = 64,                      /* --no-history */
-    CLI_HAS_THREADS = 128,                     /* --threads */
-    CLI_HAS_LIST = 256,                        /* --list: cli_load obeys it */
+    CLI_TAKES_INPUT = 1,   /* one positional INPUT; "-" or nothing = stdin */
+    CLI_TAKES_INPUTS = 2,  /* any number of positional inputs */
+    CLI_HAS_OUTPUT = 4,    /* -o, --output */
+    CLI_HAS_TRACE = 8,     /* --trace, --stop-after N */
+    CLI_HAS_REPORT = 16,   /* --report */
+    CLI_HAS_UNITS = 32,    /* --units, --up, --mesh for bare meshes */
+    CLI_HAS_HISTORY = 64,  /* --no-history */
+    CLI_HAS_THREADS = 128, /* --threads */
+    CLI_HAS_LIST = 256,    /* --list: cli_load obeys it */
+    CLI_OWN_STOP = 512,    /* beside CLI_HAS_TRACE: --stop-after has a form of the tool's own, which the tool reads */
     CLI_CHAIN = 4 | 8 | 16 | 32 | 64 | 256 | 1 /* what every tool of the rig chain takes */
 };
 

@@ -78,6 +78,9 @@ static sn_status load_motion(job *j, sn_error *error) {
     status = sn_clip_parse(&j->motion, skeleton != NULL ? &j->skeleton : NULL, &by_format, &j->source, error);
     if (status == SN_OK && j->source.rate_assumed)
         cli_tell(&j->c, "%s tells no rate: taken as %g Hz; motion-import --source-rate tells another", j->motion.name, j->source.rate);
+    if (status == SN_OK && j->source.begin < 0.0)
+        cli_warn(&j->c, "%s: its first key is at %g s, which is frame 0 and 0 s of what is written: all of it comes later by as much",
+                 j->motion.name, j->source.begin);
     return status;
 }
 

@@ -109,6 +109,9 @@ static sn_status load(job *j, sn_error *error) {
     j->source_rate = j->clip.rate;
     if (j->clip.rate_assumed)
         cli_tell(&j->c, "%s tells no rate: taken as %g Hz; --source-rate tells another", j->motion.name, j->clip.rate);
+    if (j->clip.begin < 0.0)
+        cli_warn(&j->c, "%s: its first key is at %g s, which is frame 0 and 0 s of what is written: all of it comes later by as much",
+                 j->motion.name, j->clip.begin);
     return sn_clip_jumps(&j->clip, &j->jumps, &j->jump_count, error);
 }
 
@@ -204,9 +207,13 @@ static void print_joint(sn_output *output, const sn_clip *clip, sn_index i) {
     sn_output_print(output, "joint\t%d", i + 1);
     print_field(output, joint->name);
     print_field(output, joint->parent != SN_NONE ? clip->joints[joint->parent].name : "-");
-    print_number(output, joint->rest.x);
-    print_number(output, joint->rest.y);
-    print_number(output, joint->rest.z);
+    const double rest[3] = {joint->rest.x, joint->rest.y, joint->rest.z};
+    for (int k = 0; k < 3; k++) {
+        if (joint->placeless)
+            print_field(output, "-");
+        else
+            print_number(output, rest[k]);
+    }
     sn_output_print(output, "\n");
 }
 

@@ -88,7 +88,7 @@ static const cli_option OPTIONS[] = {
 static const cli_tool TOOL = {
     .name = "simulate",
     .summary = "Simulate the muscles of a scene; the log goes to standard output, the frames where -o says.",
-    .shared = CLI_TAKES_INPUT | CLI_HAS_OUTPUT | CLI_HAS_TRACE | CLI_HAS_REPORT | CLI_HAS_THREADS,
+    .shared = CLI_TAKES_INPUT | CLI_HAS_OUTPUT | CLI_HAS_TRACE | CLI_OWN_STOP | CLI_HAS_REPORT | CLI_HAS_THREADS,
     .options = OPTIONS,
     .option_count = sizeof OPTIONS / sizeof *OPTIONS,
     .notes =
@@ -184,7 +184,6 @@ static void apply_options(job *j) {
 
 static void parse_stop(job *j) {
     const char *text = j->c.stop_after;
-    j->c.trace.stop_after = -1; /* a number of frames here, not of trace records */
     if (text == NULL) return;
     j->stop_parts = parse_parts(text, 3, j->stop);
     bool good = j->stop_parts > 0 && (j->stop_parts < 2 || j->stop[1] > 0) && (j->stop_parts < 3 || j->stop[2] > 0);
@@ -664,11 +663,25 @@ static void write_report(sn_json *json, const void *data) {
     write_plan_members(j, json, false);
 }
 
+/* What its scene says, and is not felt. */
+static void warn_of_idle_tone(const job *j, const sn_model_muscle *m) {
+    const sn_scene_muscle *source = m->source;
+    bool fibers = plan_of(j, (sn_index)(m - j->model->muscles))->fibers, shorter = source->rest_length != 1.0;
+    if (!m->contracts && (shorter || source->tone > 0.0))
+        cli_warn(&j->c, "muscle \"%s\": restLength and tone have no effect under the scheme %s, which knows no contraction", source->name,
+                 sn_scheme_names[j->scene.solver.scheme]);
+    else if (shorter && !fibers)
+        cli_warn(&j->c,
+                 "muscle \"%s\": restLength shortens nothing on its surface: the document has no fibre directions (fiber-flow makes them)",
+                 source->name);
+}
+
 static sn_status warn_of_loose_muscles(const job *j, sn_error *error) {
     sn_status status = SN_OK;
     if (j->model->muscle_count == 0) cli_warn(&j->c, "the scene has no muscle that is enabled: there is nothing to simulate");
     for (sn_index i = 0; status == SN_OK && i < j->model->muscle_count; i++) {
         const sn_model_muscle *m = &j->model->muscles[i];
+        warn_of_idle_tone(j, m);
         if (m->kinematic_count == 0)
             cli_warn(&j->c, "muscle \"%s\" is attached to no bone and moves freely (attach-detect attaches it)", plan_of(j, i)->name);
         else

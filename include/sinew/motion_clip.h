@@ -23,6 +23,7 @@ typedef struct sn_clip_joint {
     sn_index parent;       /* SN_NONE = the world */
     sn_vec3 rest;          /* place of the joint's centre in the source's rest pose: metres, world */
     sn_quat rest_rotation; /* of the joint's frame in the rest pose, world */
+    bool placeless;        /* the source does not tell where the joint is at rest: `rest` is the origin, and means nothing */
     bool has_end;          /* `end`: where the segment ends that has no further joint (End Site, length of a bone), rest pose, world */
     sn_vec3 end;
     sn_rigid *poses; /* (frame_count) owned: world, away from rest: what a bone bound to the joint does, p -> R p + t */

@@ -23,6 +23,7 @@ typedef struct sn_scene_bone {
     char *name;
     char *uri;              /* as written in the document */
     double meters_per_unit; /* of the mesh */
+    bool unit_certain;      /* the document has told it, or the mesh was loaded, whose file may tell another than is taken without */
     sn_mesh mesh;           /* empty until loaded: a run that needs no bone surface never loads one */
     sn_index joint;         /* SN_NONE = never moves */
 } sn_scene_bone;

@@ -101,8 +101,8 @@ static sn_status ramp(double degrees_per_frame, sn_clock clock, sn_channel *out,
     if (frames <= 0.0) return SN_OK;
     sn_status status = alloc_channel(2, out, error);
     if (status != SN_OK) return status;
-    out->times[0] = clock.first_frame / clock.rate;
-    out->times[1] = clock.last_frame / clock.rate;
+    out->times[0] = clock.first_frame / clock.scene_rate;
+    out->times[1] = clock.last_frame / clock.scene_rate;
     out->values[1] = degrees_per_frame * frames * RADIANS_PER_DEGREE;
     return SN_OK;
 }
@@ -116,6 +116,8 @@ static sn_status parse_angle(const sn_json_value *joint, sn_clock clock, sn_join
     sn_status status = parse_interpolation(joint, &out->angle.interpolation, error);
     if (status != SN_OK) return status;
     if (sn_json_has(&keys)) return parse_keys(&keys, (value_kind){"degrees", RADIANS_PER_DEGREE, -1e6, 1e6}, clock, &out->angle, error);
+    if (sn_json_has(&speed) && !(clock.scene_rate > 0.0))
+        return sn_json_complain(&speed, error, "only the frames of a scene tell where this begins and ends; give \"keys\"");
     status = sn_json_get_number(sn_json_has(&speed) ? &speed : &constant, -1e6, 1e6, &number, error);
     if (status == SN_OK && sn_json_has(&speed)) return ramp(number, clock, &out->angle, error);
     out->angle.constant = number * RADIANS_PER_DEGREE;
@@ -313,6 +315,7 @@ static sn_status parse_coordinate(const sn_json_value *value, sn_clock clock, sn
     if (status == SN_OK) status = sn_json_get_choice(&unit, coordinate_units, &choice, error);
     if (status == SN_OK) status = sn_json_get_number(&rate, SN_JSON_POSITIVE, INFINITY, &out->rate, error);
     if (status == SN_OK) status = sn_json_get_numbers(&values, 1, -1, &out->count, &out->values, error);
+    if (status == SN_OK && out->count == 0) status = sn_json_complain(&values, error, "there is no sample");
     if (status == SN_OK && (out->unit = sn_strdup(coordinate_units[choice])) == NULL) status = sn_fail_memory(error, "a unit");
     if (status == SN_OK) sn_json_warn_unknown(value, known);
     return status;

@@ -6,9 +6,11 @@
 
 /* What turns a document's times and lengths into seconds and metres. */
 typedef struct sn_clock {
-    double rate;                      /* frames per second, for keys given by frame */
-    double meters_per_unit;           /* of points and translations */
-    sn_index first_frame, last_frame; /* where "degreesPerFrame" begins and ends */
+    double rate;            /* frames per second, for keys given by frame */
+    double meters_per_unit; /* of points and translations */
+    sn_index first_frame,
+        last_frame;    /* where "degreesPerFrame" begins and ends: frames of the scene, whatever the rate of its motion document */
+    double scene_rate; /* of these two; 0 = there is no scene */
 } sn_clock;
 
 /* The q with q x factor == value, where there is one: so a number that was scaled on reading is written as it was. */

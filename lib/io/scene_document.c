@@ -119,6 +119,7 @@ static sn_status parse_bone(const sn_json_value *value, const reader *in, sn_sce
     out->uri = bone.path;
     out->joint = bone.joint == SN_NONE && replaced != NULL ? replaced->joint : bone.joint;
     out->meters_per_unit = bone.meters_per_unit > 0.0 ? bone.meters_per_unit : in->scene->meters_per_unit;
+    out->unit_certain = bone.meters_per_unit > 0.0 || in->load_bones;
     if (status != SN_OK || !in->load_bones) return status;
     sn_json_value mesh = sn_json_member(value, "mesh");
     return load_bone(&mesh, bone.meters_per_unit > 0.0, out, error);
@@ -136,6 +137,7 @@ static sn_status take_bone(const sn_motion_bone *bone, const char *scene, bool l
     out->uri = sn_path_from(scene, bone->path);
     out->joint = bone->joint;
     out->meters_per_unit = bone->meters_per_unit > 0.0 ? bone->meters_per_unit : 1.0;
+    out->unit_certain = bone->meters_per_unit > 0.0 || load;
     if (out->name == NULL || out->uri == NULL) return sn_fail_memory(error, "a bone");
     return load ? sn_motion_bone_load(bone, 1.0, &out->mesh, &out->meters_per_unit, error) : SN_OK;
 }
@@ -352,7 +354,7 @@ static sn_status parse_scene(const sn_json_value *top, bool load_bones, sn_scene
     sn_json_value motion = sn_json_member(top, "motion"), bones = sn_json_member(top, "bones"), muscles = sn_json_member(top, "muscles");
     sn_status status = sn_json_expect_format(top, FORMAT, NEWEST_VERSION, error);
     if (status == SN_OK) status = parse_globals(top, scene, error);
-    const sn_clock clock = {scene->rate, scene->meters_per_unit, scene->first_frame, scene->last_frame};
+    const sn_clock clock = {scene->rate, scene->meters_per_unit, scene->first_frame, scene->last_frame, scene->rate};
     const reader in = {.scene = scene, .clock = clock, .load_bones = load_bones};
     if (status == SN_OK) status = sn_motion_parse(&motion, clock, &scene->motion, error);
     if (status == SN_OK) status = parse_bones(&bones, &in, error);
@@ -402,7 +404,7 @@ static void write_bone(const sn_scene *scene, const sn_scene_bone *bone, sn_json
     sn_json_object_line(json, NULL);
     sn_json_text(json, "name", bone->name);
     sn_json_text(json, "mesh", bone->uri);
-    sn_json_number(json, "units", bone->meters_per_unit);
+    if (bone->unit_certain || bone->meters_per_unit != scene->meters_per_unit) sn_json_number(json, "units", bone->meters_per_unit);
     if (bone->joint != SN_NONE) sn_json_text(json, "joint", scene->motion.joints[bone->joint].name);
     sn_json_close(json);
 }

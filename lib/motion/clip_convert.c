@@ -13,7 +13,7 @@ static sn_status convert_joint(const sn_clip *clip, sn_index j, sn_joint *out, s
     const sn_rigid *parent = joint->parent != SN_NONE ? clip->joints[joint->parent].poses : NULL;
     *out = (sn_joint){.parent = joint->parent,
                       .kind = SN_JOINT_POSE,
-                      .has_rest = true,
+                      .has_rest = !joint->placeless,
                       .rest = joint->rest,
                       .rest_rotation = joint->rest_rotation,
                       .has_end = joint->has_end,
@@ -75,6 +75,7 @@ static void extend_span(const sn_joint *joint, double *begin, double *end) {
 
 static sn_status fill_joint(const sn_joint *from, sn_clip_joint *to, sn_error *error) {
     to->parent = from->parent;
+    to->placeless = !from->has_rest && from->kind != SN_JOINT_HINGE;
     to->rest = from->has_rest ? from->rest : from->kind == SN_JOINT_HINGE ? from->point : sn_v3(0, 0, 0);
     if (from->has_rest) to->rest_rotation = from->rest_rotation;
     to->has_end = from->has_end;

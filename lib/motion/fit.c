@@ -41,6 +41,11 @@ static sn_status find_sources(const sn_fit_body *body, const sn_clip *source, sn
             return sn_fail_at(error, SN_ERROR_INPUT, table->name, point->line,
                               "\"%s\": the motion has no joint \"%s\"%s; motion-import --list tells its joints", point->name, point->source,
                               end ? " but only its end" : "");
+        if (found != SN_NONE && !end && source->joints[found].placeless)
+            return sn_fail_at(
+                error, SN_ERROR_INPUT, table->name, point->line,
+                "\"%s\": the motion does not tell where its joint \"%s\" is at rest (\"rest\"), without which nothing can be fitted",
+                point->name, source->joints[found].name);
         if (joint) out->sources[p] = found;
     }
     return SN_OK;

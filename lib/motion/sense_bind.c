@@ -16,6 +16,8 @@ static sn_status need_joint(const sn_sensor *sensor, const sn_clip *clip, const 
                    name);
 }
 
+static bool is_angular(sn_sensor_kind kind) { return kind <= SN_SENSOR_ANGULAR_ACCELERATION; }
+
 static sn_status bind_place(const sn_sensor *sensor, const sn_sensor_place *place, const sn_clip *clip, sn_sense_point *out,
                             sn_error *error) {
     sn_index at = SN_NONE;
@@ -29,11 +31,13 @@ static sn_status bind_place(const sn_sensor *sensor, const sn_sensor_place *plac
     if (place->end && !clip->joints[at].has_end)
         return sn_fail(error, SN_ERROR_INPUT, "sensor \"%s\": the motion tells no end of joint \"%s\"; give \"point\": [x,y,z]",
                        sensor->name, clip->joints[at].name);
+    if (!place->end && !is_angular(sensor->kind) && clip->joints[at].placeless)
+        return sn_fail(error, SN_ERROR_INPUT,
+                       "sensor \"%s\": the motion does not tell where joint \"%s\" is at rest; give \"point\": [x,y,z]", sensor->name,
+                       clip->joints[at].name);
     out->rest = place->end ? clip->joints[at].end : clip->joints[at].rest;
     return SN_OK;
 }
-
-static bool is_angular(sn_sensor_kind kind) { return kind <= SN_SENSOR_ANGULAR_ACCELERATION; }
 
 sn_status sn_sense_bind(const sn_sensor *sensor, const sn_clip *clip, sn_sense_bound *out, sn_error *error) {
     *out = (sn_sense_bound){.sensor = sensor, .reference = SN_NONE, .other = {SN_NONE, {0, 0, 0}}};

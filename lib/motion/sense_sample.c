@@ -78,6 +78,7 @@ static sn_status sample_joint(sampling *s, sn_index j, sn_clip_joint *out, sn_er
     for (sn_index k = 0; k < s->count; k++) out->poses[k].rotation = sn_quat_normalize(out->poses[k].rotation);
     out->parent = joint->parent;
     out->rest = joint->rest;
+    out->placeless = joint->placeless;
     out->rest_rotation = joint->rest_rotation;
     out->has_end = joint->has_end;
     out->end = joint->end;

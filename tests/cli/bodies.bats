@@ -69,11 +69,34 @@ s = json.load(open(sys.argv[1])); exec(sys.stdin.read()); json.dump(s, open(sys.
     cp one.scene.json swapped.scene.json
     edit swapped.scene.json <<< 's["bones"] = [{"name": "radius", "mesh": "humerus.ply", "units": "cm"}, {"name": "ulna", "mesh": "humerus.ply", "joint": "elbow"}]'
     simulate swapped.scene.json --plan > plan.json
-    [ "$(member plan.json '[[b["name"], b["mesh"], b["units"], b.get("joint")] for b in d["scene"]["bones"]]')" = \
-        '[["radius", "humerus.ply", 0.01, "elbow"], ["ulna", "humerus.ply", 1, "elbow"], ["scapula", "body/../scapula.ply", 1, null], ["humerus", "body/../humerus.ply", 1, null]]' ]
+    [ "$(member plan.json '[[b["name"], b["mesh"], b.get("units"), b.get("joint")] for b in d["scene"]["bones"]]')" = \
+        '[["radius", "humerus.ply", 0.01, "elbow"], ["ulna", "humerus.ply", null, "elbow"], ["scapula", "body/../scapula.ply", 1, null], ["humerus", "body/../humerus.ply", 1, null]]' ]
     edit body/arm.motion.json <<< 's["bones"].append(dict(s["bones"][0]))'
     run -1 simulate one.scene.json --plan
     [[ "$output" == *'two bones have the name "scapula"'* ]]
+}
+
+@test "a plan does not tell the unit of a mesh that it has not read, and its scene has the same bones" {
+    cat > ulna.dae << 'END'
+<?xml version="1.0"?><COLLADA xmlns="http://www.collada.org/2005/11/COLLADASchema" version="1.4.1">
+<asset><unit name="centimeter" meter="0.01"/><up_axis>Z_UP</up_axis></asset>
+<library_geometries><geometry id="g"><mesh><source id="p"><float_array id="a" count="12">0 0 0 10 0 0 0 10 0 0 0 10</float_array>
+<technique_common><accessor source="#a" count="4" stride="3"><param name="X" type="float"/><param name="Y" type="float"/><param name="Z" type="float"/></accessor></technique_common></source>
+<vertices id="v"><input semantic="POSITION" source="#p"/></vertices>
+<triangles count="4"><input semantic="VERTEX" source="#v" offset="0"/><p>0 2 1 0 1 3 1 2 3 0 3 2</p></triangles></mesh></geometry></library_geometries>
+<library_visual_scenes><visual_scene id="s"><node id="n"><instance_geometry url="#g"/></node></visual_scene></library_visual_scenes>
+<scene><instance_visual_scene url="#s"/></scene></COLLADA>
+END
+    edit own.scene.json <<< 's["bones"][2]["mesh"] = "ulna.dae"'
+    edit body/arm.motion.json <<< '[s["bones"][2].pop("units"), s["bones"][2].update(mesh="../ulna.dae")]'
+    for scene in own one; do
+        simulate $scene.scene.json --plan > plan.json
+        python3 -c 'import json; json.dump(json.load(open("plan.json"))["scene"], open("planned.scene.json", "w"))'
+        simulate -q $scene.scene.json --frames 0:0 --bone-frames $scene.pvd --log log.jsonl
+        simulate -q planned.scene.json --frames 0:0 --bone-frames planned.pvd --log log.jsonl
+        cmp $scene.0000.vtp planned.0000.vtp
+    done
+    cmp own.0000.vtp one.0000.vtp
 }
 
 @test "bones beside the joints in a scene's own motion; a mesh that is missing is named with its bone" {

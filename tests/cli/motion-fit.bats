@@ -239,6 +239,22 @@ END
     [[ "$output" == *'a bone "left_foot" is there already'* ]]
 }
 
+@test "joints of the source without rest places fit nothing; keys before 0 seconds are told where they go" {
+    "$BIN/motion-import" -q walk.bvh -o walk.motion.json
+    python3 -c 'import json
+d = json.load(open("walk.motion.json"))
+for joint in d["joints"]:
+    for key in joint["keys"]: key["frame"] -= 10
+json.dump(d, open("early.motion.json", "w"))
+del d["joints"][0]["rest"]
+json.dump(d, open("bare.motion.json", "w"))'
+    "$BIN/motion-fit" early.motion.json --body body.tsv --bones parts -o early.json 2> err
+    grep -q 'early.motion.json: its first key is at -0.2 s' err
+    run -1 "$BIN/motion-fit" -q bare.motion.json --body body.tsv --bones parts --align none --scale 1 -o none.json
+    [[ "$output" == *'"pelvis": the motion does not tell where its joint "hips" is at rest'* ]]
+    [ ! -e none.json ]
+}
+
 @test "a pipe, a folder in the table, and any number of threads give the same; the history tells what was used" {
     "$BIN/motion-fit" -q walk.bvh --body body.tsv --bones parts -o a.json --report a.report.json --gap-every 3 --threads 1
     "$BIN/motion-fit" -q --body body.tsv --bones parts --report b.report.json --gap-every 3 --threads 4 < walk.bvh | sed '/^  "name"/d' > b.json

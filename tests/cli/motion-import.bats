@@ -135,6 +135,41 @@ END
     [ "$(member one.json '[d["rate"], len(d["joints"][0]["keys"])]')" = '[100, 101]' ]
 }
 
+@test "--stop-after takes a number of steps, and nothing else" {
+    for count in 1:2 -1 1.5 x; do
+        run -2 "$BIN/motion-import" --stop-after=$count arm.bvh -o none.json
+        [[ "$output" == *--stop-after* ]]
+        [ ! -e none.json ]
+    done
+}
+
+@test "a joint without a rest place gets none; keys before 0 seconds are told where they go" {
+    printf '{"format": "sinew-motion", "version": 1, "rate": 10, "joints": [
+ {"name": "drift", "type": "pose", "keys": [{"time": -0.5, "translation": [0, 0, 0]}, {"time": 0.5, "translation": [1, 0, 0]}]},
+ {"name": "knee", "parent": "drift", "type": "hinge", "axis": [0, 1, 0], "point": [0, 0, 0.5], "degrees": 30}]}' > early.motion.json
+    "$BIN/motion-import" early.motion.json -o late.motion.json 2> err
+    grep -q 'early.motion.json: its first key is at -0.5 s' err
+    [ "$(member late.motion.json '[[j.get("rest"), len(j["keys"])] for j in d["joints"]]')" = '[[null, 11], [[0, 0, 0.5], 11]]' ]
+    "$BIN/motion-import" -q --list early.motion.json | grep -q "^joint	1	drift	-	-	-	-$"
+    "$BIN/motion-import" late.motion.json -o again.motion.json 2> err
+    refute grep -q "first key" err
+}
+
+@test "what only a scene can tell, and coordinates without a sample, are refused" {
+    printf '{"format": "sinew-motion", "version": 1, "rate": 48, "joints": [
+ {"name": "elbow", "type": "hinge", "axis": [0, 1, 0], "point": [0, 0, 0], "degreesPerFrame": 10}]}' > turn.motion.json
+    run -1 "$BIN/motion-import" turn.motion.json
+    [[ "$output" == *'joints[0].degreesPerFrame: only the frames of a scene tell'* ]]
+    # in a scene of another rate it goes from the scene's first frame to its last
+    printf '{"format": "sinew-scene", "version": 1, "rate": 24, "frames": [12, 24], "motion": {"uri": "turn.motion.json"}}' > turn.scene.json
+    "$BIN/simulate" -q --plan turn.scene.json > plan.json
+    [ "$(member plan.json '[[time, round(degrees, 9)] for time, degrees in d["scene"]["motion"]["joints"][0]["keys"]]')" = '[[0.5, 0], [1, 120.0]]' ]
+    printf '{"format": "sinew-motion", "version": 1, "joints": [{"name": "a", "type": "pose", "keys": [{"time": 0}]}],
+ "coordinates": [{"name": "q", "values": []}]}' > bare.motion.json
+    run -1 "$BIN/motion-import" bare.motion.json
+    [[ "$output" == *'coordinates[0].values: there is no sample'* ]]
+}
+
 @test "a broken file is refused with its line, and nothing is written" {
     head -115 arm.bvh > cut.bvh
     echo old > kept.json

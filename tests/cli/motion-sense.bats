@@ -216,6 +216,20 @@ END
     [ "$(member a.json '[(c := d["channels"]["biceps"])["times"][0], c["times"][-1], round(c["values"][len(c["times"]) // 2], 6)]')" = '[-0.5, 0.5, 0.5]' ]
 }
 
+@test "a joint that has no rest place has angles and no places" {
+    printf '{"format": "sinew-motion", "version": 1, "rate": 10, "joints": [{"name": "ulna", "type": "pose", "keys": [{"frame": 0}, {"frame": 9, "translation": [0, 0, 1]}]}]}' > bare.motion.json
+    sensor() { printf '{"format": "sinew-sensors", "version": 1, "sensors": [{"name": "s", "joint": "ulna", "axis": "z", %s, "curve": [[0, 0], [1, 1]]}]}' "$1" > bare.sensors.json; }
+    sensor '"type": "position"'
+    run -1 "$BIN/motion-sense" --sensors bare.sensors.json bare.motion.json -o none.json
+    [[ "$output" == *'sensor "s": the motion does not tell where joint "ulna" is at rest'* ]]
+    [ ! -e none.json ]
+    sensor '"type": "position", "point": [0, 0, 0]'
+    "$BIN/motion-sense" -q --sensors bare.sensors.json bare.motion.json -o a.json
+    [ "$(member a.json 'd["channels"]["s"]["values"][-1]')" = 1 ]
+    sensor '"type": "angle"'
+    "$BIN/motion-sense" -q --sensors bare.sensors.json bare.motion.json -o a.json
+}
+
 @test "--report, --trace and --stop-after" {
     "$BIN/motion-sense" --sensors elbow.sensors.json --report r.json --trace t.jsonl elbow.bvh -o a.json
     [ "$(member r.json '[d["frames"], d["samples"], d["rate"], [s["name"] for s in d["sensors"]], [c["name"] for c in d["channels"]]]')" = \

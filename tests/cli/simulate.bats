@@ -739,3 +739,25 @@ END
     simulate biceps.scene.json --frames "$(frames)" -o biceps.pc2 --fail-on 'volume>0.01,nan>0' > biceps.jsonl
     check_run biceps.pc2 biceps.jsonl biceps.muscle.json radius,ulna 0.1454,0.068,0.28022 0,1,0.2
 }
+
+@test "tone and restLength that are not felt are told" {
+    one_muscle
+    python3 -c 'import json
+s = json.load(open("one.scene.json")); s["muscles"][0].update(restLength=0.9, tone=0.2); json.dump(s, open("toned.scene.json", "w"))
+m = json.load(open("biceps.muscle.json")); del m["fibers"]; json.dump(m, open("bare.muscle.json", "w"))
+s["muscles"][0].update(rig="bare.muscle.json", tone=0); json.dump(s, open("bare.scene.json", "w"))'
+    simulate toned.scene.json --frames 0:0 --log log.jsonl 2> err
+    refute grep -q restLength err
+    simulate toned.scene.json --scheme kohout --frames 0:0 --log log.jsonl 2> err
+    grep -q 'muscle "biceps": restLength and tone have no effect under the scheme kohout' err
+    simulate bare.scene.json --frames 0:0 --log log.jsonl 2> err
+    grep -q 'muscle "biceps": restLength shortens nothing on its surface' err
+}
+
+@test "--stop-after takes frames before 0" {
+    one_muscle
+    simulate one.scene.json --frames=-3:2 --stop-after -2 --log log.jsonl
+    [ "$(values log.jsonl frame | tr '\n' ' ')" = "-3 -2 " ]
+    run -2 simulate one.scene.json --frames 0:2 --stop-after=-1 --log log.jsonl
+    [[ "$output" == *"--stop-after -1: the run starts at frame 0"* ]]
+}
