@@ -114,7 +114,8 @@ static sn_status add_folder(job *j, const char *folder, sn_error *error) {
     if (count < 0) return sn_fail_at(error, SN_ERROR_IO, folder, 0, "the folder cannot be read");
     sn_status status = count > 0 ? SN_OK : sn_fail_at(error, SN_ERROR_INPUT, folder, 0, "no rig (.muscle.json) is in it");
     for (int i = 0; i < count; i++) {
-        char *path = status == SN_OK ? model_bones_path(folder, entries[i]->d_name, "") : NULL;
+        bool here = strcmp(folder, ".") == 0 || strcmp(folder, "./") == 0;
+        char *path = here ? sn_strdup(entries[i]->d_name) : model_bones_path(folder, entries[i]->d_name, "");
         if (status == SN_OK) status = path != NULL ? sn_draft_add_rig(&j->draft, path, error) : sn_fail_memory(error, "a path");
         free(path);
         free(entries[i]);
@@ -132,7 +133,7 @@ static bool is_folder(const char *path) {
 static sn_status add_rigs(job *j, sn_error *error) {
     const cli_list *inputs = &j->c.inputs;
     sn_status status = SN_OK;
-    if (inputs->count == 0) cli_usage_error(&j->c, "name the rigs, or a folder of them");
+    if (inputs->count == 0 && model_file == NULL && motion_file == NULL) cli_usage_error(&j->c, "name the rigs, or a folder of them");
     for (int i = 0; i < inputs->count && status == SN_OK; i++) {
         if (strcmp(inputs->items[i], "-") == 0) cli_usage_error(&j->c, "a scene names its rigs by their files: '-' is none");
         status =
@@ -273,20 +274,27 @@ static sn_status check_attachments(job *j, sn_error *error) {
     return SN_OK;
 }
 
-/* A motion that moves nothing is a mistake; bones that stand still are told. */
+/* Bones on no joint; returns how many. */
+static sn_index still_bones(const job *j, name_row *row) {
+    for (sn_index i = 0; i < j->draft.bone_count; i++)
+        if (j->draft.bones[i].bone.joint == SN_NONE) add_name(row, "%s", j->draft.bones[i].bone.name, NULL);
+    return row->count;
+}
+
+/* A motion that moves nothing is a mistake. */
 static sn_status check_motion(job *j, sn_error *error) {
     name_row still = {0};
-    for (sn_index i = 0; i < j->draft.bone_count; i++)
-        if (j->draft.bones[i].bone.joint == SN_NONE) add_name(&still, "%s", j->draft.bones[i].bone.name, NULL);
-    if (j->draft.motion_path == NULL || j->draft.motion.joint_count == 0) return SN_OK;
-    if (still.count == j->draft.bone_count)
-        return sn_fail_at(error, SN_ERROR_INPUT, j->draft.motion_path, 0,
-                          "moves none of the %d bones, as no joint has the name of one (the first joint is \"%s\"); bind them with --bind "
-                          "PATTERN=JOINT",
-                          still.count, j->draft.motion.joints[0].name);
-    if (still.count > 0)
+    if (j->draft.motion_path == NULL || j->draft.motion.joint_count == 0 || still_bones(j, &still) < j->draft.bone_count) return SN_OK;
+    return sn_fail_at(error, SN_ERROR_INPUT, j->draft.motion_path, 0,
+                      "moves none of the %d bones, as no joint has the name of one (the first joint is \"%s\"); bind them with --bind "
+                      "PATTERN=JOINT",
+                      j->draft.bone_count, j->draft.motion.joints[0].name);
+}
+
+static void tell_of_bones(const job *j) {
+    name_row still = {0};
+    if (j->draft.motion_path != NULL && still_bones(j, &still) > 0)
         cli_tell(&j->c, "%d of %d bones are on no joint and stand still: %s", still.count, j->draft.bone_count, told(&still));
-    return SN_OK;
 }
 
 /* ---- activations ---------------------------------------------------------------------------------------------------------------- */
@@ -308,7 +316,7 @@ static sn_status take_activations(job *j, sn_error *error) {
         if (!j->draft.muscles[i].has_channel) add_name(&voiceless, "%s", j->draft.muscles[i].name, NULL);
     j->unheard = unheard.count;
     j->voiceless = voiceless.count;
-    if (voiceless.count == j->draft.muscle_count)
+    if (voiceless.count == j->draft.muscle_count) /* none, too */
         return sn_fail_at(error, SN_ERROR_INPUT, activation_file, 0, "has no channel of any muscle's name; its channels: %s",
                           told(&unheard));
     if (unheard.count > 0)
@@ -348,19 +356,32 @@ static void choose_frames(job *j) {
 /* Less than this is the first frame of a motion that begins at rest. */
 static const double LEAST_ANGLE = 0.1 * SN_PI / 180.0, LEAST_DISTANCE = 1e-4;
 
+static bool starts_away(const job *j) { return j->away_angle > LEAST_ANGLE || j->away_distance > LEAST_DISTANCE; }
+
+static void tell_of_start(const job *j) {
+    double degrees = j->away_angle * (180.0 / SN_PI);
+    const sn_scene_draft *d = &j->draft;
+    if (!starts_away(j)) return;
+    if (d->run_in > 0.0)
+        cli_tell(&j->c,
+                 "at frame %d bones are up to %.0f degrees and %.3g m from rest: they go there in the first %g s of a preroll of %g s",
+                 d->first_frame, degrees, j->away_distance, d->run_in, d->preroll);
+    else
+        cli_warn(&j->c,
+                 "at frame %d bones are up to %.0f degrees and %.3g m from rest, and begin there; --run-in takes them there from rest",
+                 d->first_frame, degrees, j->away_distance);
+}
+
 /* Where the first frame is away from rest, the preroll goes there: two seconds, half of them on the way, for which an elbow's 120 degrees
  * have been tried (tests/cli/bodies.bats). */
 static void choose_preroll(job *j) {
     const cli *c = &j->c;
-    bool away = j->away_angle > LEAST_ANGLE || j->away_distance > LEAST_DISTANCE;
+    bool away = starts_away(j);
     double before = cli_given(c, "preroll") ? preroll : cli_given(c, "run-in") ? 2.0 * run_in : away ? 2.0 : 0.0;
     double moving = cli_given(c, "run-in") ? run_in : away ? 0.5 * before : 0.0;
     if (moving > before) cli_usage_error(c, "--run-in: %g s are more than the preroll, %g s, of which they are a part", moving, before);
     j->draft.preroll = before;
     j->draft.run_in = moving;
-    if (!away) return;
-    cli_tell(c, "at frame %d bones are up to %.0f degrees and %.3g m from rest: %s %g s, in %g s of which they go there",
-             j->draft.first_frame, j->away_angle * (180.0 / SN_PI), j->away_distance, "a preroll of", before, moving);
 }
 
 static sn_status choose_time(job *j, sn_error *error) {
@@ -371,8 +392,14 @@ static sn_status choose_time(job *j, sn_error *error) {
     }
     if (status == SN_OK && frames != NULL) choose_frames(j);
     if (status == SN_OK) status = sn_draft_away(&j->draft, &j->away_angle, &j->away_distance, error);
-    if (status == SN_OK) choose_preroll(j);
-    return status;
+    if (status != SN_OK) return status;
+    choose_preroll(j);
+    return SN_OK;
+}
+
+static void tell_of_draft(const job *j) {
+    tell_of_bones(j);
+    tell_of_start(j);
 }
 
 /* ---- what has come of it --------------------------------------------------------------------------------------------------------- */
@@ -432,6 +459,7 @@ static sn_status check_grips(job *j, sn_error *error) {
     sn_status status = SN_OK;
     for (sn_index i = 0; i < j->scene.muscle_count && status == SN_OK; i++) {
         const sn_scene_muscle *m = &j->scene.muscles[i];
+        if (!m->enabled) continue; /* its rig is not read */
         if (m->rig.attachment_count == 0)
             cli_warn(&j->c, "muscle \"%s\" is attached to no bone and moves freely (attach-detect attaches it)", m->name);
         else
@@ -499,6 +527,7 @@ static sn_status save(job *j, sn_error *error) {
     if (status == SN_OK && model_file != NULL) status = save_model(j, entry, error);
     if (status == SN_OK) status = sn_draft_finish(&j->draft, entry, &j->text, &j->scene, error);
     cli_history_free(&history);
+    if (status == SN_OK) tell_of_draft(j);
     if (status == SN_OK) status = check_grips(j, error);
     if (status == SN_OK) status = check_bone_places(j, error);
     if (status == SN_OK) status = write_scene(j, error);
@@ -537,7 +566,10 @@ static sn_status collect(job *j, sn_error *error) {
 static sn_status build(job *j, sn_error *error) {
     sn_status status = collect(j, error);
     if (status != SN_OK) return status;
-    if (list) return scene_list_print(&j->draft, error);
+    if (list) {
+        tell_of_draft(j);
+        return scene_list_print(&j->draft, error);
+    }
     status = save(j, error);
     if (status == SN_OK)
         cli_say(&j->c, "%d muscles on %d bones, %d joints, frames %d to %d at %g a second", j->scene.muscle_count, j->scene.bone_count,

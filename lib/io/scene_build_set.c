@@ -84,13 +84,18 @@ static sn_status judge(const sn_scene_draft *draft, const sn_draft_muscle *muscl
     sn_blob blob = {0};
     sn_scene scene = {0};
     sn_error why = {0};
+    const char *value = muscle->settings[member];
+    if (strcmp(sn_draft_members[member], "enabled") == 0 && strcmp(value, "true") != 0 && strcmp(value, "false") != 0)
+        return sn_fail(error, SN_ERROR_USAGE, "'%s': a muscle is enabled, true or false", setting);
     sn_status status = sn_draft_probe(draft, muscle, member, &blob, error);
     if (status != SN_OK) return status;
     status = sn_scene_parse(&blob, false, &scene, &why);
     if (status == SN_OK) sn_scene_free(&scene);
+    bool other = why.file[0] != '\0' && strcmp(why.file, blob.name) != 0; /* a file that the value names */
     sn_blob_free(&blob);
     if (status == SN_OK) return SN_OK;
-    return sn_fail(error, status == SN_ERROR_INPUT ? SN_ERROR_USAGE : status, "'%s': %s", setting, without_place(why.text));
+    status = status == SN_ERROR_INPUT && !other ? SN_ERROR_USAGE : status;
+    return sn_fail(error, status, "'%s': %s%s%s", setting, other ? why.file : "", other ? ": " : "", without_place(why.text));
 }
 
 /* ---- settings ------------------------------------------------------------------------------------------------------------ */

@@ -155,7 +155,7 @@ typedef struct task {
 
 static sn_status write_probe(const task *t, sn_json *json, sn_error *error) {
     const sn_draft_muscle *muscle = t->muscle;
-    bool enabled = strcmp(sn_draft_members[t->member], "enabled") == 0;
+    bool enabled = strcmp(sn_draft_members[t->member], "enabled") == 0; /* a probe never is: its rig stays unread */
     sn_json_object(json, NULL);
     write_head(json);
     write_solver(t->draft, json);
@@ -163,8 +163,8 @@ static sn_status write_probe(const task *t, sn_json *json, sn_error *error) {
     sn_json_object(json, NULL);
     sn_json_text(json, "name", muscle->name);
     sn_status status = write_path(t->draft, "rig", muscle->path, json, error);
-    if (!enabled) sn_json_bool(json, "enabled", false);
-    if (status == SN_OK) status = write_settings(muscle, t->member, t->member, json, error);
+    sn_json_bool(json, "enabled", false);
+    if (status == SN_OK && !enabled) status = write_settings(muscle, t->member, t->member, json, error);
     sn_json_close(json);
     sn_json_close(json);
     return status;
