@@ -42,7 +42,7 @@ LINK_cgal    := -lgmp -lmpfr -lstdc++
 LINK_png     := -lpng -lz
 LINK_assimp  := -lassimp
 
-TOOLS := mesh-clean root-select build-structure fiber-flow fiber-fill attach-detect motion-import motion-fit motion-sense simulate error-time rig-view
+TOOLS := mesh-clean root-select build-structure fiber-flow fiber-fill attach-detect motion-import motion-fit motion-sense scene-build simulate error-time rig-view
 LIBS_mesh-clean      := cgal embree mesh json exact
 LIBS_root-select     := sparse mesh json
 LIBS_build-structure := embree mesh json
@@ -52,6 +52,7 @@ LIBS_attach-detect   := embree mesh json
 LIBS_motion-import   := mesh json exact
 LIBS_motion-fit      := gsl embree mesh json exact
 LIBS_motion-sense    := gsl mesh json exact
+LIBS_scene-build    := embree mesh json exact
 LIBS_simulate        := gsl sparse embree mesh json exact
 LIBS_rig-view        := embree gsl sparse mesh json png exact
 LIBS_error-time      := gsl sparse mesh json exact
@@ -105,6 +106,8 @@ $(B)/bin/%: $(B)/tools/%.o $(TOOL_SHARED) $(B)/libsinew.a
 $(B)/bin/simulate: $(B)/tools/fibers.o $(B)/tools/outcome.o $(B)/tools/bone_frames.o $(B)/tools/frame_files.o
 $(B)/bin/motion-import $(B)/bin/motion-fit: $(B)/tools/clip.o
 $(B)/bin/rig-view: $(B)/tools/motion_view.o $(B)/tools/frame_list.o
+$(B)/bin/motion-import: $(B)/tools/model_bones.o
+$(B)/bin/scene-build: $(B)/tools/model_bones.o $(B)/tools/scene_list.o
 
 $(B)/libexec/sinew/%: $(B)/tools/%.o $(TOOL_SHARED) $(B)/libsinew.a
 	@mkdir -p $(@D)
@@ -123,5 +126,5 @@ tests: $(UNIT_TESTS) $(EXTRA_TESTS)
 include share/make/project.mk
 include share/make/fuzz.mk
 
--include $(patsubst %,$(B)/tools/%.d,fibers outcome bone_frames frame_files motion_view frame_list) $(LIB_OBJECTS:.o=.d) $(BRIDGE_OBJECTS:.o=.d) $(BUILT_TOOLS:$(B)/bin/%=$(B)/tools/%.d) $(LIBEXEC_TOOLS:%=$(B)/tools/%.d) $(TOOL_SHARED:.o=.d)
+-include $(patsubst %,$(B)/tools/%.d,fibers outcome bone_frames frame_files motion_view frame_list model_bones scene_list) $(LIB_OBJECTS:.o=.d) $(BRIDGE_OBJECTS:.o=.d) $(BUILT_TOOLS:$(B)/bin/%=$(B)/tools/%.d) $(LIBEXEC_TOOLS:%=$(B)/tools/%.d) $(TOOL_SHARED:.o=.d)
 -include $(UNIT_TESTS:=.d) $(EXTRA_TESTS:=.d) $(EXAMPLES:$(B)/examples/%=$(B)/share/examples/%.d)

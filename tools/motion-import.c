@@ -1,12 +1,9 @@
 /* motion-import.c -- a motion as it was recorded, from the files of other programs, as a motion document. */
 #include "clip.h"
-#include "sinew/model_files.h"
+#include "model_bones.h"
 
-#include <errno.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 
 /* More jumps than this are counted, not told one by one. */
 enum { JUMPS_TOLD = 5 };
@@ -138,56 +135,6 @@ static void warn_of_jumps(const job *j) {
         cli_warn(&j->c, "%s: and %d more such jumps; --report lists them all", j->motion.name, j->jump_count - JUMPS_TOLD);
 }
 
-/* ---- bones ----------------------------------------------------------------------------------------------------------------- */
-
-static sn_status make_folder(const char *path, sn_error *error) {
-    struct stat info;
-    if ((stat(path, &info) == 0 && S_ISDIR(info.st_mode)) || mkdir(path, 0777) == 0) return SN_OK;
-    return sn_fail_at(error, SN_ERROR_IO, path, 0, "cannot make this folder: %s", strerror(errno));
-}
-
-static char *bone_path(const char *name) {
-    static const char ending[] = ".ply";
-    size_t size = strlen(bones) + strlen(name) + sizeof ending + 1;
-    char *path = sn_alloc(size, 1);
-    if (path != NULL) snprintf(path, size, "%s%s%s%s", bones, bones[strlen(bones) - 1] == '/' ? "" : "/", name, ending);
-    return path;
-}
-
-static sn_status write_bone(const sn_mesh *mesh, const char *path, sn_error *error) {
-    sn_output *output = NULL;
-    sn_status status = sn_output_open(path, false, &output, error);
-    if (status == SN_OK) status = sn_mesh_write(mesh, SN_MESH_PLY, SN_ENCODING_DEFAULT, output, error);
-    if (status == SN_OK) return sn_output_commit(output, error);
-    sn_output_abort(output);
-    return status;
-}
-
-/* Its file, and its entry in the clip. */
-static sn_status save_bone(job *j, sn_index index, sn_error *error) {
-    const sn_model_bone *from = &j->bones.bones[index];
-    sn_motion_bone *to = &j->clip.bones[j->clip.bone_count];
-    sn_mesh mesh = {0};
-    *to = (sn_motion_bone){.name = sn_strdup(from->name), .path = bone_path(from->name), .meters_per_unit = 1.0, .joint = from->joint};
-    j->clip.bone_count++;
-    if (to->name == NULL || to->path == NULL) return sn_fail_memory(error, "a bone");
-    sn_status status = sn_model_bones_load(&j->bones, index, &mesh, error);
-    if (status == SN_OK) status = write_bone(&mesh, to->path, error);
-    sn_mesh_free(&mesh);
-    return status;
-}
-
-static sn_status save_bones(job *j, sn_error *error) {
-    sn_status status = make_folder(bones, error);
-    if (status == SN_OK && (j->clip.bones = SN_NEW(sn_motion_bone, j->bones.count)) == NULL) status = sn_fail_memory(error, "bones");
-    for (sn_index i = 0; i < j->bones.count && status == SN_OK; i++) {
-        status = save_bone(j, i, error);
-        if (status == SN_OK && SN_TRACE(&j->c.trace, "bone", sn_trace_text("name", j->bones.bones[i].name))) return SN_STOPPED;
-    }
-    if (status == SN_OK) cli_say(&j->c, "%d bones in %s", j->clip.bone_count, bones);
-    return status;
-}
-
 /* ---- list ------------------------------------------------------------------------------------------------------------------ */
 
 /* One field of a line of fields parted by tabs. */
@@ -306,7 +253,7 @@ static sn_status process(job *j, sn_error *error) {
         status = sn_clip_resample(&j->clip, rate, error);
         if (status == SN_OK && SN_TRACE(&j->c.trace, "resample", sn_trace_number("frames", j->clip.frame_count))) return SN_STOPPED;
     }
-    return status == SN_OK && bones != NULL ? save_bones(j, error) : status;
+    return status == SN_OK && bones != NULL ? model_bones_save(&j->c, &j->bones, bones, &j->clip, error) : status;
 }
 
 static sn_status save(job *j, sn_error *error) {

@@ -28,6 +28,9 @@ void sn_blob_free(sn_blob *blob);
 typedef struct sn_output sn_output;
 /* Open for writing; nothing is seen at path before commit. stream = true: whole lines go out as they are written (logs). */
 SN_MUST_CHECK sn_status sn_output_open(const char *path, bool stream, sn_output **out, sn_error *error);
+/* One that stays in memory, until sn_output_take makes a blob of what was written, of that name ("-", NULL: "<stdout>"), and frees it. */
+SN_MUST_CHECK sn_status sn_output_open_memory(sn_output **out, sn_error *error);
+SN_MUST_CHECK sn_status sn_output_take(sn_output *output, const char *name, sn_blob *out, sn_error *error);
 /* The first failure is kept and returned by commit too: a writer may ignore those in between. */
 sn_status sn_output_write(sn_output *output, const void *data, size_t size, sn_error *error);
 sn_status sn_output_print(sn_output *output, const char *format, ...) SN_PRINTF(2, 3);
@@ -319,6 +322,8 @@ SN_MUST_CHECK sn_status sn_sensors_parse(const sn_blob *blob, const sn_muscle_na
  * "channel"}. entry is nullable. */
 SN_MUST_CHECK sn_status sn_activation_document_write(const sn_sensors *sensors, const sn_sense *sense, const sn_history_entry *entry,
                                                      sn_output *output, sn_error *error);
+/* The names of the channels of an activation document, in its order. */
+SN_MUST_CHECK sn_status sn_activation_names_parse(const sn_blob *blob, sn_muscle_names *out, sn_error *error);
 
 /* A fibre template (lib/io/fill_document.c): {"format": "sinew-fiber-template", "version": 1, "curves": [{"points": [x,y,z, ...]}, ...]},
  * the control points of Bezier curves; they become out->polylines. */

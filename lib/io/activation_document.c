@@ -1,7 +1,7 @@
 /* activation_document.c -- activations over time, a channel each, as a scene takes them. */
-#include <stdlib.h>
-
 #include "document.h"
+
+#include <stdlib.h>
 
 /* What is put out: every stride-th sample. */
 static sn_index output_count(const sn_sense *sense) { return (sense->sample_count - 1) / sense->stride + 1; }
@@ -40,5 +40,41 @@ sn_status sn_activation_document_write(const sn_sensors *sensors, const sn_sense
     if (numbers == NULL) return sn_fail_memory(error, "an activation document");
     sn_status status = write_document(sensors, sense, entry, numbers, output, error);
     free(numbers);
+    return status;
+}
+
+/* ---- names ------------------------------------------------------------------------------------------------------------- */
+
+static sn_status add_name(sn_muscle_names *out, size_t *capacity, const char *name, sn_error *error) {
+    void *names = out->names;
+    if (!sn_grow(&names, capacity, (size_t)out->count + 1, sizeof *out->names)) return sn_fail_memory(error, "names");
+    out->names = names;
+    out->names[out->count] = sn_strdup(name);
+    return out->names[out->count++] != NULL ? SN_OK : sn_fail_memory(error, "names");
+}
+
+static sn_status parse_names(const sn_json_value *top, sn_muscle_names *out, sn_error *error) {
+    sn_json_value format = sn_json_member(top, "format"), channels = sn_json_member(top, "channels"), channel = {0};
+    size_t capacity = 0;
+    sn_status status = sn_json_has(&format) ? sn_json_expect_format(top, "sinew-activation", 1, error) : SN_OK;
+    if (status == SN_OK) status = sn_json_require(&channels, "the channels, an object", error);
+    if (status == SN_OK) status = sn_json_expect_object(&channels, error);
+    while (status == SN_OK && sn_json_next(&channels, &channel)) status = add_name(out, &capacity, channel.key, error);
+    if (status == SN_OK && out->count == 0) status = sn_json_complain(&channels, error, "there is no channel");
+    return status;
+}
+
+sn_status sn_activation_names_parse(const sn_blob *blob, sn_muscle_names *out, sn_error *error) {
+    sn_json_tree *tree = NULL;
+    *out = (sn_muscle_names){0};
+    sn_status status = sn_json_parse(blob, &tree, error);
+    if (status == SN_OK) {
+        sn_json_value top = sn_json_top(tree);
+        status = parse_names(&top, out, error);
+    }
+    sn_json_tree_free(tree);
+    if (status == SN_OK) return SN_OK;
+    sn_error_set_file(error, blob->name);
+    sn_muscle_names_free(out);
     return status;
 }

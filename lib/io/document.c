@@ -59,6 +59,13 @@ char *sn_path_stem(const char *path) {
     return sn_strndup(name, dot != NULL && dot > name ? (size_t)(dot - name) : strlen(name));
 }
 
+char *sn_muscle_call(const sn_muscle *rig, const char *path) {
+    if (rig->name != NULL) return sn_strdup(rig->name);
+    char *name = sn_path_stem(path), *middle = name != NULL ? strstr(name, ".muscle") : NULL;
+    if (middle != NULL && strcmp(middle, ".muscle") == 0) *middle = '\0';
+    return name;
+}
+
 /* ---- reading: mesh ---------------------------------------------------------------------------------------------------- */
 
 static sn_status parse_attribute(const sn_json_value *value, sn_mesh *mesh, sn_error *error) {

@@ -14,6 +14,8 @@ char *sn_path_beside(const char *document, const char *uri);
 char *sn_path_from(const char *document, const char *path);
 /* The file's name without folder and extension; NULL = out of memory, or a stream without a name. */
 char *sn_path_stem(const char *path);
+/* What a muscle is called: as the rig says, else as its file is. Allocated; NULL = out of memory. */
+char *sn_muscle_call(const sn_muscle *rig, const char *path);
 /* The member "history": the entries of tree (nullable), then entry (nullable); nothing where there is neither. */
 void sn_history_write(const sn_json_tree *tree, const sn_history_entry *entry, sn_json *json);
 /* The list of fibres of a document; an absent one leaves *out alone. */

@@ -1,5 +1,6 @@
 /* scene_document.c -- the scene document: bones, muscles, motion and solver settings, read and written. */
 #include "motion_document.h"
+#include "scene_build.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -12,6 +13,7 @@ typedef struct reader {
     sn_scene *scene;
     sn_clock clock;
     bool load_bones;
+    sn_muscle *rigs; /* (muscles of the document) those that have been read; nullable: read them from their files */
 } reader;
 
 /* ---- reading: the whole ----------------------------------------------------------------------------------------------- */
@@ -288,8 +290,8 @@ static sn_status parse_muscle_numbers(const sn_json_value *value, sn_scene_muscl
     return status == SN_OK ? parse_volume_ratio(&ratio, &out->volume_ratio, error) : status;
 }
 
-static sn_status load_rig(const sn_json_value *rig, sn_scene_muscle *out, const sn_scene *scene, sn_error *error) {
-    const sn_read_options options = {.meters_per_unit = scene->meters_per_unit};
+static sn_status load_rig(const sn_json_value *rig, sn_scene_muscle *out, const reader *in, sn_error *error) {
+    const sn_read_options options = {.meters_per_unit = in->scene->meters_per_unit};
     sn_blob blob = {0};
     sn_document *document = NULL;
     char *path = sn_path_beside(sn_json_name(rig->tree), out->uri);
@@ -301,14 +303,18 @@ static sn_status load_rig(const sn_json_value *rig, sn_scene_muscle *out, const 
     return status;
 }
 
+static sn_status take_rig(const sn_json_value *rig, sn_scene_muscle *out, const reader *in, sn_error *error) {
+    if (in->rigs == NULL) return load_rig(rig, out, in, error);
+    sn_muscle *read = &in->rigs[rig->parent->element];
+    out->rig = *read;
+    *read = (sn_muscle){0};
+    return SN_OK;
+}
+
 /* A muscle without a name of its own has that of its rig, or of the rig's file. */
 static sn_status name_muscle(sn_scene_muscle *out, sn_error *error) {
-    if (out->name != NULL) return SN_OK;
-    out->name = out->rig.name != NULL ? sn_strdup(out->rig.name) : sn_path_stem(out->uri);
-    if (out->name == NULL) return sn_fail_memory(error, "a name");
-    char *middle = out->rig.name == NULL ? strstr(out->name, ".muscle") : NULL;
-    if (middle != NULL && strcmp(middle, ".muscle") == 0) *middle = '\0';
-    return SN_OK;
+    if (out->name == NULL) out->name = sn_muscle_call(&out->rig, out->uri);
+    return out->name != NULL ? SN_OK : sn_fail_memory(error, "a name");
 }
 
 static sn_status parse_muscle(const sn_json_value *value, const reader *in, sn_scene_muscle *out, sn_error *error) {
@@ -325,7 +331,7 @@ static sn_status parse_muscle(const sn_json_value *value, const reader *in, sn_s
     if (status == SN_OK) status = sn_json_get_bool(&enabled, &out->enabled, error);
     if (status == SN_OK) status = parse_muscle_numbers(value, out, error);
     if (status == SN_OK) status = parse_muscle_choices(value, out, error);
-    if (status == SN_OK && out->enabled) status = load_rig(&rig, out, in->scene, error);
+    if (status == SN_OK && out->enabled) status = take_rig(&rig, out, in, error);
     if (status == SN_OK) status = name_muscle(out, error);
     if (status == SN_OK) status = sn_activation_parse(&activation, in->clock, out->name, &out->activation, error);
     if (status == SN_OK) sn_json_warn_unknown(value, known);
@@ -348,15 +354,16 @@ static sn_status parse_muscles(const sn_json_value *value, const reader *in, sn_
 
 /* ---- reading: the document ----------------------------------------------------------------------------------------------- */
 
-static sn_status parse_scene(const sn_json_value *top, bool load_bones, sn_scene *scene, sn_error *error) {
+/* in: without its clock. */
+static sn_status parse_scene(const sn_json_value *top, reader in, sn_error *error) {
     static const char *const known[] = {"format",  "version", "name",   "metersPerUnit", "rate",    "frames",  "preroll", "runIn",
                                         "gravity", "solver",  "motion", "bones",         "muscles", "history", NULL};
     sn_json_value motion = sn_json_member(top, "motion"), bones = sn_json_member(top, "bones"), muscles = sn_json_member(top, "muscles");
+    sn_scene *scene = in.scene;
     sn_status status = sn_json_expect_format(top, FORMAT, NEWEST_VERSION, error);
     if (status == SN_OK) status = parse_globals(top, scene, error);
-    const sn_clock clock = {scene->rate, scene->meters_per_unit, scene->first_frame, scene->last_frame, scene->rate};
-    const reader in = {.scene = scene, .clock = clock, .load_bones = load_bones};
-    if (status == SN_OK) status = sn_motion_parse(&motion, clock, &scene->motion, error);
+    in.clock = (sn_clock){scene->rate, scene->meters_per_unit, scene->first_frame, scene->last_frame, scene->rate};
+    if (status == SN_OK) status = sn_motion_parse(&motion, in.clock, &scene->motion, error);
     if (status == SN_OK) status = parse_bones(&bones, &in, error);
     if (status == SN_OK) status = parse_muscles(&muscles, &in, error);
     if (status != SN_OK) return status;
@@ -364,19 +371,27 @@ static sn_status parse_scene(const sn_json_value *top, bool load_bones, sn_scene
     return sn_scene_validate(scene, error);
 }
 
-sn_status sn_scene_parse(const sn_blob *blob, bool load_bones, sn_scene *out, sn_error *error) {
+static sn_status parse(const sn_blob *blob, reader in, sn_error *error) {
     sn_json_tree *tree = NULL;
-    sn_scene_defaults(out);
+    sn_scene_defaults(in.scene);
     sn_status status = sn_json_parse(blob, &tree, error);
     if (status == SN_OK) {
         sn_json_value top = sn_json_top(tree);
-        status = parse_scene(&top, load_bones, out, error);
+        status = parse_scene(&top, in, error);
     }
     sn_json_tree_free(tree);
     if (status == SN_OK) return SN_OK;
     sn_error_set_file(error, blob->name);
-    sn_scene_free(out);
+    sn_scene_free(in.scene);
     return status;
+}
+
+sn_status sn_scene_parse(const sn_blob *blob, bool load_bones, sn_scene *out, sn_error *error) {
+    return parse(blob, (reader){.scene = out, .load_bones = load_bones}, error);
+}
+
+sn_status sn_scene_parse_around(const sn_blob *blob, sn_muscle *rigs, sn_scene *out, sn_error *error) {
+    return parse(blob, (reader){.scene = out, .load_bones = true, .rigs = rigs}, error);
 }
 
 /* ---- writing ------------------------------------------------------------------------------------------------------------- */

@@ -200,6 +200,35 @@ sn_status sn_output_open(const char *path, bool stream, sn_output **out, sn_erro
     return SN_OK;
 }
 
+sn_status sn_output_open_memory(sn_output **out, sn_error *error) {
+    *out = NULL;
+    sn_output *output = SN_NEW(sn_output, 1);
+    if (!output || !(output->name = sn_strdup("<memory>"))) {
+        free(output);
+        return sn_fail_memory(error, "an output");
+    }
+    output->fd = -1;
+    output->hold = true;
+    *out = output;
+    return SN_OK;
+}
+
+sn_status sn_output_take(sn_output *output, const char *name, sn_blob *out, sn_error *error) {
+    *out = (sn_blob){0};
+    sn_output_write(output, "", 1, NULL); /* the terminating 0 */
+    sn_status status = report_failure(output, error);
+    char *copy = sn_strdup(is_standard(name) ? "<stdout>" : name);
+    if (status == SN_OK && !copy) status = sn_fail_memory(error, "a file name");
+    if (status == SN_OK) {
+        *out = (sn_blob){.name = copy, .data = output->buffer, .size = output->used - 1};
+        output->buffer = NULL;
+        copy = NULL;
+    }
+    free(copy);
+    sn_output_abort(output);
+    return status;
+}
+
 /* write(2) until all is out; a descriptor that does not block is waited for. */
 static bool write_fully(int fd, const char *data, size_t size) {
     while (size > 0) {
