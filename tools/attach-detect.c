@@ -28,7 +28,7 @@ static const cli_option options[] = {
     {'b', "bone", "[NAME=]FILE", CLI_LIST, &bone_texts, CLI_RESULT | CLI_FILE, 0, 0, NULL,
      "a bone's mesh, any number of times, taken as meant; NAME is the file's base name by default"},
     {0, "bones", "LIST", CLI_LIST, &list_files, CLI_RESULT | CLI_FILES, 0, 0, NULL,
-     "a text file with a bone a line: FILE, or NAME, a tab and FILE; relative to LIST"},
+     "a text file with a bone a line: FILE, or NAME, a tab and FILE, relative to LIST; or a folder of meshes"},
     {0, "pairs", "RULE", CLI_CHOICE, &pairs, CLI_RESULT, 0, 0, pair_names,
      "which bones of LIST may hold vertices: nearby (in the muscle, or 0.8 % of its area near; default), all"},
     {0, "pair-distance", "LENGTH", CLI_LENGTH, &pair_distance, CLI_RESULT, 0, 0, NULL, "what is near for --pairs nearby (default 2mm)"},

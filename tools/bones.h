@@ -1,4 +1,4 @@
-/* bones.h -- the bones that a tool is given: --bone [NAME=]FILE and --bones LIST. */
+/* bones.h -- the bones that a tool is given: --bone [NAME=]FILE and --bones LIST, a file or a folder of meshes. */
 #ifndef SINEW_TOOLS_BONES_H
 #define SINEW_TOOLS_BONES_H
 

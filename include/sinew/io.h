@@ -9,6 +9,7 @@
 
 #include "sinew/embedding.h"
 #include "sinew/motion_clip.h"
+#include "sinew/motion_fit.h"
 #include "sinew/muscle.h"
 #include "sinew/rig.h"
 #include "sinew/scene.h"
@@ -259,6 +260,9 @@ typedef struct sn_motion_head {
     const sn_blob *history_from;   /* nullable: the motion document that this one was made from */
 } sn_motion_head;
 SN_MUST_CHECK sn_status sn_motion_document_write(const sn_motion *motion, const sn_motion_head *head, sn_output *output, sn_error *error);
+
+/* The table that binds a motion to a body (lib/io/fit_table.c; its rows: motion-fit(1)), linked, in metres. Errors name file and line. */
+SN_MUST_CHECK sn_status sn_fit_table_parse(const sn_blob *blob, sn_fit_table *out, sn_error *error);
 
 /* Numbers over time (lib/io/table.c): a row of names, then rows of numbers, with tabs between them; a path that ends in .sto or .mot gets
  * OpenSim's storage header before them. Smoothing is [K21] 4.4's: `rounds` times x'_i = (x_{i-1} + 4 x_i + x_{i+1}) / 6 over the rows;

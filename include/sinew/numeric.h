@@ -20,6 +20,10 @@ bool sn_eigen_symmetric3(const sn_mat3 *matrix, double values[3], sn_mat3 *vecto
 /* Robust straight-line fit y = intercept + slope x (bisquare weights); false for fewer than 3 points or constant x. */
 bool sn_fit_line_robust(sn_index count, const double *x, const double *y, double *intercept, double *slope);
 
+/* The sphere with the least sum of squared distances of points (count) from its surface: algebraic fit, then Levenberg-Marquardt on the
+ * distances themselves. False for fewer than 4 points, or where they lie in a plane or do not tell the radius. */
+bool sn_least_squares_sphere(sn_index count, const sn_vec3 *points, sn_vec3 *centre, double *radius);
+
 /* The first `count` points of the Sobol sequence in [0,1)^dimensions, 1 to 40: out (count x dimensions). Evenly spread, always the same. */
 SN_MUST_CHECK sn_status sn_sobol(sn_index dimensions, sn_index count, double *out, sn_error *error);
 

@@ -4,7 +4,9 @@
 #include <gsl/gsl_eigen.h>
 #include <gsl/gsl_errno.h>
 #include <gsl/gsl_interp.h>
+#include <gsl/gsl_linalg.h>
 #include <gsl/gsl_multifit.h>
+#include <gsl/gsl_multifit_nlinear.h>
 #include <gsl/gsl_qrng.h>
 #include <stdlib.h>
 #include <string.h>
@@ -134,6 +136,94 @@ bool sn_fit_line_robust(sn_index count, const double *x, const double *y, double
     gsl_matrix_free(covariance);
     gsl_matrix_free(design);
     return good;
+}
+
+/* ---- spheres: in units of the points' spread about their mean ---------------------------------------------------------------- */
+
+typedef struct sphere_points {
+    sn_index count;
+    const sn_vec3 *points;
+    sn_vec3 mean;
+    double spread; /* root mean square distance from the mean */
+} sphere_points;
+
+static sn_vec3 scaled_point(const sphere_points *s, size_t i) { return sn_scale(sn_sub(s->points[i], s->mean), 1.0 / s->spread); }
+
+static bool scale_points(sphere_points *s) {
+    double sum = 0.0;
+    for (sn_index i = 0; i < s->count; i++) s->mean = sn_add_scaled(s->mean, s->points[i], 1.0 / s->count);
+    for (sn_index i = 0; i < s->count; i++) sum += sn_norm2(sn_sub(s->points[i], s->mean));
+    s->spread = sqrt(sum / s->count);
+    return isfinite(s->spread) && s->spread > 1e-12 * (1.0 + sn_norm(s->mean));
+}
+
+/* |p|^2 = 2 c.p + k, k = r^2 - |c|^2: least squares by normal equations, which are well scaled here. x = c, r. */
+static bool sphere_algebraic(const sphere_points *s, double x[4]) {
+    double normal[16] = {0}, right[4] = {0};
+    for (sn_index i = 0; i < s->count; i++) {
+        sn_vec3 p = scaled_point(s, (size_t)i);
+        const double row[4] = {2.0 * p.x, 2.0 * p.y, 2.0 * p.z, 1.0};
+        for (int j = 0; j < 4; j++) {
+            for (int k = 0; k < 4; k++) normal[4 * j + k] += row[j] * row[k];
+            right[j] += row[j] * sn_norm2(p);
+        }
+    }
+    gsl_matrix_view a = gsl_matrix_view_array(normal, 4, 4);
+    gsl_vector_view b = gsl_vector_view_array(right, 4), solution = gsl_vector_view_array(x, 4);
+    if (gsl_linalg_cholesky_decomp1(&a.matrix) != GSL_SUCCESS) return false;
+    for (int j = 0; j < 4; j++)
+        if (!(normal[5 * j] > 1e-5 * sqrt((double)s->count))) return false; /* flat: a direction that the points do not tell */
+    if (gsl_linalg_cholesky_solve(&a.matrix, &b.vector, &solution.vector) != GSL_SUCCESS) return false;
+    double square = x[3] + x[0] * x[0] + x[1] * x[1] + x[2] * x[2];
+    x[3] = sqrt(square);
+    return isfinite(x[3]) && square > 0.0;
+}
+
+static int sphere_residuals(const gsl_vector *x, void *data, gsl_vector *f) {
+    const sphere_points *s = data;
+    sn_vec3 c = sn_v3(gsl_vector_get(x, 0), gsl_vector_get(x, 1), gsl_vector_get(x, 2));
+    for (size_t i = 0; i < (size_t)s->count; i++) gsl_vector_set(f, i, sn_distance(scaled_point(s, i), c) - gsl_vector_get(x, 3));
+    return GSL_SUCCESS;
+}
+
+static int sphere_slopes(const gsl_vector *x, void *data, gsl_matrix *slopes) {
+    const sphere_points *s = data;
+    sn_vec3 c = sn_v3(gsl_vector_get(x, 0), gsl_vector_get(x, 1), gsl_vector_get(x, 2));
+    for (size_t i = 0; i < (size_t)s->count; i++) {
+        sn_vec3 out = sn_normalize(sn_sub(scaled_point(s, i), c));
+        gsl_matrix_set(slopes, i, 0, -out.x);
+        gsl_matrix_set(slopes, i, 1, -out.y);
+        gsl_matrix_set(slopes, i, 2, -out.z);
+        gsl_matrix_set(slopes, i, 3, -1.0);
+    }
+    return GSL_SUCCESS;
+}
+
+/* x, the algebraic fit, becomes the geometric one. Out of iterations the fit at hand is still a good one. */
+static bool sphere_geometric(const sphere_points *s, double x[4]) {
+    gsl_multifit_nlinear_parameters parameters = gsl_multifit_nlinear_default_parameters();
+    parameters.solver = gsl_multifit_nlinear_solver_cholesky; /* sums and roots alone: the same bits everywhere */
+    gsl_multifit_nlinear_fdf problem = {
+        .f = sphere_residuals, .df = sphere_slopes, .n = (size_t)s->count, .p = 4, .params = (void *)(uintptr_t)s};
+    gsl_multifit_nlinear_workspace *work = gsl_multifit_nlinear_alloc(gsl_multifit_nlinear_trust, &parameters, problem.n, 4);
+    if (work == NULL) return false;
+    gsl_vector_view start = gsl_vector_view_array(x, 4);
+    int info = 0;
+    bool good = gsl_multifit_nlinear_init(&start.vector, &problem, work) == GSL_SUCCESS;
+    if (good) gsl_multifit_nlinear_driver(100, 1e-12, 1e-12, 0.0, NULL, NULL, &info, work);
+    for (size_t j = 0; good && j < 4; j++) x[j] = gsl_vector_get(gsl_multifit_nlinear_position(work), j);
+    gsl_multifit_nlinear_free(work);
+    return good && isfinite(x[0] + x[1] + x[2] + x[3]) && x[3] > 0.0;
+}
+
+bool sn_least_squares_sphere(sn_index count, const sn_vec3 *points, sn_vec3 *centre, double *radius) {
+    sphere_points s = {.count = count, .points = points};
+    double x[4] = {0};
+    gsl_set_error_handler_off();
+    if (count < 4 || !scale_points(&s) || !sphere_algebraic(&s, x) || !sphere_geometric(&s, x)) return false;
+    *centre = sn_add_scaled(s.mean, sn_v3(x[0], x[1], x[2]), s.spread);
+    *radius = x[3] * s.spread;
+    return true;
 }
 
 sn_status sn_sobol(sn_index dimensions, sn_index count, double *out, sn_error *error) {

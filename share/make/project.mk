@@ -62,9 +62,10 @@ start-up: $(BUILT_TOOLS)
 	@BIN=$(B)/bin tests/bench/start-up.sh
 rig-time: $(BUILT_TOOLS)
 	@BIN=$(B)/bin DATA=$(DATA) tests/bench/rig-time.sh
-# what it takes to import a recorded walk
+# what it takes to import a recorded walk, and to fit it to a body
 motion-time: $(BUILT_TOOLS)
 	@BIN=$(B)/bin DATA=$(DATA) tests/bench/motion-time.sh
+	@BIN=$(B)/bin DATA=$(DATA) tests/bench/fit-time.sh
 # the repair of every defective mesh at hand, as a table; and how time and memory of mesh-clean grow
 .PHONY: repair-table clean-growth
 repair-table: $(BUILT_TOOLS)

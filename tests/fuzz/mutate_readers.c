@@ -26,7 +26,7 @@
 enum { SECONDS_UNTIL_HANGING = 30 };
 enum { SEED_LIMIT = 64, GROWTH = 4096 };
 
-typedef enum kind { MESH, MUSCLE, SCENE, CACHE, REPORT, SETTINGS, MOTION, SKELETON, MODEL, STORAGE } kind;
+typedef enum kind { MESH, MUSCLE, SCENE, CACHE, REPORT, SETTINGS, MOTION, SKELETON, MODEL, STORAGE, BODY } kind;
 
 typedef struct bytes {
     char *data;
@@ -119,6 +119,13 @@ static const char motion_json[] =
     "\"rotation\":[0,1,0,0],\"translation\":[1,2,3]}]},{\"name\":\"b\",\"parent\":\"a\",\"type\":\"hinge\",\"axis\":[0,0,1],\"point\":"
     "[1,0,0],\"keys\":[[0,0],[0.1,90]]}],\"coordinates\":[{\"name\":\"a.x\",\"unit\":\"rad\",\"values\":[0,1,2,3,4]},{\"name\":\"a.y\","
     "\"unit\":\"m\",\"rate\":50,\"values\":[0,1]}],\"history\":[]}\n";
+static const char arm_tsv[] =
+    "\xEF\xBB\xBF# an arm\r\nunits\tmm\r\nfolder\tbones\r\njoint\ttrunk\t-\troot|Hips\tpoint 0,0,1e3\tlevel up_left>up_right\t\r\n"
+    "joint\tarm_{side}\ttrunk\t{s}arm\tsphere *_{Side}_humerus@far:{-}1,0,1,36@ball:{+}100,0,1300,40\thand_{side}\t-\r\n"
+    "joint\tup_{side}\tarm_{side}\t{s}up\taxis a@far:0,0,-1,2 b?c*\t-\r\n"
+    "joint\thand_{side}\tup_{side}\t{S}hand\tmiddle x y\ttip_{side}\tup_{side}>tip_{side}\r\n"
+    "place\ttip_{side}\t{s}hand.end\tmean *\r\nbone\t*_{Side}_*\tarm_{side}\t0.0276\r\nbone\t*\ttrunk\tin\r\n"
+    "leg\tarm_{side}\tup_{side}\thand_{side}\r\nfoot\thand_{side}\r\nmeet\tup_{side}\t*a\t*b\r\n";
 static const char joints_osim[] =
     "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<OpenSimDocument Version=\"40000\"><Model name=\"m\"><Ground "
     "name=\"ground\"/>\n<BodySet><objects>"
@@ -269,14 +276,15 @@ static void make_seeds(void) {
     add_text(MODEL, "old.osim", old_osim);
     add_text(MODEL, "dog.mjcf", dog_mjcf);
     add_text(STORAGE, "walk.mot", walk_mot);
+    add_text(BODY, "arm.body.tsv", arm_tsv);
     add_vtk_files();
     add_cache();
 }
 
 /* Each good file in a folder of its format. */
 static void write_seeds(const char *target) {
-    static const char *const formats[] = {"obj", "ply", "stl", "off", "vtk",    "vtp",  "muscle", "scene",
-                                          "pc2", "bvh", "amc", "asf", "motion", "osim", "mjcf",   "mot"};
+    static const char *const formats[] = {"obj", "ply", "stl", "off",    "vtk",  "vtp",  "muscle", "scene", "pc2",
+                                          "bvh", "amc", "asf", "motion", "osim", "mjcf", "mot",    "body"};
     mkdir(target, 0777);
     for (size_t k = 0; k < sizeof formats / sizeof *formats; k++) {
         char path[1024], part[16];
@@ -640,6 +648,24 @@ static const char *try_storage(const sn_blob *blob, sn_status *status, sn_error 
     return fault;
 }
 
+/* What was read is linked: every name leads somewhere, parents come before children. */
+static const char *try_body(const sn_blob *blob, sn_status *status, sn_error *error) {
+    sn_fit_table table;
+    const char *fault = NULL;
+    *status = sn_fit_table_parse(blob, &table, error);
+    if (*status != SN_OK) return table.joints == NULL && table.points == NULL ? NULL : "a refused table is left behind";
+    for (sn_index j = 0; j < table.joint_count; j++) {
+        if (table.joints[j].parent < SN_NONE || table.joints[j].parent >= j) fault = "a parent comes after its child";
+        if (table.joints[j].along.given && (table.joints[j].along.to < 0 || table.joints[j].along.to >= table.point_count))
+            fault = "a direction leads nowhere";
+    }
+    for (sn_index b = 0; b < table.bone_count; b++)
+        if (table.bones[b].joint < 0 || table.bones[b].joint >= table.joint_count) fault = "a bone hangs nowhere";
+    sn_fit_table_row(&table, blob->name);
+    sn_fit_table_free(&table);
+    return fault;
+}
+
 static void report(const char *name, const char *fault, const sn_error *error) {
     failed++;
     printf("case %ld (%s): %s; '%s' %s:%lld\n", current_case, name, fault, error->text, error->file, (long long)error->line);
@@ -681,6 +707,7 @@ static void try_file(kind k, const char *name, const char *data, size_t size, bo
                         : k == SKELETON ? try_motion(&blob, true, &status, &error)
                         : k == MODEL    ? try_model(&blob, &status, &error)
                         : k == STORAGE  ? try_storage(&blob, &status, &error)
+                        : k == BODY     ? try_body(&blob, &status, &error)
                                         : try_cache(&blob, &status, &error);
     double taken = seconds() - start;
     setitimer(ITIMER_PROF, &NO_LIMIT, NULL);
@@ -869,6 +896,7 @@ static void try_kept_files(void) {
                      : strstr(name, ".osim")     ? MODEL
                      : strstr(name, ".mjcf")     ? MODEL
                      : strstr(name, ".mot")      ? STORAGE
+                     : strstr(name, ".body")     ? BODY
                                                  : MESH;
             try_file(k, name, blob.data, blob.size, false);
             sn_blob_free(&blob);

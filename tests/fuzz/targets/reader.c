@@ -1,6 +1,6 @@
 /*
  * reader.c -- one reader under libFuzzer, coverage-guided: built once for each format, with -DTARGET_obj, _ply, _stl, _off, _vtk, _vtp,
- * _muscle, _scene, _pc2, _bvh, _amc, _asf, _motion, _osim, _mjcf or _mot (make fuzz).
+ * _muscle, _scene, _pc2, _bvh, _amc, _asf, _motion, _osim, _mjcf, _mot or _body (make fuzz).
  *
  * Whatever the bytes, the reader must give a valid result or one line that names the file; the sanitizers and libFuzzer's limits of time
  * and memory watch over the rest.
@@ -151,6 +151,18 @@ static int try_bytes(const sn_blob *blob, sn_error *error) {
     if (status != SN_OK) return 0;
     demand(columns.row_count > 0 && columns.times != NULL, "a motion without a row");
     sn_columns_free(&columns);
+    return 0;
+}
+
+#elif defined(TARGET_body)
+
+static int try_bytes(const sn_blob *blob, sn_error *error) {
+    sn_fit_table table;
+    sn_status status = sn_fit_table_parse(blob, &table, error);
+    judge(status, error);
+    if (status != SN_OK) return 0;
+    for (sn_index j = 0; j < table.joint_count; j++) demand(table.joints[j].parent < j, "a parent comes after its child");
+    sn_fit_table_free(&table);
     return 0;
 }
 
