@@ -42,7 +42,7 @@ LINK_cgal    := -lgmp -lmpfr -lstdc++
 LINK_png     := -lpng -lz
 LINK_assimp  := -lassimp
 
-TOOLS := mesh-clean root-select build-structure fiber-flow fiber-fill attach-detect motion-import motion-fit simulate error-time rig-view
+TOOLS := mesh-clean root-select build-structure fiber-flow fiber-fill attach-detect motion-import motion-fit envelope-bind simulate error-time rig-view
 LIBS_mesh-clean      := cgal embree mesh json exact
 LIBS_root-select     := sparse mesh json
 LIBS_build-structure := embree mesh json
@@ -51,6 +51,7 @@ LIBS_fiber-fill      := gsl sparse embree mesh json exact
 LIBS_attach-detect   := embree mesh json
 LIBS_motion-import   := mesh json exact
 LIBS_motion-fit      := gsl embree mesh json exact
+LIBS_envelope-bind   := gsl embree mesh json exact
 LIBS_simulate        := gsl sparse embree mesh json exact
 LIBS_rig-view        := embree gsl sparse mesh json png exact
 LIBS_error-time      := gsl sparse mesh json exact
