@@ -11,7 +11,7 @@ enum { NAMES_TOLD = 6, VERTICES_TOLD = 100 };
 
 static const char *motion_file, *frames_to, *bones_to;
 static int method;
-static sn_length reach = {SN_ENVELOPE_REACH, 1.0}, far_from = {0.1, 1.0};
+static sn_length reach = {SN_ENVELOPE_REACH, 1.0}, far_from = {0.1, 1.0}, grow = {0.0, 1.0};
 static int64_t every;
 
 static const cli_option options[] = {
@@ -21,6 +21,8 @@ static const cli_option options[] = {
      "blend: poses of bones are blended as dual quaternions (default); wrap: where each bone carries a vertex is averaged"},
     {0, "reach", "LENGTH", CLI_LENGTH, &reach, CLI_RESULT, 0, 0, NULL,
      "a bone that is farther than the nearest by this or more carries nothing (default 40mm)"},
+    {0, "grow", "LENGTH", CLI_LENGTH, &grow, CLI_RESULT, 0, 0, NULL,
+     "move the surface outwards by this along its normals first (default 0)"},
     {0, "far", "LENGTH", CLI_LENGTH, &far_from, 0, 0, 0, NULL, "warn of vertices farther than this from every bone (default 100mm)"},
     {0, "frames", "FILE", CLI_TEXT, &frames_to, 0, 0, 0, NULL,
      "write the envelope under the motion: NAME.pc2, or NAME.ply or NAME.vtp for NAME.0000.ply and so on"},
@@ -170,6 +172,17 @@ static sn_status load_surface(job *j, sn_error *error) {
     return status;
 }
 
+/* Outwards along the vertices' normals. */
+static sn_status grow_surface(sn_mesh *mesh, double by, sn_error *error) {
+    if (by == 0.0) return SN_OK;
+    sn_vec3 *normals = SN_NEW(sn_vec3, mesh->vertex_count);
+    if (normals == NULL) return sn_fail_memory(error, "an envelope");
+    sn_mesh_vertex_normals(mesh, normals);
+    for (sn_index v = 0; v < mesh->vertex_count; v++) mesh->positions[v] = sn_add_scaled(mesh->positions[v], normals[v], by);
+    free(normals);
+    return SN_OK;
+}
+
 static sn_status bind(job *j, sn_error *error) {
     const sn_envelope_params params = {
         .method = (sn_envelope_method)method, .reach = sn_length_meters(reach, 1.0), .pool = j->pool, .trace = &j->c.trace};
@@ -177,7 +190,9 @@ static sn_status bind(job *j, sn_error *error) {
     sn_mesh_convert(&j->surface.mesh, j->surface.meters_per_unit, false);
     j->clearance = SN_NEW(double, j->surface.mesh.vertex_count);
     if (j->clearance == NULL) return sn_fail_memory(error, "an envelope");
-    sn_status status = sn_envelope_bind(&j->surface.mesh, (sn_index)j->bones.count, j->bound, &params, &j->envelope, j->clearance, error);
+    sn_status status = grow_surface(&j->surface.mesh, sn_length_meters(grow, 1.0), error);
+    if (status == SN_OK)
+        status = sn_envelope_bind(&j->surface.mesh, (sn_index)j->bones.count, j->bound, &params, &j->envelope, j->clearance, error);
     if (status == SN_OK && j->surface.name != NULL && (j->envelope.name = sn_strdup(j->surface.name)) == NULL)
         status = sn_fail_memory(error, "an envelope");
     return status;
@@ -217,10 +232,10 @@ static sn_status find_drivers(job *j, sn_error *error) {
 
 /* ---- what is odd about it -------------------------------------------------------------------------------------------------------- */
 
-static bool carries(const job *j, sn_index bone) {
+static bool carries(const job *j, sn_index wanted) {
     for (sn_index v = 0; v < j->envelope.mesh.vertex_count; v++)
         for (sn_index k = 0; k < j->envelope.influences[v].count; k++)
-            if (j->envelope.influences[v].bones[k] == bone) return true;
+            if (j->envelope.influences[v].bones[k] == wanted) return true;
     return false;
 }
 

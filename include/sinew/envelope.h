@@ -66,10 +66,11 @@ typedef struct sn_envelope_params {
 
 /*
  * Bind a surface to bones. With distances d to the bones' surfaces, d0 the least, a bone has the share w / (1 - w), w = S((1 - s) / 2),
- * s = (d - d0) / reach, S the smoothstep 3 t^2 - 2 t^3; none from s = 1 on. Between two bones that is a weight which goes smoothly from 1
- * to 0 as d - d0 goes through -reach..reach, and never faster than 1.5 / reach of the way. Of more than four bones the four nearest carry,
- * each share less that of the fifth, so that nothing jumps where fourth and fifth change places. Shares over their sum are the weights.
- * clearance (vertex_count, nullable): d0 of each vertex. The envelope gets copies of the mesh and of all names.
+ * s = (d - d0) / reach; none from s = 1 on. S goes from 0 to 1, straight but for a fifth of the way at either end, where it bends. Between
+ * two bones that is a weight which goes from 1 to 0 as the difference of the distances goes through -reach..reach, by 1.25 / reach of a
+ * vertex's way at most. Of more than four bones the four nearest carry, each share less that of the fifth, so that nothing jumps where
+ * fourth and fifth change places. Shares over their sum are the weights. clearance (vertex_count, nullable): d0 of each vertex. The
+ * envelope gets copies of the mesh and of all names.
  */
 SN_MUST_CHECK sn_status sn_envelope_bind(const sn_mesh *mesh, sn_index bone_count, const sn_envelope_bone *bones,
                                          const sn_envelope_params *params, sn_envelope *out, double *clearance, sn_error *error);

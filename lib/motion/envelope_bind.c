@@ -8,6 +8,9 @@
 
 enum { GRAIN = 64, CANDIDATES = SN_INFLUENCE_LIMIT + 1 };
 
+/* The share of the way over which a weight bends at either end. */
+static const double EASE = 0.2;
+
 /* A bone that is searched. */
 typedef struct bind_bone {
     sn_surface *surface;
@@ -86,7 +89,7 @@ static candidates find_candidates(const bind_work *w, sn_vec3 point) {
 static double share(double farther, double reach) {
     double t = 0.5 * (1.0 - farther / reach);
     if (!(t > 0.0)) return 0.0;
-    double w = t * t * (3.0 - 2.0 * t);
+    double w = t < EASE ? t * t / (2.0 * EASE * (1.0 - EASE)) : (t - 0.5 * EASE) / (1.0 - EASE);
     return w / (1.0 - w);
 }
 

@@ -153,13 +153,14 @@ D = $(DESTDIR)$(PREFIX)
 EXAMPLE_FOLDERS := arm assets papers tip
 COMPLETION_FOLDERS := bash-completion/completions zsh/site-functions fish/vendor_completions.d
 install: programs examples completions
-	install -d $D/bin $D/libexec/sinew $D/lib/pkgconfig $D/include/sinew $D/share/man/man1 $D/share/man/man7 $(COMPLETION_FOLDERS:%=$D/share/%)
+	install -d $D/bin $D/libexec/sinew $D/lib/pkgconfig $D/include/sinew $D/share/man/man1 $D/share/man/man5 $D/share/man/man7 $(COMPLETION_FOLDERS:%=$D/share/%)
 	install -d $(addprefix $D/share/sinew/,schema make plots $(EXAMPLE_FOLDERS:%=examples/%))
 	install -m 755 $(BUILT_TOOLS) $D/bin
 	install -m 755 $(BUILT_LIBEXEC) $(EXAMPLES) $D/libexec/sinew
 	install -m 644 $(B)/libsinew.a $D/lib
 	install -m 644 $(wildcard include/sinew/*.h) $D/include/sinew
 	install -m 644 $(wildcard share/man/*.1) $D/share/man/man1
+	install -m 644 $(wildcard share/man/*.5) $D/share/man/man5
 	install -m 644 $(wildcard share/man/*.7) $D/share/man/man7
 	install -m 644 $(wildcard share/schema/*.json) $D/share/sinew/schema
 	install -m 644 $(ASSETS) $D/share/sinew/make
@@ -174,6 +175,7 @@ install: programs examples completions
 uninstall:
 	rm -f $(BUILT_TOOLS:$(B)/bin/%=$D/bin/%) $D/lib/libsinew.a $D/lib/pkgconfig/sinew.pc
 	rm -rf $D/libexec/sinew $D/include/sinew $D/share/sinew
-	rm -f $(patsubst share/man/%,$D/share/man/man1/%,$(wildcard share/man/*.1)) $(patsubst share/man/%,$D/share/man/man7/%,$(wildcard share/man/*.7))
+	rm -f $(patsubst share/man/%,$D/share/man/man1/%,$(wildcard share/man/*.1)) $(patsubst share/man/%,$D/share/man/man5/%,$(wildcard share/man/*.5)) \
+	    $(patsubst share/man/%,$D/share/man/man7/%,$(wildcard share/man/*.7))
 	rm -f $(foreach t,$(notdir $(BUILT_TOOLS)),$D/share/bash-completion/completions/$t $D/share/zsh/site-functions/_$t \
 	    $D/share/fish/vendor_completions.d/$t.fish)
