@@ -184,26 +184,26 @@ static sn_status grow_surface(sn_mesh *mesh, double by, sn_error *error) {
 }
 
 static sn_status bind(job *j, sn_error *error) {
-    const sn_envelope_params params = {
+    sn_mesh *mesh = &j->surface.mesh;
+    sn_envelope_params params = {
         .method = (sn_envelope_method)method, .reach = sn_length_meters(reach, 1.0), .pool = j->pool, .trace = &j->c.trace};
     if (!(params.reach > 0.0)) cli_usage_error(&j->c, "--reach is a length above 0");
-    sn_mesh_convert(&j->surface.mesh, j->surface.meters_per_unit, false);
-    j->clearance = SN_NEW(double, j->surface.mesh.vertex_count);
+    sn_mesh_convert(mesh, j->surface.meters_per_unit, false);
+    params.clearance = j->clearance = SN_NEW(double, mesh->vertex_count);
     if (j->clearance == NULL) return sn_fail_memory(error, "an envelope");
-    sn_status status = grow_surface(&j->surface.mesh, sn_length_meters(grow, 1.0), error);
-    if (status == SN_OK)
-        status = sn_envelope_bind(&j->surface.mesh, (sn_index)j->bones.count, j->bound, &params, &j->envelope, j->clearance, error);
+    sn_status status = grow_surface(mesh, sn_length_meters(grow, 1.0), error);
+    if (status == SN_OK) status = sn_envelope_bind(mesh, (sn_index)j->bones.count, j->bound, &params, &j->envelope, error);
     if (status == SN_OK && j->surface.name != NULL && (j->envelope.name = sn_strdup(j->surface.name)) == NULL)
         status = sn_fail_memory(error, "an envelope");
     return status;
 }
 
-/* An envelope that was bound before: its bones among those of the motion. */
-static sn_status take_bound(job *j, sn_error *error) {
-    if (cli_given(&j->c, "reach")) cli_usage_error(&j->c, "--reach is for binding; %s is bound already", j->input.name);
+/* An envelope that was bound before: what would bind it makes no sense. */
+static void take_bound(job *j) {
+    static const char *const binding[] = {"reach", "grow", "units", "up", "mesh"};
+    for (size_t i = 0; i < sizeof binding / sizeof *binding; i++)
+        if (cli_given(&j->c, binding[i])) cli_usage_error(&j->c, "--%s is for a mesh; %s is bound already", binding[i], j->input.name);
     if (cli_given(&j->c, "method")) j->envelope.method = (sn_envelope_method)method;
-    (void)error;
-    return SN_OK;
 }
 
 static sn_status find_drivers(job *j, sn_error *error) {
@@ -475,13 +475,16 @@ static sn_status save(job *j, sn_error *error) {
 
 static sn_status bind_envelope(job *j, sn_error *error) {
     if (motion_file == NULL) cli_usage_error(&j->c, "name the motion document that names the bones, with --bones");
-    sn_status status = load_bones(j, error);
+    sn_status status = bones_to == NULL ? load_surface(j, error) : SN_OK;
+    if (status == SN_OK) status = load_bones(j, error);
     if (status != SN_OK) return status;
     if (bones_to != NULL) return write_bones(j, error);
     if (every == 0) every = (int64_t)fmax(1.0, round(j->clip.rate / 24.0));
     j->pool = sn_pool_create(j->c.threads);
-    status = load_surface(j, error);
-    if (status == SN_OK) status = j->given ? take_bound(j, error) : bind(j, error);
+    if (j->given)
+        take_bound(j);
+    else
+        status = bind(j, error);
     if (status == SN_OK) status = find_drivers(j, error);
     if (status != SN_OK) return status;
     warn_of_idle_bones(j);

@@ -57,9 +57,10 @@ typedef struct sn_envelope_bone {
 
 typedef struct sn_envelope_params {
     sn_envelope_method method;
-    double reach;    /* > 0: how much farther than the nearest a bone may be and still carry; see sn_envelope_bind */
-    sn_pool *pool;   /* nullable */
-    sn_trace *trace; /* nullable: a step "bone" for each that carries vertices */
+    double reach;      /* > 0: how much farther than the nearest a bone may be and still carry; see sn_envelope_bind */
+    sn_pool *pool;     /* nullable */
+    sn_trace *trace;   /* nullable: a step "bone" for each: how many vertices it carries alone, and with others */
+    double *clearance; /* (vertex_count) nullable: gets the distance of each vertex to its nearest bone */
 } sn_envelope_params;
 
 #define SN_ENVELOPE_REACH 0.04
@@ -73,7 +74,7 @@ typedef struct sn_envelope_params {
  * envelope gets copies of the mesh and of all names.
  */
 SN_MUST_CHECK sn_status sn_envelope_bind(const sn_mesh *mesh, sn_index bone_count, const sn_envelope_bone *bones,
-                                         const sn_envelope_params *params, sn_envelope *out, double *clearance, sn_error *error);
+                                         const sn_envelope_params *params, sn_envelope *out, sn_error *error);
 
 /* ---- what a motion does to it ---------------------------------------------------------------------------------------------------- */
 

@@ -31,7 +31,6 @@ typedef struct bind_work {
     sn_index bone_count;
     bind_bone *searched; /* (bone_count) */
     sn_influence *influences;
-    double *clearance; /* nullable */
 } bind_work;
 
 /* ---- the nearest bones -------------------------------------------------------------------------------------------------------- */
@@ -115,7 +114,7 @@ static void bind_range(void *user, sn_index begin, sn_index end, sn_index chunk)
     for (sn_index v = begin; v < end; v++) {
         candidates near = find_candidates(w, w->mesh->positions[v]);
         w->influences[v] = weigh(&near, w->params->reach);
-        if (w->clearance != NULL) w->clearance[v] = near.distances[0];
+        if (w->params->clearance != NULL) w->params->clearance[v] = near.distances[0];
     }
 }
 
@@ -167,8 +166,8 @@ static bool trace_bones(const bind_work *w, const sn_envelope *envelope) {
 }
 
 sn_status sn_envelope_bind(const sn_mesh *mesh, sn_index bone_count, const sn_envelope_bone *bones, const sn_envelope_params *params,
-                           sn_envelope *out, double *clearance, sn_error *error) {
-    bind_work work = {.mesh = mesh, .bones = bones, .params = params, .bone_count = bone_count, .clearance = clearance};
+                           sn_envelope *out, sn_error *error) {
+    bind_work work = {.mesh = mesh, .bones = bones, .params = params, .bone_count = bone_count};
     *out = (sn_envelope){0};
     sn_status status = sn_mesh_validate(mesh, error);
     if (status == SN_OK) status = check_bones(bone_count, bones, params, error);

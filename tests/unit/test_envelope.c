@@ -40,7 +40,7 @@ static row make_row(sn_envelope_method method) {
 static sn_envelope bind_row(row *r) {
     sn_envelope envelope;
     for (sn_index b = 0; b < BONES; b++) r->bones[b].mesh = &r->meshes[b];
-    assert_ok(sn_envelope_bind(&r->skin, BONES, r->bones, &r->params, &envelope, NULL, NULL));
+    assert_ok(sn_envelope_bind(&r->skin, BONES, r->bones, &r->params, &envelope, NULL));
     return envelope;
 }
 
@@ -269,7 +269,7 @@ static void what_comes_out_and_what_shrinks_is_measured(void **state) {
     const sn_envelope_params params = {.reach = 1e-3};
     sn_envelope envelope;
     sn_envelope_frame frame;
-    assert_ok(sn_envelope_bind(&skin, 2, bones, &params, &envelope, NULL, NULL));
+    assert_ok(sn_envelope_bind(&skin, 2, bones, &params, &envelope, NULL));
     assert_ok(sn_envelope_measure(&envelope, bones, NULL, NULL, &frame, NULL));
     assert_near(frame.least_area, 1.0, 0.0);
     assert_true(frame.small == 0 && frame.outside == 0 && frame.deep == 0);
@@ -393,12 +393,12 @@ static void senseless_requests_are_refused(void **state) {
     for (sn_index b = 0; b < BONES; b++) r.bones[b].mesh = &r.meshes[b];
     for (int i = 0; i < 4; i++) {
         r.params.reach = reaches[i];
-        assert_int_equal(sn_envelope_bind(&r.skin, BONES, r.bones, &r.params, &envelope, NULL, &error), SN_ERROR_USAGE);
+        assert_int_equal(sn_envelope_bind(&r.skin, BONES, r.bones, &r.params, &envelope, &error), SN_ERROR_USAGE);
     }
     r.params.reach = 0.1;
-    assert_int_equal(sn_envelope_bind(&r.skin, 0, r.bones, &r.params, &envelope, NULL, &error), SN_ERROR_INPUT);
+    assert_int_equal(sn_envelope_bind(&r.skin, 0, r.bones, &r.params, &envelope, &error), SN_ERROR_INPUT);
     r.bones[1].name = "a";
-    assert_int_equal(sn_envelope_bind(&r.skin, BONES, r.bones, &r.params, &envelope, NULL, &error), SN_ERROR_INPUT);
+    assert_int_equal(sn_envelope_bind(&r.skin, BONES, r.bones, &r.params, &envelope, &error), SN_ERROR_INPUT);
     free_row(&r);
 }
 
