@@ -22,9 +22,9 @@ def run(tool, *words):
 best = lambda *words: min(run("envelope-bind", "--threads", "1", "--bones", at("run.motion.json"), *words) for _ in range(5))
 run("motion-fit", data + "/mocap-cmu/motion/cmu_02_03_run.bvh", "--body", table, "--bones", at("bones.txt"), "-o", at("run.motion.json"))
 run("envelope-bind", "--bones", at("run.motion.json"), "--write-bones", at("bones.ply"))
-run("mesh-clean", at("bones.ply"), "--units", "m", "--wrap", "0.0015", "--keep", "all", "--smooth", "3", "--triangles", "10700", "--flip-slivers", "-o", at("skin.ply"))
+run("mesh-clean", at("bones.ply"), "--units", "m", "--wrap", "0.0014", "--keep", "all", "--smooth", "1", "--triangles", "10700", "--flip-slivers", "-o", at("skin.ply"))
 out = ["-o", at("skin.envelope.json")]
-skin = [at("skin.ply"), "--units", "m", "--reach", "54mm", "--grow", "8mm"]
+skin = [at("skin.ply"), "--units", "m", "--reach", "53mm", "--grow", "9mm"]
 load = best("--write-bones", at("again.ply"))
 bind = best(*skin, *out)
 given = best(at("skin.envelope.json"), "-o", at("again.envelope.json"))

@@ -155,10 +155,10 @@ END
         "$BIN/motion-fit" -q "$DATA/mocap-cmu/motion/cmu_02_$motion.bvh" --body "$body" --bones bones.txt -o "$motion.motion.json"
     done
     "$BIN/envelope-bind" --bones 01_walk.motion.json --write-bones all.ply < /dev/null
-    "$BIN/mesh-clean" -q all.ply --units m --wrap 0.0015 --keep all --smooth 3 --triangles 10700 --flip-slivers --report mesh.json -o skin.ply
+    "$BIN/mesh-clean" -q all.ply --units m --wrap 0.0014 --keep all --smooth 1 --triangles 10700 --flip-slivers --report mesh.json -o skin.ply
     [ "$(member mesh.json '[d["after"]["components"], d["after"]["closed"], 10000 < d["after"]["triangles"] < 11000]')" = '[1, true, true]' ]
     for motion in 01_walk 03_run; do
-        "$BIN/envelope-bind" -q skin.ply --units m --bones "$motion.motion.json" --reach 54mm --grow 8mm --every 20 --report r.json -o a.envelope.json
+        "$BIN/envelope-bind" -q skin.ply --units m --bones "$motion.motion.json" --reach 53mm --grow 9mm --every 20 --report r.json -o a.envelope.json
         [ "$(member r.json '[d["rest"]["deepShare"] < 1e-3, d["motion"]["deepShare"] < 0.01, d["motion"]["worstDeepShare"] < 0.015]')" = '[true, true, true]' ]
         [ "$(member r.json '[d["motion"]["leastArea"]["ratio"] > 0.2, d["motion"]["smallTriangles"], d["clearance"]["farVertices"]]')" = '[true, 0, 0]' ]
     done
