@@ -273,11 +273,10 @@ static void warn_of_far_vertices(const job *j) {
 
 /* Where the frames go. */
 typedef struct target {
-    sn_pc2 *cache;         /* NULL for a sequence */
-    sn_mesh_format format; /* of a sequence */
-    char *path;            /* of the frame at hand */
-    size_t stem, size;     /* length of the path before ".0000.ply"; room */
-    sn_mesh moved;         /* lends the envelope's triangles */
+    sn_pc2 *cache;     /* NULL for a sequence */
+    char *path;        /* of the frame at hand */
+    size_t stem, size; /* length of the path before ".0000.ply"; room */
+    sn_mesh moved;     /* lends the envelope's triangles */
 } target;
 
 static void pose_bones(job *j, sn_index frame) {
@@ -287,19 +286,26 @@ static void pose_bones(job *j, sn_index frame) {
     }
 }
 
+static bool is_cache(const char *path) {
+    const char *dot = strrchr(path, '.');
+    return dot != NULL && strcmp(dot, ".pc2") == 0;
+}
+
+/* Before anything is written. */
+static void check_frames(const job *j) {
+    if (frames_to == NULL || is_cache(frames_to)) return;
+    sn_mesh_format format = sn_mesh_format_from_name(frames_to);
+    if (format != SN_MESH_PLY && format != SN_MESH_VTP) cli_usage_error(&j->c, "--frames %s: name a file .pc2, .ply or .vtp", frames_to);
+}
+
 static sn_status open_target(const job *j, target *t, sn_error *error) {
-    const char *dot = strrchr(frames_to, '.');
     t->moved = (sn_mesh){.vertex_count = j->envelope.mesh.vertex_count,
                          .triangle_count = j->envelope.mesh.triangle_count,
                          .triangles = j->envelope.mesh.triangles,
                          .positions = SN_NEW(sn_vec3, j->envelope.mesh.vertex_count)};
     if (t->moved.positions == NULL) return sn_fail_memory(error, "the frames");
-    if (dot != NULL && strcmp(dot, ".pc2") == 0)
-        return sn_pc2_create(frames_to, t->moved.vertex_count, 0.0, (double)every, &t->cache, error);
-    t->format = sn_mesh_format_from_name(frames_to);
-    if (t->format != SN_MESH_PLY && t->format != SN_MESH_VTP)
-        cli_usage_error(&j->c, "--frames %s: name a file .pc2, .ply or .vtp", frames_to);
-    t->stem = (size_t)(dot - frames_to);
+    if (is_cache(frames_to)) return sn_pc2_create(frames_to, t->moved.vertex_count, 0.0, (double)every, &t->cache, error);
+    t->stem = (size_t)(strrchr(frames_to, '.') - frames_to);
     t->size = strlen(frames_to) + 16;
     t->path = sn_alloc(t->size, 1);
     return t->path != NULL ? SN_OK : sn_fail_memory(error, "the frames");
@@ -475,6 +481,7 @@ static sn_status save(job *j, sn_error *error) {
 
 static sn_status bind_envelope(job *j, sn_error *error) {
     if (motion_file == NULL) cli_usage_error(&j->c, "name the motion document that names the bones, with --bones");
+    check_frames(j);
     sn_status status = bones_to == NULL ? load_surface(j, error) : SN_OK;
     if (status == SN_OK) status = load_bones(j, error);
     if (status != SN_OK) return status;

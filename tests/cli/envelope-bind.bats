@@ -125,8 +125,11 @@ END
     run -2 "$BIN/envelope-bind" skin.obj
     [[ "$output" == *--bones* ]]
     run -2 "$BIN/envelope-bind" skin.obj --bones bend.motion.json --reach 0mm
-    run -2 "$BIN/envelope-bind" skin.obj --bones bend.motion.json --frames x.stl
-    [[ "$output" == *x.stl* ]]
+    for name in x.stl x folder.ply/x .; do
+        run -2 "$BIN/envelope-bind" --units m skin.obj --bones bend.motion.json --frames "$name" -o kept.envelope.json
+        [[ "$output" == *"--frames $name:"* ]]
+        [ ! -e kept.envelope.json ]
+    done
     sed 's/"bones"/"_bones"/' bend.motion.json > none.motion.json
     run -1 "$BIN/envelope-bind" skin.obj --bones none.motion.json
     [[ "$output" == *"names no bones"* ]]
