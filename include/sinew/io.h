@@ -8,6 +8,7 @@
 #define SINEW_IO_H
 
 #include "sinew/embedding.h"
+#include "sinew/envelope.h"
 #include "sinew/motion_clip.h"
 #include "sinew/motion_fit.h"
 #include "sinew/muscle.h"
@@ -283,6 +284,14 @@ SN_MUST_CHECK sn_status sn_motion_document_parse(const sn_blob *blob, sn_motion 
  * Errors name bone and file (lib/io/bone_document.c). */
 SN_MUST_CHECK sn_status sn_motion_bone_load(const sn_motion_bone *bone, double fallback, sn_mesh *out, double *meters_per_unit,
                                             sn_error *error);
+
+/* An envelope document (lib/io/envelope_document.c): share/schema/envelope.schema.json. */
+bool sn_envelope_detect(const sn_blob *blob); /* by its "format" member; false for anything else, also for what is malformed */
+/* Valid, in metres. Errors name file, line and member. */
+SN_MUST_CHECK sn_status sn_envelope_parse(const sn_blob *blob, sn_envelope *out, sn_error *error);
+/* In metres. entry (nullable) goes behind the history of history_from (nullable), a JSON document that this one was made from. */
+SN_MUST_CHECK sn_status sn_envelope_write(const sn_envelope *envelope, const sn_history_entry *entry, const sn_blob *history_from,
+                                          sn_output *output, sn_error *error);
 
 /* The table that binds a motion to a body (lib/io/fit_table.c; its rows: motion-fit(1)), linked, in metres. Errors name file and line. */
 SN_MUST_CHECK sn_status sn_fit_table_parse(const sn_blob *blob, sn_fit_table *out, sn_error *error);

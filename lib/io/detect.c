@@ -77,6 +77,7 @@ static bool has_format(const sn_blob *blob, const char *quoted) {
 }
 
 bool sn_scene_detect(const sn_blob *blob) { return has_format(blob, "\"sinew-scene\""); }
+bool sn_envelope_detect(const sn_blob *blob) { return has_format(blob, "\"sinew-envelope\""); }
 
 bool sn_motion_document_detect(const sn_blob *blob) { return has_format(blob, "\"sinew-motion\""); }
 

@@ -167,7 +167,7 @@ static sn_status parse_mesh_reference(const sn_json_value *value, sn_mesh *mesh,
     return status;
 }
 
-static sn_status parse_mesh(const sn_json_value *value, sn_mesh *mesh, sn_error *error) {
+sn_status sn_parse_mesh(const sn_json_value *value, sn_mesh *mesh, sn_error *error) {
     sn_json_value uri = sn_json_member(value, "uri");
     sn_status status = sn_json_expect_object(value, error);
     if (status != SN_OK) return status;
@@ -380,7 +380,7 @@ static sn_status parse_sections(const sn_json_value *top, sn_muscle *out, sn_err
     if (status == SN_OK) status = sn_json_get_text(&name, &out->name, error);
     if (status == SN_OK) status = sn_json_require(&unit, "the metres per unit of the coordinates, such as 0.001", error);
     if (status == SN_OK) status = sn_json_get_number(&unit, SN_JSON_POSITIVE, INFINITY, &out->meters_per_unit, error);
-    if (status == SN_OK) status = parse_mesh(&mesh, &out->mesh, error);
+    if (status == SN_OK) status = sn_parse_mesh(&mesh, &out->mesh, error);
     if (status == SN_OK) status = parse_roots(&roots, out->mesh.vertex_count, &out->roots, error);
     if (status == SN_OK) status = parse_structure(&structure, out->mesh.vertex_count, &out->structure, error);
     if (status == SN_OK) status = parse_fibers(&fibers, out->mesh.vertex_count, &out->fibers, error);
@@ -481,15 +481,18 @@ static void write_attributes(const sn_mesh *mesh, sn_json *json) {
     sn_json_close(json);
 }
 
-static sn_status write_mesh(const sn_muscle *muscle, sn_json *json, sn_error *error) {
-    const sn_mesh *mesh = &muscle->mesh;
-    (void)error;
+void sn_mesh_document_write(const sn_mesh *mesh, sn_json *json) {
     sn_json_object(json, "mesh");
     write_points(json, "vertices", mesh->positions, mesh->vertex_count);
     sn_json_indices(json, "triangles", mesh->triangles != NULL ? mesh->triangles->v : NULL, 3 * (size_t)mesh->triangle_count);
     if (mesh->attribute_count > 0) write_attributes(mesh, json);
     if (mesh->group_count > 0) write_groups(mesh, json);
     sn_json_close(json);
+}
+
+static sn_status write_mesh(const sn_muscle *muscle, sn_json *json, sn_error *error) {
+    (void)error;
+    sn_mesh_document_write(&muscle->mesh, json);
     return SN_OK;
 }
 

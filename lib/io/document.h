@@ -18,6 +18,9 @@ char *sn_path_stem(const char *path);
 char *sn_muscle_call(const sn_muscle *rig, const char *path);
 /* The member "history": the entries of tree (nullable), then entry (nullable); nothing where there is neither. */
 void sn_history_write(const sn_json_tree *tree, const sn_history_entry *entry, sn_json *json);
+/* The member "mesh" of a document, inline or by uri and hash; required. */
+SN_MUST_CHECK sn_status sn_parse_mesh(const sn_json_value *value, sn_mesh *mesh, sn_error *error);
+void sn_mesh_document_write(const sn_mesh *mesh, sn_json *json);
 /* The list of fibres of a document; an absent one leaves *out alone. */
 SN_MUST_CHECK sn_status sn_parse_polylines(const sn_json_value *value, sn_fibers *out, sn_error *error);
 

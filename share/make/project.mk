@@ -62,10 +62,11 @@ start-up: $(BUILT_TOOLS)
 	@BIN=$(B)/bin tests/bench/start-up.sh
 rig-time: $(BUILT_TOOLS)
 	@BIN=$(B)/bin DATA=$(DATA) tests/bench/rig-time.sh
-# what it takes to import a recorded walk, and to fit it to a body
-motion-time: $(BUILT_TOOLS)
+# what it takes to import a recorded walk, and to fit it to a body; to bind an envelope and to move it
+motion-time: $(BUILT_TOOLS) $(B)/tests/bench/envelope_deform
 	@BIN=$(B)/bin DATA=$(DATA) tests/bench/motion-time.sh
 	@BIN=$(B)/bin DATA=$(DATA) tests/bench/fit-time.sh
+	@BIN=$(B)/bin DATA=$(DATA) tests/bench/envelope-time.sh
 # the repair of every defective mesh at hand, as a table; and how time and memory of mesh-clean grow
 .PHONY: repair-table clean-growth
 repair-table: $(BUILT_TOOLS)

@@ -3,7 +3,7 @@
 bats_require_minimum_version 1.5.0
 
 # a && b and ! a do not end a test under bats: state every condition by itself, and what must not hold with `refute`
-needed() { case $1 in attach-detect) echo "--bone a=tetra.off" ;; rig-view) echo "-o x.png" ;; motion-fit) echo "--body none.tsv" ;; motion-sense) echo "--sensors s.json" ;; esac; } # what a tool asks for besides its input
+needed() { case $1 in attach-detect) echo "--bone a=tetra.off" ;; rig-view) echo "-o x.png" ;; motion-fit) echo "--body none.tsv" ;; envelope-bind) echo "--bones none.json" ;; motion-sense) echo "--sensors s.json" ;; esac; } # what a tool asks for besides its input
 
 refute() { if "$@"; then echo "held: $*"; return 1; fi; }
 

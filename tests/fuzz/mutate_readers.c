@@ -26,7 +26,7 @@
 enum { SECONDS_UNTIL_HANGING = 30 };
 enum { SEED_LIMIT = 64, GROWTH = 4096 };
 
-typedef enum kind { MESH, MUSCLE, SCENE, CACHE, REPORT, SETTINGS, MOTION, SKELETON, MODEL, STORAGE, SENSORS, NAMES, BODY } kind;
+typedef enum kind { MESH, MUSCLE, SCENE, CACHE, REPORT, SETTINGS, MOTION, SKELETON, MODEL, STORAGE, SENSORS, NAMES, BODY, ENVELOPE } kind;
 
 typedef struct bytes {
     char *data;
@@ -140,6 +140,11 @@ static const char motion_json[] =
     "\"rotation\":[0,1,0,0],\"translation\":[1,2,3]}]},{\"name\":\"b\",\"parent\":\"a\",\"type\":\"hinge\",\"axis\":[0,0,1],\"point\":"
     "[1,0,0],\"keys\":[[0,0],[0.1,90]]}],\"coordinates\":[{\"name\":\"a.x\",\"unit\":\"rad\",\"values\":[0,1,2,3,4]},{\"name\":\"a.y\","
     "\"unit\":\"m\",\"rate\":50,\"values\":[0,1]}],\"history\":[]}\n";
+static const char skin_json[] = "{\"format\":\"sinew-envelope\",\"version\":1,\"name\":\"s\",\"metersPerUnit\":0.01,\"method\":\"wrap\","
+                                "\"reach\":4,\"mesh\":{\"vertices\":"
+                                "[0,0,0, 1,0,0, 0,1,0, 0,0,1.5],\"triangles\":[0,2,1, 0,1,3, 1,2,3, "
+                                "0,3,2]},\"bones\":[\"a\",\"b\",\"c\"],\n\"influences\":{\"counts\":[1,2,3,1],"
+                                "\"bones\":[0,1,0,2,1,0,2],\"weights\":[1,0.75,0.25,0.5,0.25,0.25,1]},\"history\":[]}\n";
 static const char arm_tsv[] =
     "\xEF\xBB\xBF# an arm\r\nunits\tmm\r\nfolder\tbones\r\njoint\ttrunk\t-\troot|Hips\tpoint 0,0,1e3\tlevel up_left>up_right\t\r\n"
     "joint\tarm_{side}\ttrunk\t{s}arm\tsphere *_{Side}_humerus@far:{-}1,0,1,36@ball:{+}100,0,1300,40\thand_{side}\t-\r\n"
@@ -301,14 +306,15 @@ static void make_seeds(void) {
     add_text(MODEL, "dog.mjcf", dog_mjcf);
     add_text(STORAGE, "walk.mot", walk_mot);
     add_text(BODY, "arm.body.tsv", arm_tsv);
+    add_text(ENVELOPE, "skin.envelope.json", skin_json);
     add_vtk_files();
     add_cache();
 }
 
 /* Each good file in a folder of its format. */
 static void write_seeds(const char *target) {
-    static const char *const formats[] = {"obj", "ply", "stl",    "off",  "vtk",  "vtp", "muscle", "scene",   "pc2", "bvh",
-                                          "amc", "asf", "motion", "osim", "mjcf", "mot", "nodes",  "sensors", "body"};
+    static const char *const formats[] = {"obj", "ply", "stl",    "off",  "vtk",  "vtp", "muscle", "scene",   "pc2",  "bvh",
+                                          "amc", "asf", "motion", "osim", "mjcf", "mot", "nodes",  "sensors", "body", "envelope"};
     mkdir(target, 0777);
     for (size_t k = 0; k < sizeof formats / sizeof *formats; k++) {
         char path[1024], part[16];
@@ -728,6 +734,35 @@ static const char *try_body(const sn_blob *blob, sn_status *status, sn_error *er
     return fault;
 }
 
+/* What was read is valid, moves with its bones, and can be written. */
+static const char *try_envelope(const sn_blob *blob, sn_status *status, sn_error *error) {
+    sn_envelope envelope;
+    sn_output *output;
+    sn_envelope_detect(blob);
+    *status = sn_envelope_parse(blob, &envelope, error);
+    if (*status != SN_OK)
+        return envelope.mesh.positions == NULL && envelope.influences == NULL ? NULL : "a refused envelope is left behind";
+    const char *fault = sn_envelope_validate(&envelope, error) == SN_OK ? NULL : "the envelope is not valid";
+    sn_rigid *poses = SN_NEW(sn_rigid, envelope.bone_count);
+    sn_vec3 *places = SN_NEW(sn_vec3, envelope.mesh.vertex_count);
+    if (poses == NULL || places == NULL) give_up("out of memory");
+    for (sn_index b = 0; b < envelope.bone_count; b++) poses[b] = sn_rigid_identity();
+    sn_envelope_deform(&envelope, poses, NULL, places);
+    double size = 0.0, moved = 0.0;
+    for (sn_index v = 0; v < envelope.mesh.vertex_count; v++) {
+        size = fmax(size, sn_norm(envelope.mesh.positions[v]));
+        moved = fmax(moved, sn_distance(places[v], envelope.mesh.positions[v]));
+    }
+    if (moved > 1e-8 * size) fault = "an envelope at rest moves";
+    if (sn_output_open("/dev/null", false, &output, error) != SN_OK) give_up("/dev/null cannot be opened");
+    if (sn_envelope_write(&envelope, NULL, blob, output, error) != SN_OK) fault = "the envelope cannot be written";
+    sn_output_abort(output);
+    free(poses);
+    free(places);
+    sn_envelope_free(&envelope);
+    return fault;
+}
+
 static void report(const char *name, const char *fault, const sn_error *error) {
     failed++;
     printf("case %ld (%s): %s; '%s' %s:%lld\n", current_case, name, fault, error->text, error->file, (long long)error->line);
@@ -772,6 +807,7 @@ static void try_file(kind k, const char *name, const char *data, size_t size, bo
                         : k == SENSORS  ? try_sensors(&blob, &status, &error)
                         : k == NAMES    ? try_names(&blob, &status, &error)
                         : k == BODY     ? try_body(&blob, &status, &error)
+                        : k == ENVELOPE ? try_envelope(&blob, &status, &error)
                                         : try_cache(&blob, &status, &error);
     double taken = seconds() - start;
     setitimer(ITIMER_PROF, &NO_LIMIT, NULL);
@@ -987,6 +1023,7 @@ static void try_kept_files(void) {
                      : strstr(name, ".sensors.") ? SENSORS
                      : strstr(name, ".names")    ? NAMES
                      : strstr(name, ".body")     ? BODY
+                     : strstr(name, ".envelope") ? ENVELOPE
                                                  : MESH;
             try_file(k, name, blob.data, blob.size, false);
             sn_blob_free(&blob);

@@ -1,6 +1,6 @@
 /*
  * reader.c -- one reader under libFuzzer, coverage-guided: built once for each format, with -DTARGET_obj, _ply, _stl, _off, _vtk, _vtp,
- * _muscle, _scene, _pc2, _bvh, _amc, _asf, _motion, _osim, _mjcf, _mot, _nodes, _sensors or _body (make fuzz).
+ * _muscle, _scene, _pc2, _bvh, _amc, _asf, _motion, _osim, _mjcf, _mot, _nodes, _sensors, _body or _envelope (make fuzz).
  *
  * Whatever the bytes, the reader must give a valid result or one line that names the file; the sanitizers and libFuzzer's limits of time
  * and memory watch over the rest.
@@ -171,6 +171,23 @@ static int try_bytes(const sn_blob *blob, sn_error *error) {
     status = sn_muscle_names_parse(blob, &names, error);
     judge(status, error);
     if (status == SN_OK) sn_muscle_names_free(&names);
+    return 0;
+}
+
+#elif defined(TARGET_envelope)
+
+static int try_bytes(const sn_blob *blob, sn_error *error) {
+    sn_envelope envelope;
+    if (!sn_envelope_detect(blob)) return -1; /* other readers' business */
+    sn_status status = sn_envelope_parse(blob, &envelope, error);
+    judge(status, error);
+    if (status != SN_OK) return 0;
+    demand(sn_envelope_validate(&envelope, error) == SN_OK, "the envelope is not valid");
+    sn_output *output;
+    demand(sn_output_open("/dev/null", false, &output, error) == SN_OK, "/dev/null cannot be opened");
+    demand(sn_envelope_write(&envelope, NULL, blob, output, error) == SN_OK, "the envelope cannot be written");
+    sn_output_abort(output);
+    sn_envelope_free(&envelope);
     return 0;
 }
 
