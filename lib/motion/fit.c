@@ -6,31 +6,6 @@
 
 #include "fit_align.h"
 
-/* ---- joints of the source ------------------------------------------------------------------------------------------------------------ */
-
-static sn_index find_joint(const sn_clip *source, const char *name, size_t length) {
-    for (sn_index j = 0; j < source->joint_count; j++)
-        if (strncmp(source->joints[j].name, name, length) == 0 && source->joints[j].name[length] == '\0') return j;
-    return SN_NONE;
-}
-
-sn_index sn_fit_find_source(const sn_clip *source, const char *names, bool *end) {
-    *end = false;
-    while (names != NULL) {
-        const char *bar = strchr(names, '|');
-        size_t length = bar != NULL ? (size_t)(bar - names) : strlen(names);
-        sn_index found = find_joint(source, names, length);
-        if (found != SN_NONE) return found;
-        if (length > 4 && strncmp(names + length - 4, ".end", 4) == 0) found = find_joint(source, names, length - 4);
-        if (found != SN_NONE && source->joints[found].has_end) {
-            *end = true;
-            return found;
-        }
-        names = bar != NULL ? bar + 1 : NULL;
-    }
-    return SN_NONE;
-}
-
 static sn_status find_sources(const sn_fit_body *body, const sn_clip *source, sn_fit_result *out, sn_error *error) {
     const sn_fit_table *table = body->table;
     for (sn_index p = 0; p < table->point_count; p++) {

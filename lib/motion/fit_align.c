@@ -1,9 +1,35 @@
 /*
- * fit_align.c -- turning the rest pose of a source onto that of a body.
+ * fit_align.c -- joints of a source, and turning its rest pose onto that of a body.
  */
 #include "fit_align.h"
 
 #include <math.h>
+#include <string.h>
+
+/* ---- joints of the source ------------------------------------------------------------------------------------------------------------ */
+
+static sn_index find_joint(const sn_clip *source, const char *name, size_t length) {
+    for (sn_index j = 0; j < source->joint_count; j++)
+        if (strncmp(source->joints[j].name, name, length) == 0 && source->joints[j].name[length] == '\0') return j;
+    return SN_NONE;
+}
+
+sn_index sn_fit_find_source(const sn_clip *source, const char *names, bool *end) {
+    *end = false;
+    while (names != NULL) {
+        const char *bar = strchr(names, '|');
+        size_t length = bar != NULL ? (size_t)(bar - names) : strlen(names);
+        sn_index found = find_joint(source, names, length);
+        if (found != SN_NONE) return found;
+        if (length > 4 && strncmp(names + length - 4, ".end", 4) == 0) found = find_joint(source, names, length - 4);
+        if (found != SN_NONE && source->joints[found].has_end) {
+            *end = true;
+            return found;
+        }
+        names = bar != NULL ? bar + 1 : NULL;
+    }
+    return SN_NONE;
+}
 
 /* Directions shorter than this have none, metres; and so have cosines of two that are almost opposite. */
 static const double SHORTEST = 1e-6, OPPOSITE = 1e-6;

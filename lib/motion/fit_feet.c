@@ -1,26 +1,9 @@
 /*
- * fit_feet.c -- where feet touch the ground, and how far they slide while they stand.
+ * fit_feet.c -- how far feet slide while they stand.
  */
 #include <stdlib.h>
 
 #include "fit_align.h"
-
-static void lower(const sn_mesh *mesh, sn_rigid pose, sn_index bone, sn_fit_contact *out) {
-    for (sn_index v = 0; v < mesh->vertex_count; v++) {
-        sn_vec3 p = sn_rigid_apply(pose, mesh->positions[v]);
-        if (out->bone == SN_NONE || p.z < out->at.z) *out = (sn_fit_contact){p, bone, v};
-    }
-}
-
-bool sn_fit_contacts(const sn_fit_body *body, const sn_clip *fitted, sn_index top, sn_fit_contact *out) {
-    for (sn_index f = 0; f < fitted->frame_count; f++) out[f].bone = SN_NONE;
-    for (sn_index b = 0; b < body->bone_count; b++) {
-        const sn_fit_bone *bone = &body->bones[b];
-        if (bone->joint == SN_NONE || !sn_fit_below(body->table, bone->joint, top)) continue;
-        for (sn_index f = 0; f < fitted->frame_count; f++) lower(bone->mesh, fitted->joints[bone->joint].poses[f], b, &out[f]);
-    }
-    return out[0].bone != SN_NONE;
-}
 
 /* ---- stances ---------------------------------------------------------------------------------------------------------------------------
  */

@@ -163,7 +163,8 @@ static bool has_meet(const sn_fit_table *table, sn_index joint) {
 static bool is_met(const sn_fit_body *body, sn_index joint, const sn_fit_bone *a, const sn_fit_bone *b) {
     for (sn_index m = 0; m < body->table->meet_count; m++) {
         const sn_fit_meet *meet = &body->table->meets[m];
-        if (meet->joint == joint && sn_pattern_matches(meet->patterns[0], a->name) && sn_pattern_matches(meet->patterns[1], b->name)) return true;
+        if (meet->joint == joint && sn_pattern_matches(meet->patterns[0], a->name) && sn_pattern_matches(meet->patterns[1], b->name))
+            return true;
     }
     return false;
 }

@@ -1,5 +1,5 @@
 /*
- * fit_ground.c -- which frames a foot stands in, by the source; and the floor that standing feet tell.
+ * fit_ground.c -- the floor that standing feet tell.
  */
 #include <stdlib.h>
 #include <string.h>
@@ -10,44 +10,6 @@
 /* Contacts closer than this together, over their main direction, tell no slope, metres; a floor is found from this many at least. */
 static const double SHORTEST_WAY = 1.0;
 enum { FEWEST_CONTACTS = 10 };
-
-/* ---- standing ----------------------------------------------------------------------------------------------------------------------- */
-
-sn_vec3 sn_fit_source_step(const sn_fit_body *body, const sn_fit_result *fit, const sn_clip *source, sn_index top, sn_index f) {
-    double lowest = INFINITY;
-    sn_vec3 step = {0, 0, 0};
-    for (sn_index j = 0; j < body->table->joint_count; j++) {
-        if (fit->sources[j] == SN_NONE || !sn_fit_below(body->table, j, top)) continue;
-        const sn_clip_joint *joint = &source->joints[fit->sources[j]];
-        for (int k = 0; k < 1 + joint->has_end; k++) {
-            sn_vec3 rest = k == 0 ? joint->rest : joint->end, now = sn_rigid_apply(joint->poses[f], rest);
-            if (!(now.z < lowest)) continue;
-            lowest = now.z;
-            step = sn_sub(sn_rigid_apply(joint->poses[f + 1], rest), now);
-        }
-    }
-    return step;
-}
-
-/* A foot that goes on for less than this long between two stops has not left the ground: a capture jitters. Seconds. */
-static const double SHORTEST_LEAVE = 0.05;
-
-static void bridge(bool *stands, sn_index count, double most) {
-    sn_index last = SN_NONE;
-    for (sn_index f = 0; f < count; f++) {
-        if (!stands[f]) continue;
-        if (last != SN_NONE && f - last - 1 <= most)
-            for (sn_index k = last + 1; k < f; k++) stands[k] = true;
-        last = f;
-    }
-}
-
-void sn_fit_stands(const sn_fit_body *body, const sn_fit_result *fit, const sn_clip *source, sn_index top, double speed, bool *out) {
-    sn_index last = source->frame_count - 1;
-    for (sn_index f = 0; f < last; f++) out[f] = sn_norm(sn_fit_source_step(body, fit, source, top, f)) * source->rate <= speed;
-    out[last] = last > 0 ? out[last - 1] : true;
-    bridge(out, last + 1, SHORTEST_LEAVE * source->rate);
-}
 
 /* ---- the floor ------------------------------------------------------------------------------------------------------------------------
  */
