@@ -125,6 +125,9 @@ static const char sensors_json[] =
     "\"channels\":[{\"muscles\":\"m*_{Side}\",\"sensors\":[\"angle_{side}\",{\"sensor\":\"fast\",\"weight\":0.5}],\"combine\":\"sum\","
     "\"floor\":"
     "0.1},{\"muscles\":[\"other\",\"more\"],\"sensors\":\"far_a\",\"trigger\":{\"threshold\":0.5,\"decay\":0.1}}]}\n";
+static const char channels_text[] =
+    "{\"format\":\"sinew-activation\",\"version\":1,\"channels\":{\"biceps\":{\"times\":[0,1],\"values\":[0,1]},"
+    "\"triceps\":{\"times\":[0],\"values\":[0.5]}}}";
 static const char muscles_text[] = "# muscles\nbiceps brachii\n\n triceps \r\ndeltoid";
 
 static const char walk_nodes[] =
@@ -300,6 +303,7 @@ static void make_seeds(void) {
     add_text(MOTION, "wave.motion.json", motion_json);
     add_text(SENSORS, "body.sensors.json", sensors_json);
     add_text(NAMES, "muscles.names", muscles_text);
+    add_text(NAMES, "channels.names", channels_text);
     add_text(MOTION, "walk.nodes", walk_nodes);
     add_text(MODEL, "joints.osim", joints_osim);
     add_text(MODEL, "old.osim", old_osim);
@@ -710,7 +714,8 @@ static const char *try_sensors(const sn_blob *blob, sn_status *status, sn_error 
 
 static const char *try_names(const sn_blob *blob, sn_status *status, sn_error *error) {
     sn_muscle_names names;
-    *status = sn_muscle_names_parse(blob, &names, error);
+    bool channels = strstr(blob->data, "\"channels\"") != NULL; /* of an activation document */
+    *status = channels ? sn_activation_names_parse(blob, &names, error) : sn_muscle_names_parse(blob, &names, error);
     if (*status != SN_OK) return names.names == NULL ? NULL : "refused names are left behind";
     sn_muscle_names_free(&names);
     return NULL;

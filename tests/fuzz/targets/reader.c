@@ -171,6 +171,10 @@ static int try_bytes(const sn_blob *blob, sn_error *error) {
     status = sn_muscle_names_parse(blob, &names, error);
     judge(status, error);
     if (status == SN_OK) sn_muscle_names_free(&names);
+    *error = (sn_error){0};
+    status = sn_activation_names_parse(blob, &names, error);
+    judge(status, error);
+    if (status == SN_OK) sn_muscle_names_free(&names);
     return 0;
 }
 
