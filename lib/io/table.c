@@ -49,6 +49,30 @@ static void write_names(sn_output *output, const sn_table_params *params) {
     sn_output_print(output, "\n");
 }
 
+/* As sn_write_name writes it. */
+static int written(char c) { return (unsigned char)c <= ' ' || c == 0x7f || c == '\\' ? '_' : c; }
+
+static int compare_written(const void *a, const void *b) {
+    const char *x = *(const char *const *)a, *y = *(const char *const *)b;
+    for (; *x != '\0' && *y != '\0' && written(*x) == written(*y); x++, y++) {}
+    return (*x == '\0' ? 0 : written(*x)) - (*y == '\0' ? 0 : written(*y));
+}
+
+/* Names of joints, coordinates and muscles meet here for the first time. */
+static sn_status warn_of_twins(const char *path, const sn_table_params *params, sn_error *error) {
+    const char **names = sn_alloc((size_t)params->columns, sizeof *names);
+    if (names == NULL) return sn_fail_memory(error, "a table");
+    for (sn_index i = 0; i < params->columns; i++) names[i] = params->names[i];
+    qsort((void *)names, (size_t)params->columns, sizeof *names, compare_written);
+    sn_index twin = 1;
+    while (twin < params->columns && compare_written(&names[twin - 1], &names[twin]) != 0) twin++;
+    if (twin < params->columns)
+        sn_log(SN_LOG_WARNING, "%s: two columns have the name \"%s\"; what reads it by names takes one of them for both", path,
+               names[twin]);
+    free((void *)names);
+    return SN_OK;
+}
+
 static sn_status allocate(sn_table *table, sn_error *error) {
     size_t columns = (size_t)table->columns;
     bool enough = (table->smoothers = SN_NEW(smoother, table->rounds)) && (table->passing = SN_NEW(double *, table->rounds));
@@ -66,6 +90,7 @@ sn_status sn_table_create(const char *path, const sn_table_params *params, sn_ta
     table->rounds = params->rounds;
     table->promised = params->rows;
     sn_status status = allocate(table, error);
+    if (status == SN_OK) status = warn_of_twins(path, params, error);
     if (status == SN_OK) status = sn_output_open(path, false, &table->output, error);
     if (status != SN_OK) {
         sn_table_abort(table);

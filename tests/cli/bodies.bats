@@ -114,6 +114,14 @@ for kind, name in (("scene", "own.scene.json"), ("scene", "one.scene.json"), ("m
     simulate one.scene.json --frames 0:1 > log.jsonl # nobody needs the surface
 }
 
+@test "two columns of one name are told" {
+    simulate one.scene.json --frames 0:0 --log log.jsonl --lengths l.tsv 2> err
+    refute grep -q columns err
+    edit body/arm.motion.json <<< 's["coordinates"].append({"name": "elbow_flexion", "unit": "rad", "values": [1]})'
+    simulate one.scene.json --frames 0:0 --log log.jsonl --lengths l.tsv 2> err
+    grep -Eq 'l.tsv: two columns have the name "elbow[ _]flexion.rad"' err
+}
+
 @test "lengths have the coordinates as columns, with their units, at the frames' times" {
     simulate one.scene.json --frames 0:12 --lengths l.tsv --log log.jsonl
     simulate one.scene.json --frames 0:12 --lengths l.sto --smooth-lengths --log log.jsonl
