@@ -148,6 +148,15 @@ END
     [ "$(member c.json 'list(d["channels"])')" = '["brachialis_l", "biceps_x_r", "brachialis_r"]' ]
 }
 
+@test "a list of muscles may begin with a byte order mark and end its lines as Windows does" {
+    printf '{"format": "sinew-sensors", "version": 1, "sensors": [{"name": "s", "type": "angle", "joint": "ulna", "axis": "-x", "curve": [[0, 0], [90, 1]]}],
+ "channels": [{"muscles": "biceps", "sensors": "s"}]}' > one.sensors.json
+    printf '\xef\xbb\xbfbiceps\r\n' > names.txt
+    "$BIN/motion-sense" --sensors one.sensors.json --muscles names.txt elbow.bvh -o a.json 2> err
+    refute grep -q channel err
+    refute grep -q "no muscle" err
+}
+
 @test "--list tells joints, sensors and channels, and writes nothing else" {
     "$BIN/motion-sense" --list --sensors body.sensors.json -q both.bvh -o none.json > list
     [ ! -e none.json ]
