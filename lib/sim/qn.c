@@ -186,7 +186,7 @@ static bool make_direction(const sn_group *g, sn_group_state *s, double *slope) 
         if (attempt == 1) sn_preconditioner_set_volume(qn->preconditioner, NULL, NULL);
         with_volume = attempt == 0;
     }
-    if (!with_volume) sn_qn_set_volume_rows(g, s, qn->row_gradient);
+    if (!with_volume) sn_qn_set_volume_rows(qn, qn->row_gradient);
     double share = measure_direction(g, s);
     if (!isfinite(share) || !(*slope <= 0.0)) return false;
     for (sn_index i = 0; share < 1.0 && i < g->point_count; i++) qn->direction[i] = sn_scale(qn->direction[i], share);

@@ -107,7 +107,7 @@ void sn_qn_forget_pairs(sn_qn *qn);
 /* No further iteration in this step; SN_STOP_ITERATIONS: there may be. */
 void sn_qn_stop(sn_group_state *s, const sn_group *g, sn_stop_reason reason);
 /* From here on the matrix has the volume rows with this gradient (point_count). */
-void sn_qn_set_volume_rows(const sn_group *g, sn_group_state *s, const sn_vec3 *gradient);
+void sn_qn_set_volume_rows(sn_qn *qn, const sn_vec3 *gradient);
 /* With the gradient of the points that were evaluated last. */
 void sn_qn_take_volume_gradient(const sn_group *g, sn_group_state *s);
 /* Stiffness of each member, and k_V, now. */

@@ -31,16 +31,14 @@ bool sn_qn_go_by(const sn_group *g, sn_group_state *s, double h, bool *changed) 
     return sn_preconditioner_update(qn->preconditioner, h, qn->stiffness, turns, qn->factor_stiffness, changed);
 }
 
-void sn_qn_set_volume_rows(const sn_group *g, sn_group_state *s, const sn_vec3 *gradient) {
-    sn_qn *qn = sn_qn_of(s);
-    (void)g;
+void sn_qn_set_volume_rows(sn_qn *qn, const sn_vec3 *gradient) {
     sn_preconditioner_set_volume(qn->preconditioner, gradient, qn->volume_stiffness);
 }
 
 void sn_qn_take_volume_gradient(const sn_group *g, sn_group_state *s) {
     sn_qn *qn = sn_qn_of(s);
     if (g->keeps_volume) memcpy(qn->row_gradient, qn->volume_gradient, (size_t)g->point_count * sizeof *qn->row_gradient);
-    sn_qn_set_volume_rows(g, s, qn->row_gradient);
+    sn_qn_set_volume_rows(qn, qn->row_gradient);
 }
 
 void sn_qn_take_matrix_here(const sn_group *g, sn_group_state *s, double h) {

@@ -134,7 +134,7 @@ static bool predict(const sn_group *g, sn_group_state *s, double h, sn_vec3 weig
     sn_objective_evaluate(&(sn_objective){g, s, h}, qn->trial, qn->gradient);
     sn_preconditioner_turn(qn->preconditioner, qn->trial);
     sn_preconditioner_add_jump(qn->preconditioner, qn->jump, qn->volume_gradient, qn->volume_stiffness, qn->gradient);
-    sn_qn_set_volume_rows(g, s, qn->volume_gradient);
+    sn_qn_set_volume_rows(qn, qn->volume_gradient);
     if (!sn_preconditioner_apply(qn->preconditioner, qn->gradient, qn->direction)) return false;
     for (sn_index i = 0; i < g->point_count; i++) {
         sn_vec3 base = sn_point_position(&qn->trial[i]);
@@ -199,5 +199,5 @@ void sn_qn_resume(const sn_group *g, sn_group_state *s, double h) {
     if (qn->stopped != SN_STOP_ITERATIONS) return;
     if (!sn_qn_go_by(g, s, h, &changed)) sn_qn_stop(s, g, SN_STOP_FAILED);
     if (g->two_level) sn_preconditioner_correct(qn->preconditioner, qn->turned ? qn->section_points : NULL, h, qn->stiffness);
-    sn_qn_set_volume_rows(g, s, qn->row_gradient);
+    sn_qn_set_volume_rows(qn, qn->row_gradient);
 }
