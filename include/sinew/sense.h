@@ -90,7 +90,6 @@ typedef struct sn_sensors {
 } sn_sensors;
 void sn_sensors_free(sn_sensors *sensors); /* leaves all zeros */
 
-
 /* ---- measuring ----------------------------------------------------------------------------------------------------------------- */
 
 /* Moments at which a trigger has fired, between samples too. */

@@ -75,7 +75,8 @@ static void an_empty_scene_has_every_default(void **state) {
                                "\"bones\":[{\"name\":\"humerus\",\"mesh\":\"none.obj\"}]}",
                                false);
     const sn_scene_muscle *m = &scene.muscles[0];
-    assert_true(scene.meters_per_unit == 1 && scene.rate == 24 && scene.first_frame == 0 && scene.last_frame == 0 && scene.preroll == 0 && scene.run_in == 0);
+    assert_true(scene.meters_per_unit == 1 && scene.rate == 24 && scene.first_frame == 0 && scene.last_frame == 0 && scene.preroll == 0 &&
+                scene.run_in == 0);
     assert_true(sn_norm(scene.gravity) == 0);
     assert_true(scene.solver.method == SN_SOLVER_QN && scene.solver.substeps == SN_SUBSTEPS_AUTO && scene.solver.iterations == 10);
     assert_int_equal(scene.solver.threads, 0);
