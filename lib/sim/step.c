@@ -106,6 +106,7 @@ static bool is_woken(const sn_group *g, const sn_group_state *s, double time) {
 /* After a frame at rest a group sleeps until an input changes. */
 static bool sleeps(const run *r, const sn_group *g, sn_group_state *s, sn_index substep) {
     bool rested = r->model->scene->solver.sleep && s->still >= g->substeps;
+    if (rested) take_poses(r, g, s, substep, SN_SUBSTEP_PARTS);
     if (rested && !is_woken(g, s, time_of(r, g, substep, SN_SUBSTEP_PARTS))) return true;
     if (rested) s->still = 0;
     return false;
@@ -162,13 +163,7 @@ static sn_verdict stage_rest(const step *at) {
     return SN_STEP_HOLDS;
 }
 
-typedef struct stage {
-    const char *name;
-    sn_verdict (*run)(const step *at);
-} stage;
-
-static const stage STAGES[] = {{"poses", stage_poses},     {"inputs", stage_inputs}, {"start", stage_start},
-                               {"iterate", stage_iterate}, {"finish", stage_finish}, {"rest", stage_rest}};
+static sn_verdict (*const STAGES[])(const step *at) = {stage_poses, stage_inputs, stage_start, stage_iterate, stage_finish, stage_rest};
 
 /* ---- a substep of a group: one step, or the halves of it ---------------------------------------------------------------------------- */
 
@@ -212,7 +207,7 @@ static step step_of(const run *r, const sn_group *g, sn_group_state *s, sn_index
 
 static sn_verdict run_stages(const step *at) {
     sn_verdict verdict = SN_STEP_HOLDS;
-    for (size_t i = 0; i < sizeof STAGES / sizeof *STAGES && verdict == SN_STEP_HOLDS; i++) verdict = STAGES[i].run(at);
+    for (size_t i = 0; i < sizeof STAGES / sizeof *STAGES && verdict == SN_STEP_HOLDS; i++) verdict = STAGES[i](at);
     return verdict;
 }
 
@@ -239,7 +234,6 @@ static bool do_substep(const run *r, sn_index group, sn_index substep, bool fres
     sn_progress *at = &s->progress;
     if (fresh) {
         *at = (sn_progress){.size = SN_SUBSTEP_PARTS};
-        take_poses(r, g, s, substep, SN_SUBSTEP_PARTS);
         if (sleeps(r, g, s, substep)) at->size = 0;
     }
     for (sn_index i = 0; i < g->count; i++) s->members[i]->statistics.asleep = at->size == 0;
