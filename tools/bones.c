@@ -2,9 +2,9 @@
  * bones.c -- the bones that a tool is given: one by one, a line each in a list, or all of a folder.
  */
 #include "bones.h"
+#include "folder.h"
 #include "sinew/thread.h"
 
-#include <dirent.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -90,45 +90,28 @@ static sn_status add_list_file(bone_list *list, const char *list_name, sn_error 
     return status;
 }
 
-static int is_mesh(const struct dirent *entry) { return sn_mesh_format_from_name(entry->d_name) != SN_MESH_UNKNOWN; }
+static bool is_mesh(const char *name) { return sn_mesh_format_from_name(name) != SN_MESH_UNKNOWN; }
 
-static int compare_entries(const struct dirent **a, const struct dirent **b) { return strcmp((*a)->d_name, (*b)->d_name); }
-
-static char *join_path(const char *folder, const char *name) {
-    size_t length = strlen(folder), slash = length > 0 && folder[length - 1] == '/' ? 0 : 1;
-    char *path = sn_alloc(length + slash + strlen(name) + 1, 1);
-    if (path == NULL) return NULL;
-    memcpy(path, folder, length);
-    path[length] = '/';
-    memcpy(path + length + slash, name, strlen(name));
-    return path;
-}
-
-/* Every mesh in a folder, by the bytes of their names. */
 static sn_status add_folder(bone_list *list, const char *folder, sn_error *error) {
-    struct dirent **entries = NULL;
-    int count = scandir(folder, &entries, is_mesh, compare_entries);
-    if (count < 0) return sn_fail_at(error, SN_ERROR_IO, folder, 0, "the folder cannot be read");
-    sn_status status = count > 0 ? SN_OK : sn_fail_at(error, SN_ERROR_INPUT, folder, 0, "no mesh (.obj .ply .stl .off .vtk .vtp) is in it");
-    for (int i = 0; i < count; i++) {
-        if (status == SN_OK) status = add_bone(list, NULL, join_path(folder, entries[i]->d_name), folder, error);
-        free(entries[i]);
+    char **paths;
+    int count;
+    sn_status status = folder_list(folder, is_mesh, &paths, &count, error);
+    if (status == SN_OK && count == 0)
+        status = sn_fail_at(error, SN_ERROR_INPUT, folder, 0, "no mesh (.obj .ply .stl .off .vtk .vtp) is in it");
+    for (int i = 0; i < count && status == SN_OK; i++) {
+        char *path = paths[i];
+        paths[i] = NULL; /* the list has it now */
+        status = add_bone(list, NULL, path, folder, error);
     }
-    free(entries);
+    folder_free(paths, count);
     return status;
-}
-
-static bool is_folder(const char *path) {
-    DIR *folder = opendir(path);
-    if (folder != NULL) closedir(folder);
-    return folder != NULL;
 }
 
 sn_status bones_name(const cli *c, const cli_list *files, const cli_list *lists, bone_list *out, sn_error *error) {
     sn_status status = SN_OK;
     for (int i = 0; i < files->count && status == SN_OK; i++) status = add_bone_option(c, out, files->items[i], error);
     for (int i = 0; i < lists->count && status == SN_OK; i++)
-        status = is_folder(lists->items[i]) ? add_folder(out, lists->items[i], error) : add_list_file(out, lists->items[i], error);
+        status = folder_is(lists->items[i]) ? add_folder(out, lists->items[i], error) : add_list_file(out, lists->items[i], error);
     return status;
 }
 

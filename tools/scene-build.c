@@ -1,10 +1,10 @@
 /* scene-build.c -- a first scene out of its parts: rigs, bones, a motion or a model with its motion, activations, settings by pattern. */
 #include "bones.h"
+#include "folder.h"
 #include "grips.h"
 #include "model_bones.h"
 #include "scene_list.h"
 
-#include <dirent.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -103,31 +103,17 @@ static bool ends_with(const char *text, const char *ending) {
     return length > tail && strcmp(text + length - tail, ending) == 0;
 }
 
-static int is_rig(const struct dirent *entry) { return ends_with(entry->d_name, ".muscle.json"); }
+static bool is_rig(const char *file) { return ends_with(file, ".muscle.json"); }
 
-static int compare_entries(const struct dirent **a, const struct dirent **b) { return strcmp((*a)->d_name, (*b)->d_name); }
-
-/* By the bytes of their names. */
 static sn_status add_folder(job *j, const char *folder, sn_error *error) {
-    struct dirent **entries = NULL;
-    int count = scandir(folder, &entries, is_rig, compare_entries);
-    if (count < 0) return sn_fail_at(error, SN_ERROR_IO, folder, 0, "the folder cannot be read");
-    sn_status status = count > 0 ? SN_OK : sn_fail_at(error, SN_ERROR_INPUT, folder, 0, "no rig (.muscle.json) is in it");
-    for (int i = 0; i < count; i++) {
-        bool here = strcmp(folder, ".") == 0 || strcmp(folder, "./") == 0;
-        char *path = here ? sn_strdup(entries[i]->d_name) : model_bones_path(folder, entries[i]->d_name, "");
-        if (status == SN_OK) status = path != NULL ? sn_draft_add_rig(&j->draft, path, error) : sn_fail_memory(error, "a path");
-        free(path);
-        free(entries[i]);
-    }
-    free(entries);
+    char **paths;
+    int count;
+    sn_status status = folder_list(folder, is_rig, &paths, &count, error);
+    bool here = strcmp(folder, ".") == 0 || strcmp(folder, "./") == 0;
+    if (status == SN_OK && count == 0) status = sn_fail_at(error, SN_ERROR_INPUT, folder, 0, "no rig (.muscle.json) is in it");
+    for (int i = 0; i < count && status == SN_OK; i++) status = sn_draft_add_rig(&j->draft, paths[i] + (here ? strlen("./") : 0), error);
+    folder_free(paths, count);
     return status;
-}
-
-static bool is_folder(const char *path) {
-    DIR *folder = opendir(path);
-    if (folder != NULL) closedir(folder);
-    return folder != NULL;
 }
 
 static sn_status add_rigs(job *j, sn_error *error) {
@@ -137,7 +123,7 @@ static sn_status add_rigs(job *j, sn_error *error) {
     for (int i = 0; i < inputs->count && status == SN_OK; i++) {
         if (strcmp(inputs->items[i], "-") == 0) cli_usage_error(&j->c, "a scene names its rigs by their files: '-' is none");
         status =
-            is_folder(inputs->items[i]) ? add_folder(j, inputs->items[i], error) : sn_draft_add_rig(&j->draft, inputs->items[i], error);
+            folder_is(inputs->items[i]) ? add_folder(j, inputs->items[i], error) : sn_draft_add_rig(&j->draft, inputs->items[i], error);
     }
     return status;
 }
