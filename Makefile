@@ -56,7 +56,7 @@ LIBS_scene-build     := embree mesh json exact
 LIBS_envelope-bind   := gsl embree mesh json exact
 LIBS_simulate        := gsl sparse embree mesh json exact
 LIBS_rig-view        := embree gsl sparse mesh json png exact
-LIBS_error-time      := gsl sparse mesh json exact
+LIBS_error-time      := gsl sparse embree mesh json exact
 
 # run by the tools, not by hand: installed in libexec/sinew
 LIBEXEC_TOOLS := mesh-import

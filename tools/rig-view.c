@@ -24,7 +24,7 @@ static struct {
 static const cli_option options[] = {
     {.kind = CLI_HEADING, .help = "What is drawn:"},
     {0, "show", "LIST", CLI_TEXT, &given.show, 0, 0, 0, NULL,
-     "any of surface, roots, structure, fibers, attachments, bones, joints, wire, with commas (default: what is there)"},
+     "any of surface, roots, structure, fibers, attachments, bones, joints, envelopes, wire, with commas (default: what is there)"},
     {'b', "bone", "[NAME=]FILE", CLI_LIST, &given.bones, 0, 0, 0, NULL, "draw the bone in FILE, in the muscle's unit, with every muscle"},
     {0, "bones", "LIST", CLI_LIST, &given.bone_lists, 0, 0, 0, NULL,
      "a text file with a bone a line: FILE, or NAME, a tab and FILE; relative to LIST"},
@@ -84,15 +84,10 @@ static unsigned show_bit(const char *word, size_t length) {
     static const struct {
         const char *name;
         unsigned bit;
-    } names[] = {{"surface", SN_SHOW_SURFACE},
-                 {"roots", SN_SHOW_ROOTS},
-                 {"structure", SN_SHOW_STRUCTURE},
-                 {"fibers", SN_SHOW_FIBERS},
-                 {"attachments", SN_SHOW_ATTACHMENTS},
-                 {"bones", SN_SHOW_BONES},
-                 {"wire", SN_SHOW_WIRE},
-                 {"auto", SN_SHOW_AUTO},
-                 {"joints", SN_SHOW_JOINTS}};
+    } names[] = {
+        {"surface", SN_SHOW_SURFACE},         {"roots", SN_SHOW_ROOTS},        {"structure", SN_SHOW_STRUCTURE}, {"fibers", SN_SHOW_FIBERS},
+        {"attachments", SN_SHOW_ATTACHMENTS}, {"bones", SN_SHOW_BONES},        {"wire", SN_SHOW_WIRE},           {"auto", SN_SHOW_AUTO},
+        {"joints", SN_SHOW_JOINTS},           {"envelopes", SN_SHOW_ENVELOPES}};
     for (size_t i = 0; i < sizeof names / sizeof *names; i++)
         if (strlen(names[i].name) == length && memcmp(names[i].name, word, length) == 0) return names[i].bit;
     return 0;
@@ -105,8 +100,9 @@ static unsigned parse_show(const cli *c, const char *text) {
         size_t length = strcspn(text, ",");
         unsigned bit = show_bit(text, length);
         if (!bit)
-            cli_usage_error(c, "--show: '%.*s' is none of surface, roots, structure, fibers, attachments, bones, joints, wire, auto",
-                            (int)length, text);
+            cli_usage_error(
+                c, "--show: '%.*s' is none of surface, roots, structure, fibers, attachments, bones, joints, envelopes, wire, auto",
+                (int)length, text);
         show |= bit;
         text += length + (text[length] == ',');
     }

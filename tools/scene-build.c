@@ -13,7 +13,7 @@
 enum { NAMES_TOLD = 8 };
 
 static const char *motion_file, *model_file, *bones_dir, *activation_file, *frames, *name;
-static cli_list bone_texts, bone_lists, bone_paths, bindings, settings;
+static cli_list bone_texts, bone_lists, envelopes, bone_paths, bindings, settings;
 static double rate, preroll, run_in;
 static int units, method = SN_SOLVER_QN;
 static bool skip_unattached, list;
@@ -33,6 +33,8 @@ static const cli_option options[] = {
      "bones: every mesh of a folder, or a file with a bone a line"},
     {0, "units", "UNIT", CLI_CHOICE, &units, CLI_RESULT, 0, 0, cli_unit_names,
      "unit of the files of --bone and --bones (default: what they say, else m)"},
+    {0, "envelope", "[NAME=]FILE", CLI_LIST, &envelopes, CLI_RESULT | CLI_FILE, 0, 0, NULL,
+     "an envelope over the bones, which muscles may be attached to by NAME (default: its file's); may be given again and again"},
     {0, "bind", "PATTERN=JOINT", CLI_LIST, &bindings, CLI_RESULT, 0, 0, NULL,
      "bones that JOINT moves (default: as the motion says; a bone of --bone or --bones by the joint of its name)"},
     {0, "activation", "FILE", CLI_TEXT, &activation_file, CLI_RESULT | CLI_FILE, 0, 0, NULL,
@@ -240,6 +242,19 @@ static sn_status add_bones(job *j, sn_error *error) {
     return status;
 }
 
+static sn_status add_envelopes(job *j, sn_error *error) {
+    sn_status status = SN_OK;
+    for (int i = 0; i < envelopes.count && status == SN_OK; i++) {
+        const char *text = envelopes.items[i], *equals = strchr(text, '='), *slash = strchr(text, '/');
+        bool named = equals != NULL && equals > text && (slash == NULL || equals < slash);
+        char *called = named ? sn_strndup(text, (size_t)(equals - text)) : NULL;
+        if (named && called == NULL) return sn_fail_memory(error, "a name");
+        status = sn_draft_add_envelope(&j->draft, called, named ? equals + 1 : text, error);
+        free(called);
+    }
+    return status;
+}
+
 /* Muscles on bones that are not there: all of them at once. */
 static sn_status check_attachments(job *j, sn_error *error) {
     name_row row = {0};
@@ -253,8 +268,9 @@ static sn_status check_attachments(job *j, sn_error *error) {
     if (row.count == 0) return SN_OK;
     if (row.count == j->draft.muscle_count || !skip_unattached)
         return sn_fail(error, SN_ERROR_INPUT,
-                       "%d of %d muscles are attached to bones that are not there: %s; name those with --bone or --bones%s", row.count,
-                       j->draft.muscle_count, told(&row), skip_unattached ? "" : ", or leave the muscles out with --skip-unattached");
+                       "%d of %d muscles are attached to bones that are not there: %s; name those with --bone or --bones, or --envelope%s",
+                       row.count, j->draft.muscle_count, told(&row),
+                       skip_unattached ? "" : ", or leave the muscles out with --skip-unattached");
     cli_warn(&j->c, "%d of %d muscles are left out, attached to bones that are not there: %s", row.count, j->draft.muscle_count,
              told(&row));
     return SN_OK;
@@ -466,6 +482,7 @@ static void write_report(sn_json *json, const void *data) {
     sn_json_number(json, "awayDistance", j->away_distance);
     sn_json_integer(json, "joints", j->draft.motion.joint_count);
     sn_json_integer(json, "bones", j->scene.bone_count);
+    sn_json_integer(json, "envelopes", j->scene.surface_count);
     sn_json_integer(json, "muscles", j->scene.muscle_count);
     sn_json_integer(json, "musclesLeftOut", j->left_out);
     sn_json_integer(json, "musclesWithoutChannel", j->voiceless);
@@ -542,6 +559,7 @@ static sn_status collect(job *j, sn_error *error) {
     else if (status == SN_OK && motion_file != NULL)
         status = sn_draft_take_motion(&j->draft, motion_file, error);
     if (status == SN_OK) status = add_bones(j, error);
+    if (status == SN_OK) status = add_envelopes(j, error);
     if (status == SN_OK) status = check_attachments(j, error);
     if (status == SN_OK) status = check_motion(j, error);
     if (status == SN_OK) status = take_activations(j, error);

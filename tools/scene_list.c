@@ -37,6 +37,14 @@ static void print_bone(sn_output *output, const sn_scene_draft *draft, sn_index 
     sn_output_print(output, "\n");
 }
 
+static void print_envelope(sn_output *output, const sn_scene_draft *draft, sn_index i) {
+    sn_output_print(output, "envelope\t%d", i + 1);
+    print_field(output, draft->envelopes[i].name);
+    sn_output_print(output, "\t%d", count_muscles(draft, draft->envelopes[i].name));
+    print_field(output, draft->envelopes[i].path);
+    sn_output_print(output, "\n");
+}
+
 static void print_bones_of(sn_output *output, const sn_draft_muscle *muscle) {
     sn_output_print(output, "\t");
     if (muscle->rig.attachment_count == 0) sn_output_print(output, "-");
@@ -81,6 +89,7 @@ sn_status scene_list_print(const sn_scene_draft *draft, sn_error *error) {
     if (status != SN_OK) return status;
     print_head(output, draft);
     for (sn_index i = 0; i < draft->bone_count; i++) print_bone(output, draft, i);
+    for (sn_index i = 0; i < draft->envelope_count; i++) print_envelope(output, draft, i);
     for (sn_index i = 0; i < draft->muscle_count; i++)
         if (!draft->muscles[i].left_out) print_muscle(output, &draft->muscles[i], ++number);
     status = sn_output_commit(output, error);

@@ -45,6 +45,8 @@ SN_MUST_CHECK sn_status sn_envelope_validate(const sn_envelope *envelope, sn_err
 /* Where the vertices are under the bones' poses away from rest: poses (bone_count), positions (vertex_count). A vertex on one bone is
  * carried by its pose alone. A pose may be written as q or -q. pool is nullable. The envelope must be valid. */
 void sn_envelope_deform(const sn_envelope *envelope, const sn_rigid *poses, sn_pool *pool, sn_vec3 *positions);
+/* The same of one vertex: poses (influences[vertex].count) of the bones that carry it, in the order of its influences. */
+sn_vec3 sn_envelope_vertex(const sn_envelope *envelope, sn_index vertex, const sn_rigid *poses);
 
 /* ---- binding ------------------------------------------------------------------------------------------------------------------- */
 

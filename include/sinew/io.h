@@ -82,7 +82,6 @@ bool sn_mesh_format_has_attributes(sn_mesh_format format); /* any: PLY and VTP. 
 SN_MUST_CHECK sn_status sn_mesh_parse(const sn_blob *blob, bool allow_nonfinite, sn_mesh *out, sn_error *error);
 
 /* What a file says of its own coordinates: glTF, FBX and Collada do, most formats say nothing. */
-typedef enum sn_up { SN_UP_UNKNOWN, SN_UP_Y, SN_UP_Z } sn_up;
 typedef struct sn_mesh_frame {
     double meters_per_unit; /* 0 = not said */
     sn_up up;
@@ -93,6 +92,19 @@ SN_MUST_CHECK sn_status sn_mesh_parse_frame(const sn_blob *blob, bool allow_nonf
 SN_MUST_CHECK sn_status sn_mesh_read(const char *path, sn_mesh *out, sn_mesh_frame *frame, sn_error *error);
 /* Turn y up to z up, where up_y: (x, y, z) becomes (x, -z, y); and scale. */
 void sn_mesh_convert(sn_mesh *mesh, double scale, bool up_y);
+
+/* Frames of a mesh that a host deforms (lib/io/vertex_track.c). */
+typedef struct sn_track_options {
+    sn_index vertex_count; /* that every frame must have */
+    double rate;           /* frames a second: where the frames' numbers become times */
+    bool rate_told;        /* by the user: it goes before the times of a cache that has some */
+    double meters_per_unit;
+    bool up_y; /* else z */
+} sn_track_options;
+/* Read them from path: a PC2 or an MDD point cache, or meshes of any format numbered in place of its '#' ("skin.####.ply"). Finite, in
+ * metres, z up, times ascending, at least one. A PC2's frame f (start + k times its rate) and a mesh's number f are at f / rate; an MDD has
+ * times. A warning in the log: frames of a sequence that are missing. Errors name the file. */
+SN_MUST_CHECK sn_status sn_vertex_track_read(const char *path, const sn_track_options *options, sn_vertex_track *out, sn_error *error);
 
 /* Which of the formats that mesh-import(1) reads this is ("glb", "fbx", "dae", ...), from content alone; NULL = none of them
  * (lib/io/import_detect.c). sn_mesh_parse has it read by that program, in a child with limits of memory and time (lib/io/import.c). */

@@ -8,6 +8,7 @@
 
 #include "sinew/motion.h"
 #include "sinew/muscle.h"
+#include "sinew/scene_surface.h"
 
 /* Names of the values of an enumeration, in its order, NULL at the end: one table for documents, settings in text and options. */
 extern const char *const sn_fiber_law_names[];       /* "projected", "paper", "isochoric" */
@@ -117,6 +118,8 @@ typedef struct sn_scene {
     double meters_per_unit; /* of points and lengths in the scene document itself: hinges, key translations */
     sn_index bone_count;
     sn_scene_bone *bones;
+    sn_index surface_count;
+    sn_scene_surface *surfaces; /* (surface_count) envelopes and driven meshes */
     sn_index muscle_count;
     sn_scene_muscle *muscles;
     sn_motion motion;
@@ -127,6 +130,16 @@ typedef struct sn_scene {
     double run_in;                    /* seconds of the pre-roll in which the bones first go from rest to the first frame; default 0 */
     sn_solver_settings solver;
 } sn_scene;
+
+/* What a muscle may be attached to, by name: it is sought among bones, surfaces, then joints, as a rigid part of which it moves. */
+typedef enum sn_carrier_kind { SN_CARRIER_NONE, SN_CARRIER_BONE, SN_CARRIER_SURFACE, SN_CARRIER_JOINT } sn_carrier_kind;
+typedef struct sn_carrier {
+    sn_carrier_kind kind;
+    sn_index index; /* of the scene's bones, surfaces, or its motion's joints */
+} sn_carrier;
+sn_carrier sn_scene_carrier(const sn_scene *scene, const char *name); /* name is nullable */
+/* Is an enabled muscle attached to this surface? */
+bool sn_scene_surface_carries(const sn_scene *scene, sn_index surface);
 
 void sn_scene_free(sn_scene *scene);
 /* What a muscle's activation comes to at `time`, and how much its fibres shorten then, as a share of their length: 1 - rest_length (1 -
@@ -141,7 +154,8 @@ bool sn_scene_runs_in(const sn_scene *scene);
 sn_index sn_solver_substeps(const sn_solver_settings *settings); /* per frame, before any is halved */
 /* To that method, with its defaults but the threads and the sleep there are; nothing where it is that method already. */
 void sn_solver_change(sn_solver_settings *settings, sn_solver_method method);
-/* Ranges, indices, names: SN_ERROR_INPUT naming bone or muscle and the value; attachments to bones the scene lacks are an error. */
+/* Ranges, indices, names: SN_ERROR_INPUT naming bone or muscle and the value; attachments to what the scene lacks are an error, and so are
+ * those to a surface that is not loaded. */
 SN_MUST_CHECK sn_status sn_scene_validate(const sn_scene *scene, sn_error *error);
 
 #endif

@@ -39,6 +39,11 @@ typedef struct sn_scene_draft {
     sn_index bone_count;
     size_t bone_capacity;
     sn_draft_bone *bones;
+    sn_index envelope_count;
+    size_t envelope_capacity;
+    struct sn_draft_envelope {
+        char *name, *path; /* owned */
+    } * envelopes;         /* (envelope_count) */
     sn_index muscle_count;
     size_t muscle_capacity;
     sn_draft_muscle *muscles;
@@ -69,7 +74,10 @@ SN_MUST_CHECK sn_status sn_draft_take_activations(sn_scene_draft *draft, const c
  * the pattern is no muscle's. */
 SN_MUST_CHECK sn_status sn_draft_set(sn_scene_draft *draft, const char *text, sn_error *error);
 
-/* A bone that the muscle is attached to and the draft has not got; NULL = none. */
+/* An envelope document, under that name (NULL = its file's, without .envelope.json). SN_ERROR_INPUT: a bone or another envelope has it. */
+SN_MUST_CHECK sn_status sn_draft_add_envelope(sn_scene_draft *draft, const char *name, const char *path, sn_error *error);
+
+/* What the muscle is attached to and the draft has not got, as a bone, an envelope or a joint; NULL = nothing. */
 const char *sn_draft_missing_bone(const sn_scene_draft *draft, const sn_draft_muscle *muscle);
 const sn_draft_bone *sn_draft_find_bone(const sn_scene_draft *draft, const char *name); /* NULL = none */
 /* How far the bones are from rest at the first frame: the greatest turn (radians) and the greatest way of a joint's centre (m). */

@@ -122,11 +122,14 @@ typedef struct sn_area_row {
 /* The square of a goal length is a sum of terms (of the row) times factors (of the activation); see distance.c. */
 #define SN_LAW_TERMS 3
 
-/* Surface vertices that move with one bone: kinematic_points[begin .. end - 1]. */
+/* Vertices that move with one bone or joint, rigidly, or with a surface, each by its follower: kinematic_points[begin .. end - 1]. */
 typedef struct sn_site {
-    sn_index joint;      /* SN_NONE = the bone never moves */
-    sn_index begin, end; /* of kinematic_points */
-    sn_vec3 centre;      /* mean rest position, m */
+    sn_index joint;          /* SN_NONE = the bone never moves, or it is a surface */
+    sn_index surface;        /* of the scene; SN_NONE = it is a bone */
+    sn_index begin, end;     /* of kinematic_points */
+    sn_index first_follower; /* surface: that of kinematic_points[begin] */
+    sn_index middle;         /* surface: the follower nearest to the centre, whose tangent frame is the site's pose */
+    sn_vec3 centre;          /* mean rest position, m */
 } sn_site;
 
 /* The terms of one row's goal length, m^2. */
@@ -147,6 +150,7 @@ enum { SN_UNFITTED = false, SN_FITTED = true };
     X(sn_index, kinematic_points, m->kinematic_count, SN_PRESENT, SN_UNFITTED)      /* carried by bones; grouped by site */                \
     X(double, kinematic_mass, m->kinematic_count, SN_PRESENT, SN_UNFITTED) /* kg, by which they weigh in the motion of the bones */        \
     X(sn_site, sites, m->site_count, SN_PRESENT, SN_UNFITTED)              /* one per attachment with vertices */                          \
+    X(sn_follower, followers, m->follower_count, SN_PRESENT, SN_UNFITTED)  /* of those kinematic points that go with a surface */          \
     /* distances of all three kinds; factors on the stiffness (1 over it), on the correction ([K21] 3.1, PBD form), and the share of the   \
      * contraction by the activation map; pairs: those of batch b of a kind are at distance_start[kind] / 4 + b */                         \
     X(sn_distance_row, distances, m->distance_start[SN_DISTANCE_KINDS], SN_PRESENT, SN_FITTED)                                             \
@@ -174,6 +178,7 @@ typedef struct sn_model_muscle {
 #undef SN_MODEL_MEMBER
     sn_index vertex_count, point_count, triangle_count; /* of the surface; with the samples */
     sn_index kinematic_count, site_count;               /* points that bones carry, and by how many attachments */
+    sn_index follower_count, pose_count;                /* points that surfaces carry; where there are any: joints of the scene */
     sn_index distance_start[SN_DISTANCE_KINDS + 1];     /* rows of kind k are distance_start[k] .. distance_start[k + 1] - 1 */
     sn_index distance_batched[SN_DISTANCE_KINDS];       /* so many of each kind come first, in fours that share no point */
     sn_index hinge_count, hinge_batched;                /* rows; those that come first, in fours */

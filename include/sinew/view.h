@@ -52,8 +52,9 @@ typedef enum sn_view_show {
     SN_SHOW_ATTACHMENTS = 16,
     SN_SHOW_BONES = 32,
     SN_SHOW_WIRE = 64,
-    SN_SHOW_JOINTS = 256, /* of a motion: its stick figure */
-    SN_SHOW_AUTO = 128    /* the sections that are there, drawn so that they can be told apart */
+    SN_SHOW_JOINTS = 256,    /* of a motion: its stick figure */
+    SN_SHOW_ENVELOPES = 512, /* of a scene: its surfaces, envelopes and driven meshes, translucent */
+    SN_SHOW_AUTO = 128       /* the sections that are there, drawn so that they can be told apart */
 } sn_view_show;
 
 typedef struct sn_view_mesh {
@@ -137,9 +138,9 @@ SN_MUST_CHECK sn_status sn_view_add_muscle(sn_view *view, const sn_muscle *muscl
 SN_MUST_CHECK sn_status sn_view_add_bone(sn_view *view, const char *name, const sn_mesh *mesh, sn_placement placement, sn_error *error);
 
 /* A scene at a time in seconds: bones in their pose, muscles coloured by activation. positions (nullable; muscle_count; entries
- * nullable): the muscle's vertices at that time, in metres; without, the muscle is at rest. SN_SHOW_AUTO is surfaces and bones here;
- * structure and fibre directions show only at rest, which they belong to; fibres through the volume show where they are: beside positions
- * they must be that time's, in metres, or none. */
+ * nullable): the muscle's vertices at that time, in metres; without, the muscle is at rest. SN_SHOW_AUTO is muscles, bones and surfaces
+ * here; structure and fibre directions show only at rest, which they belong to; fibres through the volume show where they are: beside
+ * positions they must be that time's, in metres, or none. */
 SN_MUST_CHECK sn_status sn_view_add_scene(sn_view *view, const sn_scene *scene, double time, const sn_vec3 *const *positions, unsigned show,
                                           sn_error *error);
 

@@ -6,8 +6,7 @@
 
 /* ---- reading ---------------------------------------------------------------------------------------------------------- */
 
-/* "units": "mm", or metres per unit as a number. */
-static sn_status parse_units(const sn_json_value *value, double *out, sn_error *error) {
+sn_status sn_units_parse(const sn_json_value *value, double *out, sn_error *error) {
     if (sn_json_has(value) && !sn_json_is_text(value)) return sn_json_get_number(value, SN_JSON_POSITIVE, INFINITY, out, error);
     static const char *const names[] = {"m", "cm", "mm", "um", "in", "ft", NULL};
     static const double meters[] = {1.0, 0.01, 0.001, 1e-6, 0.0254, 0.3048};
@@ -38,7 +37,7 @@ sn_status sn_bone_parse(const sn_json_value *value, const sn_motion *motion, sn_
     if (status == SN_OK) status = sn_json_get_text(&name, &out->name, error);
     if (status == SN_OK) status = sn_json_require(&mesh, "the file of the bone's surface", error);
     if (status == SN_OK) status = sn_json_get_text(&mesh, &out->path, error);
-    if (status == SN_OK) status = parse_units(&units, &out->meters_per_unit, error);
+    if (status == SN_OK) status = sn_units_parse(&units, &out->meters_per_unit, error);
     if (status == SN_OK) status = parse_joint(&joint, motion, &out->joint, error);
     if (status == SN_OK) sn_json_warn_unknown(value, known);
     return status;

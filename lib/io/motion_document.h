@@ -20,6 +20,8 @@ double sn_unscale(double value, double factor);
 SN_MUST_CHECK sn_status sn_motion_parse(const sn_json_value *value, sn_clock clock, sn_motion *out, sn_error *error);
 void sn_motion_write(const sn_motion *motion, double meters_per_unit, sn_json *json);
 
+/* "units": "mm", or metres per unit as a number (bone_document.c). */
+SN_MUST_CHECK sn_status sn_units_parse(const sn_json_value *value, double *out, sn_error *error);
 /* A bone (bone_document.c), its path as it is written; *out is the caller's to free, also where this fails. */
 SN_MUST_CHECK sn_status sn_bone_parse(const sn_json_value *value, const sn_motion *motion, sn_motion_bone *out, sn_error *error);
 /* The bones of a motion document, whose joints have been read; their paths from the working directory. */

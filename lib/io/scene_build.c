@@ -25,8 +25,13 @@ static void free_bone(sn_motion_bone *bone) {
 void sn_draft_free(sn_scene_draft *draft) {
     for (sn_index i = 0; i < draft->muscle_count; i++) free_muscle(&draft->muscles[i]);
     for (sn_index i = 0; i < draft->bone_count; i++) free_bone(&draft->bones[i].bone);
+    for (sn_index i = 0; i < draft->envelope_count; i++) {
+        free(draft->envelopes[i].name);
+        free(draft->envelopes[i].path);
+    }
     free(draft->muscles);
     free(draft->bones);
+    free(draft->envelopes);
     free(draft->motion_path);
     free(draft->activation_path);
     sn_motion_free(&draft->motion);
@@ -150,9 +155,51 @@ sn_status sn_draft_bind(sn_scene_draft *draft, const char *text, sn_error *error
     return count > 0 ? SN_OK : sn_fail(error, SN_ERROR_INPUT, "'%s': there is no bone of that name", text);
 }
 
+/* ---- envelopes ----------------------------------------------------------------------------------------------------------- */
+
+static const char *find_envelope(const sn_scene_draft *draft, const char *name) {
+    for (sn_index i = 0; i < draft->envelope_count; i++)
+        if (strcmp(draft->envelopes[i].name, name) == 0) return draft->envelopes[i].path;
+    return NULL;
+}
+
+/* "skin.envelope.json" -> "skin". Allocated; NULL = out of memory. */
+static char *call_envelope(const char *path) {
+    static const char ending[] = ".envelope.json";
+    const char *slash = strrchr(path, '/'), *file = slash != NULL ? slash + 1 : path;
+    size_t length = strlen(file), tail = sizeof ending - 1;
+    return length > tail && strcmp(file + length - tail, ending) == 0 ? sn_strndup(file, length - tail) : sn_path_stem(path);
+}
+
+sn_status sn_draft_add_envelope(sn_scene_draft *draft, const char *name, const char *path, sn_error *error) {
+    struct sn_draft_envelope added = {.name = name != NULL ? sn_strdup(name) : call_envelope(path), .path = sn_strdup(path)};
+    void *envelopes = draft->envelopes;
+    bool enough = added.name != NULL && added.path != NULL;
+    const sn_draft_bone *bone = enough ? find_bone(draft, added.name) : NULL;
+    const char *other = bone != NULL ? bone->bone.path : enough ? find_envelope(draft, added.name) : NULL;
+    sn_status status = SN_OK;
+    if (other != NULL)
+        status =
+            sn_fail_at(error, SN_ERROR_INPUT, path, 0,
+                       "is called \"%s\", and so is %s; attachments could not tell the two apart: name it by NAME=FILE", added.name, other);
+    else if (!enough || !sn_grow(&envelopes, &draft->envelope_capacity, (size_t)draft->envelope_count + 1, sizeof added))
+        status = sn_fail_memory(error, "the envelopes");
+    if (status != SN_OK) {
+        free(added.name);
+        free(added.path);
+        return status;
+    }
+    draft->envelopes = envelopes;
+    draft->envelopes[draft->envelope_count++] = added;
+    return SN_OK;
+}
+
 const char *sn_draft_missing_bone(const sn_scene_draft *draft, const sn_draft_muscle *muscle) {
-    for (sn_index i = 0; i < muscle->rig.attachment_count; i++)
-        if (find_bone(draft, muscle->rig.attachments[i].bone) == NULL) return muscle->rig.attachments[i].bone;
+    for (sn_index i = 0; i < muscle->rig.attachment_count; i++) {
+        const char *name = muscle->rig.attachments[i].bone;
+        bool there = find_bone(draft, name) != NULL || find_envelope(draft, name) != NULL || find_joint(&draft->motion, name) != SN_NONE;
+        if (!there) return name;
+    }
     return NULL;
 }
 

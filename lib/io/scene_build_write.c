@@ -98,12 +98,27 @@ static sn_status write_bone(const sn_scene_draft *draft, const sn_motion_bone *b
     return status;
 }
 
+static sn_status write_envelopes(const sn_scene_draft *draft, sn_json *json, sn_error *error) {
+    sn_status status = SN_OK;
+    if (draft->envelope_count == 0) return SN_OK;
+    sn_json_array(json, "surfaces");
+    for (sn_index i = 0; i < draft->envelope_count && status == SN_OK; i++) {
+        sn_json_object_line(json, NULL);
+        sn_json_text(json, "name", draft->envelopes[i].name);
+        status = write_path(draft, "envelope", draft->envelopes[i].path, json, error);
+        sn_json_close(json);
+    }
+    sn_json_close(json);
+    return status;
+}
+
 static sn_status write_lists(const sn_scene_draft *draft, sn_json *json, sn_error *error) {
     sn_status status = SN_OK;
     sn_json_array(json, "bones");
     for (sn_index i = 0; i < draft->bone_count && status == SN_OK; i++)
         if (draft->bones[i].own) status = write_bone(draft, &draft->bones[i].bone, json, error);
     sn_json_close(json);
+    if (status == SN_OK) status = write_envelopes(draft, json, error);
     sn_json_array(json, "muscles");
     for (sn_index i = 0; i < draft->muscle_count && status == SN_OK; i++)
         if (!draft->muscles[i].left_out) status = write_muscle(draft, &draft->muscles[i], json, error);

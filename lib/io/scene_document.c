@@ -1,6 +1,6 @@
 /* scene_document.c -- the scene document: bones, muscles, motion and solver settings, read and written. */
-#include "motion_document.h"
 #include "scene_build.h"
+#include "scene_surfaces.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -356,16 +356,19 @@ static sn_status parse_muscles(const sn_json_value *value, const reader *in, sn_
 
 /* in: without its clock. */
 static sn_status parse_scene(const sn_json_value *top, reader in, sn_error *error) {
-    static const char *const known[] = {"format",  "version", "name",   "metersPerUnit", "rate",    "frames",  "preroll", "runIn",
-                                        "gravity", "solver",  "motion", "bones",         "muscles", "history", NULL};
-    sn_json_value motion = sn_json_member(top, "motion"), bones = sn_json_member(top, "bones"), muscles = sn_json_member(top, "muscles");
+    static const char *const known[] = {"format",  "version", "name",   "metersPerUnit", "rate",    "frames",   "preroll", "runIn",
+                                        "gravity", "solver",  "motion", "bones",         "muscles", "surfaces", "history", NULL};
+    sn_json_value motion = sn_json_member(top, "motion"), bones = sn_json_member(top, "bones"), muscles = sn_json_member(top, "muscles"),
+                  surfaces = sn_json_member(top, "surfaces");
     sn_scene *scene = in.scene;
     sn_status status = sn_json_expect_format(top, FORMAT, NEWEST_VERSION, error);
     if (status == SN_OK) status = parse_globals(top, scene, error);
     in.clock = (sn_clock){scene->rate, scene->meters_per_unit, scene->first_frame, scene->last_frame, scene->rate};
     if (status == SN_OK) status = sn_motion_parse(&motion, in.clock, &scene->motion, error);
     if (status == SN_OK) status = parse_bones(&bones, &in, error);
+    if (status == SN_OK) status = sn_scene_surfaces_parse(&surfaces, scene, error);
     if (status == SN_OK) status = parse_muscles(&muscles, &in, error);
+    if (status == SN_OK) status = sn_scene_surfaces_load(sn_json_name(top->tree), in.load_bones, scene, error);
     if (status != SN_OK) return status;
     sn_json_warn_unknown(top, known);
     return sn_scene_validate(scene, error);
@@ -492,6 +495,7 @@ void sn_scene_write(const sn_scene *scene, sn_json *json) {
     sn_json_array(json, "bones");
     for (sn_index i = 0; i < scene->bone_count; i++) write_bone(scene, &scene->bones[i], json);
     sn_json_close(json);
+    sn_scene_surfaces_write(scene, json);
     sn_json_array(json, "muscles");
     for (sn_index i = 0; i < scene->muscle_count; i++) write_muscle(&scene->muscles[i], json);
     sn_json_close(json);

@@ -75,12 +75,12 @@ static void add_quat(sn_quat *sum, sn_quat q, double weight) {
     sum->z += weight * q.z;
 }
 
-/* The sum of the poses as dual quaternions r + e t r / 2, each on the hemisphere of the first, over the length of its real part. That is at
- * least the first's weight, 1/4: no two poses cancel. */
+/* poses: of the bones that carry the vertex. The sum of them as dual quaternions r + e t r / 2, each on the hemisphere of the first, over
+ * the length of its real part. That is at least the first's weight, 1/4: no two poses cancel. */
 static sn_vec3 blend(const sn_influence *influence, const sn_rigid *poses, sn_vec3 rest) {
-    sn_quat real = {0, 0, 0, 0}, dual = {0, 0, 0, 0}, first = poses[influence->bones[0]].rotation;
+    sn_quat real = {0, 0, 0, 0}, dual = {0, 0, 0, 0}, first = poses[0].rotation;
     for (sn_index k = 0; k < influence->count; k++) {
-        const sn_rigid *pose = &poses[influence->bones[k]];
+        const sn_rigid *pose = &poses[k];
         double weight = sn_quat_dot(first, pose->rotation) < 0.0 ? -influence->weights[k] : influence->weights[k];
         sn_quat shift = {0.0, pose->translation.x, pose->translation.y, pose->translation.z};
         add_quat(&real, pose->rotation, weight);
@@ -95,23 +95,25 @@ static sn_vec3 blend(const sn_influence *influence, const sn_rigid *poses, sn_ve
 /* The mean of where each bone carries the vertex. */
 static sn_vec3 wrap(const sn_influence *influence, const sn_rigid *poses, sn_vec3 rest) {
     sn_vec3 sum = sn_v3(0, 0, 0);
-    for (sn_index k = 0; k < influence->count; k++)
-        sum = sn_add_scaled(sum, sn_rigid_apply(poses[influence->bones[k]], rest), influence->weights[k]);
+    for (sn_index k = 0; k < influence->count; k++) sum = sn_add_scaled(sum, sn_rigid_apply(poses[k], rest), influence->weights[k]);
     return sum;
+}
+
+sn_vec3 sn_envelope_vertex(const sn_envelope *envelope, sn_index vertex, const sn_rigid *poses) {
+    const sn_influence *influence = &envelope->influences[vertex];
+    sn_vec3 rest = envelope->mesh.positions[vertex];
+    if (influence->count == 1) return sn_rigid_apply(poses[0], rest);
+    return envelope->method == SN_ENVELOPE_WRAP ? wrap(influence, poses, rest) : blend(influence, poses, rest);
 }
 
 static void deform_range(void *user, sn_index begin, sn_index end, sn_index chunk) {
     const deform_work *w = user;
+    sn_rigid poses[SN_INFLUENCE_LIMIT];
     (void)chunk;
     for (sn_index v = begin; v < end; v++) {
         const sn_influence *influence = &w->envelope->influences[v];
-        sn_vec3 rest = w->envelope->mesh.positions[v];
-        if (influence->count == 1)
-            w->positions[v] = sn_rigid_apply(w->poses[influence->bones[0]], rest);
-        else if (w->envelope->method == SN_ENVELOPE_WRAP)
-            w->positions[v] = wrap(influence, w->poses, rest);
-        else
-            w->positions[v] = blend(influence, w->poses, rest);
+        for (sn_index k = 0; k < influence->count; k++) poses[k] = w->poses[influence->bones[k]];
+        w->positions[v] = sn_envelope_vertex(w->envelope, v, poses);
     }
 }
 

@@ -70,6 +70,8 @@ static bool is_rest(sn_rigid pose) {
 bool sn_scene_runs_in(const sn_scene *scene) {
     double time = scene->first_frame / scene->rate;
     if (!(scene->run_in > 0.0)) return false;
+    for (sn_index i = 0; i < scene->surface_count; i++)
+        if (scene->surfaces[i].loaded && scene->surfaces[i].kind == SN_SURFACE_DRIVEN) return true;
     for (sn_index j = 0; j < scene->motion.joint_count; j++)
         if (!is_rest(sn_joint_pose(&scene->motion.joints[j], time))) return true;
     return false;

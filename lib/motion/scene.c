@@ -73,6 +73,47 @@ static void free_bone(sn_scene_bone *bone) {
     sn_mesh_free(&bone->mesh);
 }
 
+static sn_index find_bone(const sn_scene *scene, const char *name) {
+    for (sn_index i = 0; i < scene->bone_count; i++)
+        if (scene->bones[i].name != NULL && strcmp(scene->bones[i].name, name) == 0) return i;
+    return SN_NONE;
+}
+
+static sn_index find_surface(const sn_scene *scene, const char *name) {
+    for (sn_index i = 0; i < scene->surface_count; i++)
+        if (scene->surfaces[i].name != NULL && strcmp(scene->surfaces[i].name, name) == 0) return i;
+    return SN_NONE;
+}
+
+static sn_index find_joint(const sn_scene *scene, const char *name) {
+    for (sn_index i = 0; i < scene->motion.joint_count; i++)
+        if (scene->motion.joints[i].name != NULL && strcmp(scene->motion.joints[i].name, name) == 0) return i;
+    return SN_NONE;
+}
+
+sn_carrier sn_scene_carrier(const sn_scene *scene, const char *name) {
+    sn_index bone = name != NULL ? find_bone(scene, name) : SN_NONE;
+    if (bone != SN_NONE) return (sn_carrier){SN_CARRIER_BONE, bone};
+    sn_index surface = name != NULL ? find_surface(scene, name) : SN_NONE;
+    if (surface != SN_NONE) return (sn_carrier){SN_CARRIER_SURFACE, surface};
+    sn_index joint = name != NULL ? find_joint(scene, name) : SN_NONE;
+    return joint != SN_NONE ? (sn_carrier){SN_CARRIER_JOINT, joint} : (sn_carrier){SN_CARRIER_NONE, SN_NONE};
+}
+
+static bool hangs_on(const sn_scene *scene, const sn_muscle *rig, sn_index surface) {
+    for (sn_index i = 0; i < rig->attachment_count; i++) {
+        sn_carrier carrier = sn_scene_carrier(scene, rig->attachments[i].bone);
+        if (carrier.kind == SN_CARRIER_SURFACE && carrier.index == surface && rig->attachments[i].count > 0) return true;
+    }
+    return false;
+}
+
+bool sn_scene_surface_carries(const sn_scene *scene, sn_index surface) {
+    for (sn_index i = 0; i < scene->muscle_count; i++)
+        if (scene->muscles[i].enabled && hangs_on(scene, &scene->muscles[i].rig, surface)) return true;
+    return false;
+}
+
 static void free_knots(sn_knots *knots) {
     free(knots->x);
     free(knots->y);
@@ -92,8 +133,10 @@ static void free_muscle(sn_scene_muscle *muscle) {
 void sn_scene_free(sn_scene *scene) {
     if (scene == NULL) return;
     for (sn_index i = 0; i < scene->bone_count; i++) free_bone(&scene->bones[i]);
+    for (sn_index i = 0; i < scene->surface_count; i++) sn_scene_surface_free(&scene->surfaces[i]);
     for (sn_index i = 0; i < scene->muscle_count; i++) free_muscle(&scene->muscles[i]);
     free(scene->bones);
+    free(scene->surfaces);
     free(scene->muscles);
     sn_motion_free(&scene->motion);
     free(scene->name);
@@ -118,6 +161,41 @@ static sn_status check_bone(const sn_scene *scene, sn_index i, sn_error *error) 
         if (strcmp(scene->bones[k].name, bone->name) == 0)
             return sn_fail(error, SN_ERROR_INPUT, "two bones have the name \"%s\"; attachments could not tell them apart", bone->name);
     return SN_OK;
+}
+
+static sn_status check_joints(const sn_scene *scene, const sn_scene_surface *surface, sn_error *error) {
+    for (sn_index b = 0; b < surface->envelope.bone_count; b++)
+        if (surface->joints[b] != SN_NONE && (surface->joints[b] < 0 || surface->joints[b] >= scene->motion.joint_count))
+            return sn_fail(error, SN_ERROR_INPUT, "surface \"%s\": bone \"%s\" hangs on joint %ld, but there are %ld joints", surface->name,
+                           surface->envelope.bones[b], (long)surface->joints[b], (long)scene->motion.joint_count);
+    return SN_OK;
+}
+
+static sn_status check_track(const sn_scene_surface *surface, sn_error *error) {
+    const sn_vertex_track *track = &surface->track;
+    if (track->sample_count < 1) return sn_fail(error, SN_ERROR_INPUT, "surface \"%s\": it has no frames", surface->name);
+    if (track->vertex_count != surface->envelope.mesh.vertex_count)
+        return sn_fail(error, SN_ERROR_INPUT, "surface \"%s\": its frames have %ld vertices, its mesh has %ld", surface->name,
+                       (long)track->vertex_count, (long)surface->envelope.mesh.vertex_count);
+    for (sn_index i = 0; i < track->sample_count; i++)
+        if (!isfinite(track->times[i]) || (i > 0 && !(track->times[i] > track->times[i - 1])))
+            return sn_fail(error, SN_ERROR_INPUT, "surface \"%s\": the time of its frame %ld is not later than that of the one before",
+                           surface->name, (long)i);
+    return SN_OK;
+}
+
+static sn_status check_surface(const sn_scene *scene, sn_index i, sn_error *error) {
+    const sn_scene_surface *surface = &scene->surfaces[i];
+    if (surface->name == NULL || *surface->name == '\0') return sn_fail(error, SN_ERROR_INPUT, "surface %ld has no name", (long)i);
+    if (find_bone(scene, surface->name) != SN_NONE)
+        return sn_fail(error, SN_ERROR_INPUT, "a bone and a surface have the name \"%s\"; attachments could not tell them apart",
+                       surface->name);
+    if (find_surface(scene, surface->name) != i)
+        return sn_fail(error, SN_ERROR_INPUT, "two surfaces have the name \"%s\"; attachments could not tell them apart", surface->name);
+    if (!surface->loaded) return SN_OK;
+    if (surface->kind == SN_SURFACE_DRIVEN) return check_track(surface, error);
+    sn_status status = sn_envelope_validate(&surface->envelope, error);
+    return status == SN_OK ? check_joints(scene, surface, error) : status;
 }
 
 static sn_status check_activation(const sn_scene_muscle *muscle, sn_error *error) {
@@ -191,25 +269,26 @@ static sn_status check_settings(const sn_scene_muscle *muscle, sn_error *error) 
     return SN_OK;
 }
 
-static bool has_bone(const sn_scene *scene, const char *name) {
-    for (sn_index i = 0; i < scene->bone_count; i++)
-        if (strcmp(scene->bones[i].name, name) == 0) return true;
-    return false;
+static sn_status check_attachment(const sn_scene *scene, const sn_scene_muscle *muscle, const sn_attachment *attachment, sn_error *error) {
+    sn_carrier carrier = sn_scene_carrier(scene, attachment->bone);
+    if (carrier.kind == SN_CARRIER_NONE)
+        return sn_fail(
+            error, SN_ERROR_INPUT,
+            "muscle \"%s\" is attached to the bone \"%s\", which the scene does not have, neither among its bones nor as a surface "
+            "or a joint; add it to \"bones\" (attach-detect names bones with --bone NAME=FILE)",
+            name_of(muscle->name), attachment->bone);
+    if (carrier.kind == SN_CARRIER_SURFACE && attachment->count > 0 && !scene->surfaces[carrier.index].loaded)
+        return sn_fail(error, SN_ERROR_INPUT, "muscle \"%s\" is attached to the surface \"%s\", which has not been loaded",
+                       name_of(muscle->name), attachment->bone);
+    return SN_OK;
 }
 
 static sn_status check_rig(const sn_scene *scene, const sn_scene_muscle *muscle, sn_error *error) {
     sn_status status = sn_muscle_validate(&muscle->rig, error);
     if (status == SN_OK) status = check_map(muscle, muscle->activation_map, 0.0, 1.0, error);
     if (status == SN_OK) status = check_map(muscle, muscle->stiffness_map, 1e-6, 1e6, error);
-    for (sn_index i = 0; i < muscle->rig.attachment_count && status == SN_OK; i++) {
-        const char *bone = muscle->rig.attachments[i].bone;
-        if (!has_bone(scene, bone))
-            status = sn_fail(
-                error, SN_ERROR_INPUT,
-                "muscle \"%s\" is attached to the bone \"%s\", which the scene does not have; add it to \"bones\" (attach-detect names "
-                "bones with --bone NAME=FILE)",
-                name_of(muscle->name), bone);
-    }
+    for (sn_index i = 0; i < muscle->rig.attachment_count && status == SN_OK; i++)
+        status = check_attachment(scene, muscle, &muscle->rig.attachments[i], error);
     return status;
 }
 
@@ -292,6 +371,7 @@ sn_status sn_scene_validate(const sn_scene *scene, sn_error *error) {
     sn_status status = check_clock(scene, error);
     if (status == SN_OK) status = sn_motion_validate(&scene->motion, error);
     for (sn_index i = 0; i < scene->bone_count && status == SN_OK; i++) status = check_bone(scene, i, error);
+    for (sn_index i = 0; i < scene->surface_count && status == SN_OK; i++) status = check_surface(scene, i, error);
     for (sn_index i = 0; i < scene->muscle_count && status == SN_OK; i++) status = check_muscle(scene, i, error);
     return status;
 }

@@ -1,29 +1,18 @@
 /*
- * kinematic.c -- attached vertices: they follow their bone rigidly and exactly.   [K21] 3.3
+ * kinematic.c -- attached vertices: they follow their bone rigidly and exactly, or a surface.   [K21] 3.3, [R18] 4.2
  *
  * Their inverse mass is 0, so that no projection moves them, and each substep puts them at pose(rest) anew.
  */
 #include "rows.h"
 
+#include <stdlib.h>
 #include <string.h>
 
-/* The bone's index in the scene, or SN_NONE. */
-static sn_index find_bone(const sn_scene *scene, const char *name) {
-    for (sn_index i = 0; i < scene->bone_count; i++)
-        if (scene->bones[i].name != NULL && name != NULL && strcmp(scene->bones[i].name, name) == 0) return i;
-    return SN_NONE;
-}
-
-static sn_status add_site(const sn_build *build, const sn_attachment *attachment, sn_error *error) {
+/* The vertices of an attachment become kinematic points of a new site. */
+static sn_site *add_points(const sn_build *build, const sn_attachment *attachment) {
     sn_model_muscle *m = build->model;
-    sn_index bone = find_bone(build->scene, attachment->bone);
-    if (bone == SN_NONE)
-        return sn_fail(error, SN_ERROR_INPUT,
-                       "muscle \"%s\" is attached to bone \"%s\", which the scene does not have; add it to \"bones\"", build->source->name,
-                       attachment->bone != NULL ? attachment->bone : "");
-    if (attachment->count == 0) return SN_OK;
     sn_site *site = &m->sites[m->site_count++];
-    *site = (sn_site){.joint = build->scene->bones[bone].joint, .begin = m->kinematic_count, .centre = {0, 0, 0}};
+    *site = (sn_site){.joint = SN_NONE, .surface = SN_NONE, .begin = m->kinematic_count, .centre = {0, 0, 0}};
     for (sn_index i = 0; i < attachment->count; i++) {
         sn_index v = attachment->vertices[i];
         m->kinematic_mass[m->kinematic_count] = 1.0 / m->inverse_mass[v];
@@ -32,7 +21,64 @@ static sn_status add_site(const sn_build *build, const sn_attachment *attachment
         site->centre = sn_add_scaled(site->centre, m->rest[v], 1.0 / attachment->count);
     }
     site->end = m->kinematic_count;
+    return site;
+}
+
+/* An attachment farther from its surface than this share of the muscle's diagonal is likely to be meant otherwise: another unit, place or
+ * mesh. */
+static const double FAR_FROM_SURFACE = 0.1;
+
+static sn_index nearest_to_centre(const sn_model_muscle *m, const sn_site *site) {
+    sn_index nearest = site->begin;
+    for (sn_index k = site->begin + 1; k < site->end; k++)
+        if (sn_distance(m->rest[m->kinematic_points[k]], site->centre) < sn_distance(m->rest[m->kinematic_points[nearest]], site->centre))
+            nearest = k;
+    return site->first_follower + (nearest - site->begin);
+}
+
+/* The points of a site follow a surface of the scene. */
+static sn_status follow(const sn_build *build, sn_site *site, sn_error *error) {
+    sn_model_muscle *m = build->model;
+    const sn_scene_surface *surface = &build->scene->surfaces[site->surface];
+    sn_index count = site->end - site->begin;
+    double farthest;
+    sn_vec3 *points = SN_NEW(sn_vec3, count);
+    if (points == NULL) return sn_fail_memory(error, "attachments");
+    for (sn_index i = 0; i < count; i++) points[i] = m->rest[m->kinematic_points[site->begin + i]];
+    site->first_follower = m->follower_count;
+    sn_status status = sn_followers_bind(surface, count, points, m->followers + site->first_follower, &farthest, error);
+    free(points);
+    if (status != SN_OK) return status;
+    m->follower_count += count;
+    m->pose_count = build->scene->motion.joint_count;
+    site->middle = nearest_to_centre(m, site);
+    if (farthest > FAR_FROM_SURFACE * m->diagonal)
+        sn_log(SN_LOG_WARNING, "muscle \"%s\": a vertex attached to the surface \"%s\" is %.3g mm away from it; see units and rest shapes",
+               build->source->name, surface->name, 1e3 * farthest);
     return SN_OK;
+}
+
+static sn_status add_site(const sn_build *build, const sn_attachment *attachment, sn_error *error) {
+    sn_carrier carrier = sn_scene_carrier(build->scene, attachment->bone);
+    if (carrier.kind == SN_CARRIER_NONE)
+        return sn_fail(error, SN_ERROR_INPUT,
+                       "muscle \"%s\" is attached to bone \"%s\", which the scene does not have; add it to \"bones\"", build->source->name,
+                       attachment->bone != NULL ? attachment->bone : "");
+    if (attachment->count == 0) return SN_OK;
+    sn_site *site = add_points(build, attachment);
+    if (carrier.kind == SN_CARRIER_BONE) site->joint = build->scene->bones[carrier.index].joint;
+    if (carrier.kind == SN_CARRIER_JOINT) site->joint = carrier.index;
+    if (carrier.kind != SN_CARRIER_SURFACE) return SN_OK;
+    site->surface = carrier.index;
+    return follow(build, site, error);
+}
+
+/* Vertices of attachments to surfaces. */
+static size_t count_followers(const sn_scene *scene, const sn_muscle *rig) {
+    size_t count = 0;
+    for (sn_index i = 0; i < rig->attachment_count; i++)
+        if (sn_scene_carrier(scene, rig->attachments[i].bone).kind == SN_CARRIER_SURFACE) count += (size_t)rig->attachments[i].count;
+    return count;
 }
 
 sn_status sn_kinematics_build(const sn_build *build, sn_error *error) {
@@ -43,7 +89,9 @@ sn_status sn_kinematics_build(const sn_build *build, sn_error *error) {
     m->kinematic_points = SN_NEW(sn_index, count);
     m->kinematic_mass = SN_NEW(double, count);
     m->sites = SN_NEW(sn_site, rig->attachment_count);
-    if (m->kinematic_points == NULL || m->kinematic_mass == NULL || m->sites == NULL) return sn_fail_memory(error, "attachments");
+    m->followers = SN_NEW(sn_follower, count_followers(build->scene, rig));
+    if (m->kinematic_points == NULL || m->kinematic_mass == NULL || m->sites == NULL || m->followers == NULL)
+        return sn_fail_memory(error, "attachments");
     for (sn_index i = 0; i < rig->attachment_count; i++) {
         sn_status status = add_site(build, &rig->attachments[i], error);
         if (status != SN_OK) return status;
@@ -54,33 +102,69 @@ sn_status sn_kinematics_build(const sn_build *build, sn_error *error) {
 
 static void put(sn_point *point, sn_vec3 position) { point->x = position.x, point->y = position.y, point->z = position.z; }
 
-void sn_kinematics_aim(const sn_model_muscle *m, sn_muscle_state *s, const sn_rigid *joint_poses) {
-    for (sn_index i = 0; i < m->site_count; i++)
-        s->inputs->poses[i] = m->sites[i].joint == SN_NONE ? sn_rigid_identity() : joint_poses[m->sites[i].joint];
+static void aim_at_bones(const sn_model_muscle *m, sn_muscle_state *s, const sn_scene *scene, const sn_surface_moment *at) {
+    for (sn_index i = 0; i < m->site_count; i++) {
+        sn_index joint = m->sites[i].joint;
+        s->inputs->poses[i] = joint == SN_NONE    ? sn_rigid_identity()
+                              : at->poses != NULL ? at->poses[joint]
+                                                  : sn_motion_run_in_pose(&scene->motion, joint, at->time, at->share);
+    }
 }
 
-void sn_kinematics_aim_at(const sn_model_muscle *m, sn_muscle_state *s, const sn_motion *motion, double time, double share) {
-    for (sn_index i = 0; i < m->site_count; i++)
-        s->inputs->poses[i] =
-            m->sites[i].joint == SN_NONE ? sn_rigid_identity() : sn_motion_run_in_pose(motion, m->sites[i].joint, time, share);
+static void aim_at_surfaces(const sn_model_muscle *m, sn_muscle_state *s, const sn_scene *scene, const sn_surface_moment *at) {
+    for (sn_index i = 0; i < m->site_count; i++) {
+        const sn_site *site = &m->sites[i];
+        if (site->surface == SN_NONE) continue;
+        const sn_scene_surface *surface = &scene->surfaces[site->surface];
+        for (sn_index f = site->first_follower; f < site->first_follower + site->end - site->begin; f++)
+            s->inputs->targets[f] = sn_follower_place(surface, at, &m->followers[f]);
+        s->inputs->poses[i] = sn_follower_pose(surface, at, &m->followers[site->middle]);
+    }
+}
+
+void sn_kinematics_aim(const sn_model_muscle *m, sn_muscle_state *s, const sn_scene *scene, const sn_surface_moment *at) {
+    aim_at_bones(m, s, scene, at);
+    if (m->follower_count == 0) return;
+    sn_surface_moment all = *at;
+    if (all.poses == NULL) {
+        sn_motion_run_in_poses(&scene->motion, at->time, at->share, s->inputs->joint_poses);
+        all.poses = s->inputs->joint_poses;
+    }
+    aim_at_surfaces(m, s, scene, &all);
 }
 
 /* A bone that never moves leaves its points alone, to the last bit. */
 static sn_vec3 carried(const sn_model_muscle *m, const sn_muscle_state *s, sn_index site, sn_vec3 rest) {
-    return m->sites[site].joint == SN_NONE ? rest : sn_rigid_apply(s->inputs->poses[site], rest);
+    bool still = m->sites[site].joint == SN_NONE && m->sites[site].surface == SN_NONE;
+    return still ? rest : sn_rigid_apply(s->inputs->poses[site], rest);
+}
+
+/* Where the k-th kinematic point goes, one of that site. */
+static sn_vec3 target_of(const sn_model_muscle *m, const sn_muscle_state *s, sn_index site, sn_index k) {
+    const sn_site *at = &m->sites[site];
+    if (at->surface != SN_NONE) return s->inputs->targets[at->first_follower + k - at->begin];
+    return carried(m, s, site, m->rest[m->kinematic_points[k]]);
+}
+
+static bool followers_moved(const sn_model_muscle *m, const sn_muscle_state *s, sn_index site) {
+    for (sn_index k = m->sites[site].begin; k < m->sites[site].end; k++) {
+        sn_vec3 target = target_of(m, s, site, k), point = sn_point_position(&s->points[m->kinematic_points[k]]);
+        if (target.x != point.x || target.y != point.y || target.z != point.z) return true;
+    }
+    return false;
 }
 
 bool sn_kinematics_moved(const sn_model_muscle *m, const sn_muscle_state *s) {
-    return m->site_count > 0 && memcmp(s->inputs->poses, s->inputs->placed, (size_t)m->site_count * sizeof *s->inputs->poses) != 0;
+    if (m->site_count == 0) return false;
+    if (memcmp(s->inputs->poses, s->inputs->placed, (size_t)m->site_count * sizeof *s->inputs->poses) != 0) return true;
+    for (sn_index i = 0; i < m->site_count; i++)
+        if (m->sites[i].surface != SN_NONE && followers_moved(m, s, i)) return true;
+    return false;
 }
 
 static void place(const sn_model_muscle *m, const sn_muscle_state *s, sn_point *points) {
-    for (sn_index i = 0; i < m->site_count; i++) {
-        for (sn_index k = m->sites[i].begin; k < m->sites[i].end; k++) {
-            sn_index v = m->kinematic_points[k];
-            put(&points[v], carried(m, s, i, m->rest[v]));
-        }
-    }
+    for (sn_index i = 0; i < m->site_count; i++)
+        for (sn_index k = m->sites[i].begin; k < m->sites[i].end; k++) put(&points[m->kinematic_points[k]], target_of(m, s, i, k));
 }
 
 void sn_kinematics_place(const sn_model_muscle *m, sn_muscle_state *s) {

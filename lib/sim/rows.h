@@ -88,11 +88,10 @@ SN_MUST_CHECK sn_status sn_batch_sort(void *array, sn_index count, size_t size, 
 
 /* ---- kinematic.c ---- */
 SN_MUST_CHECK sn_status sn_kinematics_build(const sn_build *build, sn_error *error);
-/* Leave the poses of the sites' bones in the state: those of all joints, or those at `time`; share: of the way to
- * them from rest, 1 but in a run-in. */
-void sn_kinematics_aim(const sn_model_muscle *m, sn_muscle_state *s, const sn_rigid *joint_poses);
-void sn_kinematics_aim_at(const sn_model_muscle *m, sn_muscle_state *s, const sn_motion *motion, double time, double share);
-/* Put every attached vertex where its bone carries it: exactly pose(rest). */
+/* Leave the poses of the sites' bones in the state, and where followers of surfaces go. at->poses NULL: nobody has those of all joints at
+ * that moment. */
+void sn_kinematics_aim(const sn_model_muscle *m, sn_muscle_state *s, const sn_scene *scene, const sn_surface_moment *at);
+/* Put every attached vertex where its bone carries it: exactly pose(rest); or its surface. */
 void sn_kinematics_place(const sn_model_muscle *m, sn_muscle_state *s);
 /* Are they anywhere else than where sn_kinematics_place put them last? */
 bool sn_kinematics_moved(const sn_model_muscle *m, const sn_muscle_state *s);

@@ -116,7 +116,7 @@ size_t sn_group_state_bytes(const sn_model *model, const sn_group *g) {
 
 /* ---- the start of a run ----------------------------------------------------------------------------------------------------- */
 
-static void reset_muscle(const sn_model_muscle *m, sn_muscle_state *s, const sn_rigid *poses, double time) {
+static void reset_muscle(const sn_model_muscle *m, sn_muscle_state *s, const sn_scene *scene, const sn_surface_moment *at) {
     sn_inputs *in = s->inputs;
     in->activation = in->goal_contraction = in->goal_ratio = NAN; /* nothing has been made for any input yet */
     in->bones = (sn_bone_motion){.rate = 0.0};
@@ -125,20 +125,21 @@ static void reset_muscle(const sn_model_muscle *m, sn_muscle_state *s, const sn_
         s->points[i].w = m->inverse_mass[i];
         s->velocities[i] = sn_v3(0, 0, 0);
     }
-    sn_kinematics_aim(m, s, poses);
+    sn_kinematics_aim(m, s, scene, at);
     sn_kinematics_carry(m, s, s->points);
     sn_kinematics_place(m, s);
-    sn_inputs_update(m, s, time);
+    sn_inputs_update(m, s, at->time);
     sn_statistics_measure(m, s);
 }
 
 void sn_state_reset(const sn_model *model, sn_state *state) {
-    double time = model->scene->first_frame / model->scene->rate;
+    const sn_scene *scene = model->scene;
+    const sn_surface_moment at = {state->poses, scene->first_frame / scene->rate, sn_scene_runs_in(scene) ? 0.0 : 1.0};
     const sn_backend *backend = sn_backend_of(model->scene);
     state->frame = model->scene->first_frame;
     state->substep = state->iteration = 0;
-    sn_motion_run_in_poses(&model->scene->motion, time, sn_scene_runs_in(model->scene) ? 0.0 : 1.0, state->poses);
-    for (sn_index i = 0; i < model->muscle_count; i++) reset_muscle(&model->muscles[i], &state->muscles[i], state->poses, time);
+    sn_motion_run_in_poses(&scene->motion, at.time, at.share, state->poses);
+    for (sn_index i = 0; i < model->muscle_count; i++) reset_muscle(&model->muscles[i], &state->muscles[i], scene, &at);
     for (sn_index i = 0; i < model->group_count; i++) {
         state->groups[i].progress = (sn_progress){.parts = SN_SUBSTEP_PARTS, .size = SN_SUBSTEP_PARTS};
         state->groups[i].still = 0;

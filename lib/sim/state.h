@@ -31,6 +31,8 @@ typedef struct sn_bone_motion {
     X(double, goals, m->distance_start[SN_DISTANCE_KINDS], SN_LEFT) /* goal lengths, m */                                                  \
     X(sn_rigid, poses, m->site_count, SN_LEFT)                      /* of the sites' bones at the end of the step */                       \
     X(sn_rigid, placed, m->site_count, SN_KEPT)                     /* those that the attached points were put at last */                  \
+    X(sn_vec3, targets, m->follower_count, SN_LEFT)                 /* of the followers at the end of the step, m */                       \
+    X(sn_rigid, joint_poses, m->pose_count, SN_LEFT)                /* room for those of all joints at a time of the muscle's own */       \
     X(bool, guarded, m->quasi_newton ? m->area_count : 0, SN_KEPT)
 
 /* What one muscle is told of the step at hand. */

@@ -71,13 +71,10 @@ static sn_rigid *shared_poses(const run *r, sn_index substep) {
 static void take_poses(const run *r, const sn_group *g, sn_group_state *s, sn_index substep, sn_index parts) {
     const sn_scene *scene = r->model->scene;
     bool shared = stands(r) || (parts == SN_SUBSTEP_PARTS && g->substeps == sn_solver_substeps(&scene->solver));
-    double share = run_in_share(r, (substep + parts / (double)SN_SUBSTEP_PARTS) * g->substep_duration);
-    for (sn_index i = 0; i < g->count; i++) {
-        if (shared)
-            sn_kinematics_aim(g->members[i], s->members[i], shared_poses(r, substep));
-        else
-            sn_kinematics_aim_at(g->members[i], s->members[i], &scene->motion, time_of(r, g, substep, parts), share);
-    }
+    const sn_surface_moment at = {.poses = shared ? shared_poses(r, substep) : NULL,
+                                  .time = time_of(r, g, substep, parts),
+                                  .share = run_in_share(r, (substep + parts / (double)SN_SUBSTEP_PARTS) * g->substep_duration)};
+    for (sn_index i = 0; i < g->count; i++) sn_kinematics_aim(g->members[i], s->members[i], scene, &at);
 }
 
 /* ---- rest ----------------------------------------------------------------------------------------------------------------------- */

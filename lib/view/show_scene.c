@@ -22,6 +22,33 @@ sn_status show_bones(sn_view *view, const sn_scene *scene, double time, sn_error
     return status;
 }
 
+static const double SHEER = 0.22; /* opacity of surfaces that lie over muscles */
+static const sn_color COLOR_ENVELOPE = {0.45, 0.62, 0.72};
+
+static sn_status show_envelope(sn_view *view, const sn_scene_surface *surface, const sn_surface_moment *at, bool wire, sn_error *error) {
+    sn_mesh mesh = surface->envelope.mesh;
+    sn_view_mesh *shown = NULL;
+    if ((mesh.positions = SN_NEW(sn_vec3, mesh.vertex_count)) == NULL) return sn_fail_memory(error, "an envelope");
+    sn_scene_surface_positions(surface, at, NULL, mesh.positions);
+    sn_status status = sn_view_add_mesh(view, &mesh, (sn_placement){1.0, NULL}, COLOR_ENVELOPE, &shown, error);
+    if (!status) shown->opacity = SHEER, shown->wire = wire;
+    free(mesh.positions);
+    return status ? status : sn_view_add_entry(view, SN_MARK_AREA, COLOR_ENVELOPE, surface->name, error);
+}
+
+sn_status show_envelopes(sn_view *view, const sn_scene *scene, double time, bool wire, sn_error *error) {
+    sn_rigid *poses = SN_NEW(sn_rigid, scene->motion.joint_count);
+    if (!poses) return sn_fail_memory(error, "the joints' poses");
+    sn_motion_poses(&scene->motion, time, poses);
+    const sn_surface_moment at = {poses, time, 1.0};
+    sn_status status = SN_OK;
+    for (sn_index i = 0; i < scene->surface_count && !status; i++)
+        if (scene->surfaces[i].loaded && scene->surfaces[i].envelope.mesh.triangle_count > 0)
+            status = show_envelope(view, &scene->surfaces[i], &at, wire, error);
+    free(poses);
+    return status;
+}
+
 /* The rig with other vertices, in metres; it borrows all it keeps. Samples and directions belong to the rest shape: it has none. Fibres
  * through the volume are the frame's, in metres too. */
 static sn_muscle deformed_rig(const sn_muscle *rig, const sn_vec3 *positions) {
@@ -42,11 +69,13 @@ static sn_status show_muscle_at(sn_view *view, const sn_scene_muscle *muscle, do
 
 sn_status sn_view_add_scene(sn_view *view, const sn_scene *scene, double time, const sn_vec3 *const *positions, unsigned show,
                             sn_error *error) {
-    if (show & SN_SHOW_AUTO) show |= SN_SHOW_SURFACE | SN_SHOW_BONES;
+    if (show & SN_SHOW_AUTO) show |= SN_SHOW_SURFACE | SN_SHOW_BONES | SN_SHOW_ENVELOPES;
+    const unsigned of_scene = SN_SHOW_BONES | SN_SHOW_ENVELOPES;
     if (!view->title && scene->name && !(view->title = sn_strdup(scene->name))) return sn_fail_memory(error, "the title");
     sn_status status = show & SN_SHOW_BONES ? show_bones(view, scene, time, error) : SN_OK;
+    if (!status && show & SN_SHOW_ENVELOPES) status = show_envelopes(view, scene, time, (show & SN_SHOW_WIRE) != 0, error);
     bool shown = false;
-    for (sn_index i = 0; i < scene->muscle_count && show & ~(unsigned)SN_SHOW_BONES && !status; i++) {
+    for (sn_index i = 0; i < scene->muscle_count && show & ~of_scene && !status; i++) {
         if (!scene->muscles[i].enabled) continue;
         shown = true;
         status = show_muscle_at(view, &scene->muscles[i], time, positions ? positions[i] : NULL, show, error);

@@ -287,7 +287,9 @@ sn_status sn_view_add_state(sn_view *view, const sn_model *model, const sn_state
     sn_status status = SN_OK;
     if (isnan(look->range)) status = sn_view_state_range(model, state, look->kind, &s.look.range, error);
     if (!status && !view->title && scene->name && !(view->title = sn_strdup(scene->name))) status = sn_fail_memory(error, "the title");
-    if (!status && look->show & SN_SHOW_BONES) status = show_bones(view, scene, sn_view_state_frame(model, state) / scene->rate, error);
+    double time = sn_view_state_frame(model, state) / scene->rate;
+    if (!status && look->show & SN_SHOW_BONES) status = show_bones(view, scene, time, error);
+    if (!status && look->show & SN_SHOW_ENVELOPES) status = show_envelopes(view, scene, time, false, error);
     for (sn_index m = 0; m < model->muscle_count && !status; m++) status = show_muscle_state(&s, m, error);
     if (!status) status = write_scale(&s, error);
     if (!status) status = mark_worst(&s, error);
