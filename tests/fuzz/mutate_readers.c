@@ -271,6 +271,9 @@ static void add_cache(void) {
     }
     add_seed(CACHE, "cache.pc2", blob.data, blob.size);
     sn_blob_free(&blob);
+    /* MDD: 2 frames of 3 points, at 0 and 1 s, all big-endian */
+    static const unsigned char mdd[8 + 8 + 72] = {0, 0, 0, 2, 0, 0, 0, 3, 0, 0, 0, 0, 0x3f, 0x80, 0, 0, 0x40, 0x20, 0, 0, 0x3e, 0x80};
+    add_seed(CACHE, "mdd.pc2", (const char *)mdd, sizeof mdd);
 }
 
 static void make_seeds(void) {
@@ -583,13 +586,28 @@ static const char *try_scene(const sn_blob *blob, sn_status *status, sn_error *e
     return fault;
 }
 
+static const char *judge_track(const sn_vertex_track *track) {
+    if (track->sample_count < 1 || track->vertex_count != 3) return "frames of another mesh were taken";
+    for (sn_index i = 0; i < track->sample_count; i++) {
+        if (!isfinite(track->times[i]) || (i > 0 && !(track->times[i] > track->times[i - 1]))) return "the times do not ascend";
+        if (!sn_finite3(sn_vertex_track_at(track, track->times[i], 2))) return "a coordinate is not finite";
+    }
+    return NULL;
+}
+
 static const char *try_cache(const sn_blob *blob, sn_status *status, sn_error *error) {
     FILE *file = fopen(blob->name, "wb");
     if (file == NULL || fwrite(blob->data, 1, blob->size, file) != blob->size || fclose(file) != 0) give_up("cannot write a cache");
     sn_pc2_data data;
+    const sn_track_options options = {.vertex_count = 3, .rate = 24.0, .meters_per_unit = 0.01, .up_y = true};
+    sn_vertex_track track;
     *status = sn_pc2_read(blob->name, &data, error);
     if (*status == SN_OK) sn_pc2_free(&data);
-    return NULL;
+    *status = sn_vertex_track_read(blob->name, &options, &track, error);
+    if (*status != SN_OK) return NULL;
+    const char *fault = judge_track(&track);
+    sn_vertex_track_free(&track);
+    return fault;
 }
 
 static const char *try_report(const sn_blob *blob, sn_status *status, sn_error *error) {
@@ -1015,21 +1033,21 @@ static void try_kept_files(void) {
         sn_blob blob;
         snprintf(path, sizeof path, "tests/data/broken/%s", name);
         if (name[0] != '.' && sn_blob_read(path, &blob, &error) == SN_OK) {
-            kind k = strstr(name, ".muscle.")    ? MUSCLE
-                     : strstr(name, ".scene.")   ? SCENE
+            kind k = strstr(name, ".muscle.")                       ? MUSCLE
+                     : strstr(name, ".scene.")                      ? SCENE
                      : strstr(name, ".pc2")      ? CACHE
-                     : strstr(name, ".report.")  ? REPORT
-                     : strstr(name, ".settings") ? SETTINGS
-                     : strstr(name, ".asf")      ? SKELETON
-                     : is_motion(name)           ? MOTION
-                     : strstr(name, ".osim")     ? MODEL
-                     : strstr(name, ".mjcf")     ? MODEL
-                     : strstr(name, ".mot")      ? STORAGE
-                     : strstr(name, ".sensors.") ? SENSORS
-                     : strstr(name, ".names")    ? NAMES
-                     : strstr(name, ".body")     ? BODY
-                     : strstr(name, ".envelope") ? ENVELOPE
-                                                 : MESH;
+                     : strstr(name, ".report.")                     ? REPORT
+                     : strstr(name, ".settings")                    ? SETTINGS
+                     : strstr(name, ".asf")                         ? SKELETON
+                     : is_motion(name)                              ? MOTION
+                     : strstr(name, ".osim")                        ? MODEL
+                     : strstr(name, ".mjcf")                        ? MODEL
+                     : strstr(name, ".mot")                         ? STORAGE
+                     : strstr(name, ".sensors.")                    ? SENSORS
+                     : strstr(name, ".names")                       ? NAMES
+                     : strstr(name, ".body")                        ? BODY
+                     : strstr(name, ".envelope")                    ? ENVELOPE
+                                                                    : MESH;
             try_file(k, name, blob.data, blob.size, false);
             sn_blob_free(&blob);
         }

@@ -113,13 +113,14 @@ static int try_bytes(const sn_blob *blob, sn_error *error) {
 static int try_bytes(const sn_blob *blob, sn_error *error) {
     int fd = memfd_create("cache", MFD_CLOEXEC);
     char path[64];
-    sn_pc2_data cache;
+    const sn_track_options options = {.vertex_count = 3, .rate = 24.0, .meters_per_unit = 0.01, .up_y = true};
+    sn_vertex_track track;
     demand(fd >= 0 && write(fd, blob->data, blob->size) == (ssize_t)blob->size, "no file in memory");
     snprintf(path, sizeof path, "/proc/self/fd/%d", fd);
-    sn_status status = sn_pc2_read(path, &cache, error);
+    sn_status status = sn_vertex_track_read(path, &options, &track, error); /* PC2, MDD */
     close(fd);
     judge(status, error);
-    if (status == SN_OK) sn_pc2_free(&cache);
+    if (status == SN_OK) sn_vertex_track_free(&track);
     return 0;
 }
 
