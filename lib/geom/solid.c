@@ -10,12 +10,12 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "winding_tree.h"
+#include "solid.h"
 
 /* Vertices this close, in diagonals, are one: what rounding to single precision leaves of layers on each other. */
 static const double weld_share = 1e-7;
 /* A longer loop is closed by a cone: the triangulation of least area takes the third power of its length. */
-enum { CONE_FROM = 201, GRAIN = 256 };
+enum { CONE_FROM = 201 };
 
 /* ---- loops of unmatched edges ------------------------------------------------------------------------------------------------ */
 
@@ -219,71 +219,6 @@ static sn_status turn_outwards(sn_mesh *mesh, sn_solid_report *report, sn_error 
     return status;
 }
 
-/* ---- what lies within --------------------------------------------------------------------------------------------------------- */
-
-typedef struct inner {
-    const sn_mesh *mesh;
-    sn_winding_tree tree;
-    bool *boundary; /* (triangle_count) */
-} inner;
-
-/* How far beside a triangle its sides are looked at, in the root of its area. */
-static const double beside = 1e-3;
-
-static bool inside_at(const inner *in, sn_vec3 p) { return fabs(sn_winding_tree_number(&in->tree, p)) > 0.5; }
-
-/* Has the triangle the solid on both sides, at seven points of it? Where in doubt it is boundary. */
-static bool is_inner(const inner *in, sn_triangle t) {
-    static const double weights[7][3] = {{1, 1, 1}, {18, 1, 1}, {1, 18, 1}, {1, 1, 18}, {10, 10, 1}, {1, 10, 10}, {10, 1, 10}};
-    const sn_vec3 *p = in->mesh->positions;
-    sn_vec3 area = sn_area_vector(p[t.v[0]], p[t.v[1]], p[t.v[2]]);
-    sn_vec3 step = sn_scale(sn_normalize(area), beside * sqrt(0.5 * sn_norm(area)));
-    for (int i = 0; i < 7; i++) {
-        const double *w = weights[i];
-        sn_vec3 at = sn_add_scaled(sn_add_scaled(sn_scale(p[t.v[0]], w[0]), p[t.v[1]], w[1]), p[t.v[2]], w[2]);
-        at = sn_scale(at, 1.0 / (w[0] + w[1] + w[2]));
-        if (!inside_at(in, sn_add(at, step)) || !inside_at(in, sn_sub(at, step))) return false;
-    }
-    return true;
-}
-
-static void mark_boundary(void *user, sn_index begin, sn_index end, sn_index chunk) {
-    const inner *in = user;
-    (void)chunk;
-    for (sn_index t = begin; t < end; t++) in->boundary[t] = !is_inner(in, in->mesh->triangles[t]);
-}
-
-/* Boundary triangles first; each kind keeps its order. sorted (triangle_count). */
-static void sort_by_boundary(sn_mesh *mesh, const bool *boundary, sn_triangle *sorted, sn_solid_report *report) {
-    sn_index count = 0;
-    for (int pass = 0; pass < 2; pass++) {
-        for (sn_index t = 0; t < mesh->triangle_count; t++)
-            if (boundary[t] == (pass == 0)) sorted[count++] = mesh->triangles[t];
-        if (pass == 0) report->boundary_triangles = count;
-    }
-    report->inner_triangles = count - report->boundary_triangles;
-    memcpy(mesh->triangles, sorted, (size_t)count * sizeof *sorted);
-}
-
-static sn_status sort_out_inner(sn_mesh *mesh, sn_pool *pool, sn_solid_report *report, sn_error *error) {
-    inner in = {.mesh = mesh, .boundary = SN_NEW(bool, mesh->triangle_count)};
-    sn_mesh sorted = {.vertex_count = mesh->vertex_count, .positions = mesh->positions, .triangle_count = mesh->triangle_count};
-    sorted.triangles = SN_NEW(sn_triangle, mesh->triangle_count);
-    sn_status status = in.boundary != NULL && sorted.triangles != NULL ? SN_OK : sn_fail_memory(error, "the inside of a surface");
-    if (status == SN_OK) {
-        memcpy(sorted.triangles, mesh->triangles, (size_t)mesh->triangle_count * sizeof *sorted.triangles);
-        status = sn_winding_tree_build(&sorted, &in.tree, error);
-    }
-    if (status == SN_OK) {
-        sn_parallel_for(pool, mesh->triangle_count, GRAIN, mark_boundary, &in);
-        sort_by_boundary(mesh, in.boundary, sorted.triangles, report);
-    }
-    sn_winding_tree_free(&in.tree);
-    free(in.boundary);
-    free(sorted.triangles);
-    return status;
-}
-
 /* ---- all of it ------------------------------------------------------------------------------------------------------------------- */
 
 /* Positions and triangles alone: attributes have nothing to say here. */
@@ -314,7 +249,7 @@ sn_status sn_solid_surface(const sn_mesh *mesh, sn_pool *pool, sn_mesh *out, sn_
     if (status == SN_OK) status = join_layers(out, report, error);
     if (status == SN_OK) status = close_loops(out, report, error);
     if (status == SN_OK) status = turn_outwards(out, report, error);
-    if (status == SN_OK) status = sort_out_inner(out, pool, report, error);
+    if (status == SN_OK) status = sn_sort_out_inner(out, pool, report, error);
     if (status != SN_OK) sn_mesh_free(out);
     return status;
 }
