@@ -84,6 +84,8 @@ double sn_mesh_area(const sn_mesh *mesh);
 double sn_mesh_volume(const sn_mesh *mesh);
 sn_vec3 sn_mesh_volume_centroid(const sn_mesh *mesh); /* of the enclosed volume; area centroid where |V| is tiny */
 double sn_mesh_mean_edge(const sn_mesh *mesh, const sn_topology *topology);
+/* Mean side of the triangles, which needs no topology: edges inside of the surface count twice; 0 without triangles. */
+double sn_mesh_mean_side(const sn_mesh *mesh);
 /* Area-weighted unit vertex normals (vertex_count); zero where the area sum vanishes. */
 void sn_mesh_vertex_normals(const sn_mesh *mesh, sn_vec3 *normals);
 

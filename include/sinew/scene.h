@@ -27,7 +27,18 @@ typedef struct sn_scene_bone {
     bool unit_certain;      /* the document has told it, or the mesh was loaded, whose file may tell another than is taken without */
     sn_mesh mesh;           /* empty until loaded: a run that needs no bone surface never loads one */
     sn_index joint;         /* SN_NONE = never moves */
+    bool passable;          /* no muscle feels it; default false */
 } sn_scene_bone;
+
+/* Contact of muscles with bones (bodies.md 2); off by default. */
+typedef struct sn_contact_settings {
+    bool enabled;
+    double margin;    /* m, that vertices keep from bones; 0 = a tenth of the muscle's mean edge. What is nearer at rest may stay as near */
+    double cell;      /* m, of the bones' distance fields; 0 = a third of the finest mean edge in reach */
+    double friction;  /* Coulomb's, under `xpbd`; default 0 */
+    double resolve;   /* s, in which margins grow to what is asked where muscles overlap bones at rest; default 0: they stay */
+    sn_index samples; /* points inside of each triangle that are held out, too: 0 (default), 1 or 3 */
+} sn_contact_settings;
 
 /* How a fibre shortens its edges with activation: the goal lengths of sn_goal_length (sim.h). */
 typedef enum sn_fiber_law { SN_LAW_PROJECTED, SN_LAW_PAPER, SN_LAW_ISOCHORIC } sn_fiber_law;
@@ -74,6 +85,7 @@ typedef struct sn_scene_muscle {
     double damping;        /* rate, 1/s, of the velocity beside the rigid motion of the bones; weight is not damped; default 5 */
     sn_index iterations;   /* per substep; 0 = the solver's */
     bool enabled;          /* false = left out */
+    bool untouched;        /* no bone is felt; default false */
 } sn_scene_muscle;
 
 /* QN is the default: the error for the time is less (error-time). */
@@ -123,6 +135,7 @@ typedef struct sn_scene {
     sn_index muscle_count;
     sn_scene_muscle *muscles;
     sn_motion motion;
+    sn_contact_settings contact;
     sn_vec3 gravity;                  /* m/s^2; default 0 */
     double rate;                      /* frames per second; default 24 */
     sn_index first_frame, last_frame; /* inclusive; frame f is at time f / rate; default 0, 0 */

@@ -35,7 +35,8 @@
     X(DIHEDRAL, dihedral)                                                                                                                  \
     X(AREA, area)                                                                                                                          \
     X(MEMBRANE, membrane)                                                                                                                  \
-    X(VOLUME, volume)
+    X(VOLUME, volume)                                                                                                                      \
+    X(CONTACT, contact)
 
 /* By the list. */
 typedef enum sn_row_kind {
@@ -56,6 +57,7 @@ typedef enum sn_left_out {
     SN_OUT_NO_STRUCTURE, /* the document has no internal structure */
     SN_OUT_OPEN_SURFACE, /* an open surface encloses no volume */
     SN_OUT_FLAT,         /* the rest volume is 0 */
+    SN_OUT_NO_BONE,      /* no bone comes near it over the motion */
     SN_OUT_NOTHING       /* no row is left: every point is carried by a bone, or degenerate at rest */
 } sn_left_out;
 
@@ -80,6 +82,8 @@ typedef struct sn_plan_muscle {
     sn_index kinematic;                    /* vertices carried by bones */
     sn_index iterations;                   /* per substep */
     sn_plan_group groups[SN_ROW_KINDS];    /* by sn_row_kind */
+    sn_index bone_count;                   /* contact: bones that come near it over the motion */
+    sn_index *bones;                       /* (bone_count) of the scene; owned */
     size_t model_bytes, state_bytes;       /* of its arrays and its struct; without the curves' knots and the back end's own scratch */
 } sn_plan_muscle;
 
@@ -178,6 +182,7 @@ typedef struct sn_model_muscle {
 #undef SN_MODEL_MEMBER
     sn_index vertex_count, point_count, triangle_count; /* of the surface; with the samples */
     sn_index kinematic_count, site_count;               /* points that bones carry, and by how many attachments */
+    sn_index collider_count, contact_count;             /* bones that it may touch, and rows of contact */
     sn_index follower_count, pose_count;                /* points that surfaces carry; where there are any: joints of the scene */
     sn_index distance_start[SN_DISTANCE_KINDS + 1];     /* rows of kind k are distance_start[k] .. distance_start[k + 1] - 1 */
     sn_index distance_batched[SN_DISTANCE_KINDS];       /* so many of each kind come first, in fours that share no point */
@@ -205,8 +210,9 @@ struct sn_group;
 
 /* What a scene is made into once; a run never changes it. */
 typedef struct sn_model {
-    const sn_scene *scene; /* the caller's */
-    sn_plan plan;          /* of all of its muscles */
+    const sn_scene *scene;           /* the caller's */
+    sn_plan plan;                    /* of all of its muscles */
+    struct sn_contact_plan *contact; /* nullable: fields of bones (lib/sim/contact.h) */
     sn_index muscle_count;
     sn_model_muscle *muscles; /* (muscle_count) the enabled ones, in the scene's order */
     sn_index group_count;
@@ -216,8 +222,21 @@ typedef struct sn_model {
     bool halves;             /* qn: a muscle may take a substep in halves, and those again */
 } sn_model;
 
-/* Validate the scene, plan, build every row. The scene must outlive the model and keep still. */
+/* Makes the distance field of a bone (sn_distance_field_create), or takes it from somewhere: mesh in metres. */
+struct sn_distance_field;
+struct sn_distance_field_params;
+typedef sn_status sn_field_source(void *user, const sn_scene_bone *bone, const sn_mesh *mesh, const struct sn_distance_field_params *params,
+                                  struct sn_distance_field *out, sn_error *error);
+
+typedef struct sn_model_options {
+    sn_pool *pool;           /* nullable: one thread */
+    sn_field_source *fields; /* nullable: they are made */
+    void *user;              /* of fields */
+} sn_model_options;
+
+/* Validate the scene, plan, build every row. The scene must outlive the model and keep still. Contact needs the meshes of the bones. */
 SN_MUST_CHECK sn_status sn_model_create(const sn_scene *scene, sn_model **out, sn_error *error);
+SN_MUST_CHECK sn_status sn_model_create_with(const sn_scene *scene, const sn_model_options *options, sn_model **out, sn_error *error);
 void sn_model_destroy(sn_model *model); /* NULL is fine */
 
 /* ---- statistics: numbers, not text -------------------------------------------------------------------------------------- */
@@ -249,12 +268,15 @@ typedef struct sn_statistics {
     sn_index smallest_triangle_index;    /* SN_NONE = none */
     double largest_edge_ratio;           /* greatest length over goal length of an edge of the surface, see SN_LEAST_GOAL; NaN = no edge */
     sn_index largest_edge[2];            /* its vertices, of equal ones the first; SN_NONE = none */
-    bool torn;                           /* far from any shape of rest (SN_FAR_...) now or, under qn, where a substep of the frame began */
-    double residual;                     /* |dPhi/dx| / (k L) of the last substep, Phi = |x - y|^2_M / (2 h^2) + E; NaN inside a substep */
-    double kinetic_energy;               /* J */
-    double elastic_energy;               /* J: sum of k C^2 / 2 over the rows, as if none were rigid */
-    sn_index nan_points, first_nan;      /* points whose position is not finite; the first of them or SN_NONE */
-    bool asleep;                         /* at rest, with inputs that keep still: it was not stepped */
+    sn_index contacts;                   /* rows of contact that push */
+    double penetration;                  /* m: how much deeper than at rest the deepest vertex is in a bone; 0 = none is */
+    sn_index penetration_vertex, penetration_bone; /* which that is, and the scene's bone; SN_NONE = none */
+    bool torn;                      /* far from any shape of rest (SN_FAR_...) now or, under qn, where a substep of the frame began */
+    double residual;                /* |dPhi/dx| / (k L) of the last substep, Phi = |x - y|^2_M / (2 h^2) + E; NaN inside a substep */
+    double kinetic_energy;          /* J */
+    double elastic_energy;          /* J: sum of k C^2 / 2 over the rows, as if none were rigid */
+    sn_index nan_points, first_nan; /* points whose position is not finite; the first of them or SN_NONE */
+    bool asleep;                    /* at rest, with inputs that keep still: it was not stepped */
     int64_t skipped_edges, skipped_hinges; /* projections in the last frame that a guard left out */
     int64_t clamped_hinges;                /* and that the dihedral clamp limited */
     int64_t held_triangles;                /* projections of triangles below their least area */

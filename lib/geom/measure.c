@@ -81,6 +81,15 @@ double sn_mesh_mean_edge(const sn_mesh *mesh, const sn_topology *topology) {
     return topology->edge_count > 0 ? sum / topology->edge_count : 0.0;
 }
 
+double sn_mesh_mean_side(const sn_mesh *mesh) {
+    double sum = 0.0;
+    for (sn_index t = 0; t < mesh->triangle_count; t++) {
+        corners p = corners_of(mesh, t);
+        sum += sn_distance(p.a, p.b) + sn_distance(p.b, p.c) + sn_distance(p.c, p.a);
+    }
+    return mesh->triangle_count > 0 ? sum / (3.0 * mesh->triangle_count) : 0.0;
+}
+
 void sn_mesh_vertex_normals(const sn_mesh *mesh, sn_vec3 *normals) {
     if (mesh->vertex_count > 0) memset(normals, 0, (size_t)mesh->vertex_count * sizeof *normals);
     for (sn_index t = 0; t < mesh->triangle_count; t++) {

@@ -193,15 +193,6 @@ static void bind_point(const sn_mesh *mesh, const sn_closest *nearest, sn_index 
     out->offset = sn_v3(sn_dot(away, frame.along), sn_dot(away, frame.across), sn_dot(away, frame.normal));
 }
 
-/* Over the triangles' edges, so that inner ones count twice. */
-static double mean_edge_of(const sn_mesh *mesh) {
-    double sum = 0.0;
-    for (sn_index t = 0; t < mesh->triangle_count; t++)
-        for (int i = 0; i < 3; i++)
-            sum += sn_distance(mesh->positions[mesh->triangles[t].v[i]], mesh->positions[mesh->triangles[t].v[(i + 1) % 3]]);
-    return mesh->triangle_count > 0 ? sum / (3.0 * mesh->triangle_count) : 0.0;
-}
-
 /* The nearest triangle; a well-shaped one in its place where that is hardly farther. */
 static void bind_to_best(const sn_mesh *mesh, const choice *any, const choice *good, double slack, sn_vec3 point, sn_follower *out) {
     sn_closest nearest = sn_surface_closest(any->search, point, INFINITY);
@@ -217,7 +208,7 @@ sn_status sn_followers_bind(const sn_scene_surface *surface, sn_index count, con
                             double *farthest, sn_error *error) {
     const sn_mesh *mesh = &surface->envelope.mesh;
     choice any = {0}, good = {0};
-    double most = 0.0, slack = mean_edge_of(mesh);
+    double most = 0.0, slack = sn_mesh_mean_side(mesh);
     sn_status status = choose(mesh, 0.0, &any, error);
     if (status == SN_OK && any.search == NULL)
         status = sn_fail(error, SN_ERROR_INPUT, "surface \"%s\" has no triangle that has an area", surface->name);

@@ -54,6 +54,12 @@ bool sn_sound_flags(const bool *values, size_t count) {
     return sound;
 }
 
+bool sn_sound_indices(const sn_index *values, size_t count) {
+    (void)values;
+    (void)count;
+    return true;
+}
+
 bool sn_sound_unit(sn_quat q) { return fabs(sn_quat_dot(q, q) - 1.0) <= 1e-3; }
 
 bool sn_sound_turns(const sn_quat *values, size_t count) {

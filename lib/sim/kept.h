@@ -31,6 +31,7 @@ bool sn_sound_numbers(const double *values, size_t count);
 bool sn_sound_vectors(const sn_vec3 *values, size_t count);
 bool sn_sound_points(const sn_point *values, size_t count);
 bool sn_sound_single_points(const sn_single_point *values, size_t count);
+bool sn_sound_indices(const sn_index *values, size_t count); /* of what is made anew: any */
 bool sn_sound_poses(const sn_rigid *values, size_t count);
 /* A product of rotations, each a unit to within the 1e-6 that a scene may have it off. */
 bool sn_sound_unit(sn_quat q);
@@ -44,6 +45,7 @@ bool sn_sound_turns(const sn_quat *values, size_t count); /* zeros: nothing has 
         sn_point *: sn_sound_points,                                                                                                       \
         sn_single_point *: sn_sound_single_points,                                                                                         \
         bool *: sn_sound_flags,                                                                                                            \
+        sn_index *: sn_sound_indices,                                                                                                      \
         sn_quat *: sn_sound_turns,                                                                                                         \
         sn_rigid *: sn_sound_poses)((values), (count))
 

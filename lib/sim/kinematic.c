@@ -139,8 +139,7 @@ static sn_vec3 carried(const sn_model_muscle *m, const sn_muscle_state *s, sn_in
     return still ? rest : sn_rigid_apply(s->inputs->poses[site], rest);
 }
 
-/* Where the k-th kinematic point goes, one of that site. */
-static sn_vec3 target_of(const sn_model_muscle *m, const sn_muscle_state *s, sn_index site, sn_index k) {
+sn_vec3 sn_kinematics_target(const sn_model_muscle *m, const sn_muscle_state *s, sn_index site, sn_index k) {
     const sn_site *at = &m->sites[site];
     if (at->surface != SN_NONE) return s->inputs->targets[at->first_follower + k - at->begin];
     return carried(m, s, site, m->rest[m->kinematic_points[k]]);
@@ -148,7 +147,7 @@ static sn_vec3 target_of(const sn_model_muscle *m, const sn_muscle_state *s, sn_
 
 static bool followers_moved(const sn_model_muscle *m, const sn_muscle_state *s, sn_index site) {
     for (sn_index k = m->sites[site].begin; k < m->sites[site].end; k++) {
-        sn_vec3 target = target_of(m, s, site, k), point = sn_point_position(&s->points[m->kinematic_points[k]]);
+        sn_vec3 target = sn_kinematics_target(m, s, site, k), point = sn_point_position(&s->points[m->kinematic_points[k]]);
         if (target.x != point.x || target.y != point.y || target.z != point.z) return true;
     }
     return false;
@@ -164,7 +163,8 @@ bool sn_kinematics_moved(const sn_model_muscle *m, const sn_muscle_state *s) {
 
 static void place(const sn_model_muscle *m, const sn_muscle_state *s, sn_point *points) {
     for (sn_index i = 0; i < m->site_count; i++)
-        for (sn_index k = m->sites[i].begin; k < m->sites[i].end; k++) put(&points[m->kinematic_points[k]], target_of(m, s, i, k));
+        for (sn_index k = m->sites[i].begin; k < m->sites[i].end; k++)
+            put(&points[m->kinematic_points[k]], sn_kinematics_target(m, s, i, k));
 }
 
 void sn_kinematics_place(const sn_model_muscle *m, sn_muscle_state *s) {

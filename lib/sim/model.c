@@ -1,7 +1,7 @@
 /*
  * model.c -- from a scene to the model: points, masses, and the constraint table, built once.
  */
-#include "rows.h"
+#include "contact.h"
 
 #include <stdlib.h>
 
@@ -171,7 +171,8 @@ static sn_status add_muscle(sn_model *model, const sn_scene_muscle *source, sn_p
                       .model = &model->muscles[model->muscle_count++],
                       .plan = plan,
                       .scaled = rules->scales && source->stiffness_scaled,
-                      .anisotropy = anisotropy_of(rules, source)};
+                      .anisotropy = anisotropy_of(rules, source),
+                      .contact = model->contact};
     plan->vertices = source->rig.mesh.vertex_count;
     plan->triangles = source->rig.mesh.triangle_count;
     sn_status status = sn_topology_build(&source->rig.mesh, &topology, error);
@@ -207,11 +208,16 @@ static void count_states(const sn_model *model) {
 }
 
 sn_status sn_model_create(const sn_scene *scene, sn_model **out, sn_error *error) {
+    return sn_model_create_with(scene, &(sn_model_options){.pool = NULL}, out, error);
+}
+
+sn_status sn_model_create_with(const sn_scene *scene, const sn_model_options *options, sn_model **out, sn_error *error) {
     *out = NULL;
     sn_status status = sn_scene_validate(scene, error);
     if (status != SN_OK) return status;
     sn_model *model = make_model(scene);
     if (model == NULL) return sn_fail_memory(error, "the model");
+    status = sn_contact_plan_create(scene, options, &model->contact, error);
     for (sn_index i = 0; status == SN_OK && i < scene->muscle_count; i++)
         status = add_muscle(model, &scene->muscles[i], &model->plan.muscles[i], error);
     if (status == SN_OK) status = sn_groups_build(model, error);
@@ -235,6 +241,8 @@ static void free_muscle(sn_model_muscle *m) {
 void sn_model_destroy(sn_model *model) {
     if (model == NULL) return;
     sn_groups_free(model);
+    sn_contact_plan_destroy(model->contact);
+    for (sn_index i = 0; model->plan.muscles != NULL && i < model->plan.muscle_count; i++) free(model->plan.muscles[i].bones);
     for (sn_index i = 0; i < model->muscle_count; i++) free_muscle(&model->muscles[i]);
     free(model->muscles);
     free(model->plan.muscles);

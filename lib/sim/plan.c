@@ -28,6 +28,8 @@ const char *sn_left_out_text(sn_left_out reason) {
         return "the surface is open and encloses no volume (mesh-clean closes it)";
     case SN_OUT_FLAT:
         return "the rest volume is 0";
+    case SN_OUT_NO_BONE:
+        return "no bone comes near it over the motion";
     case SN_OUT_NOTHING:
         return "no row is left: every point of it is carried by a bone, or degenerate";
     }

@@ -6,6 +6,7 @@
  * whole step of the search would move no point by more than the tolerance, when no step lowers the energy any more, or after its
  * iterations.
  */
+#include "contact.h"
 #include "qn.h"
 
 static const double ARMIJO = 1e-4;
@@ -267,6 +268,14 @@ static void update_velocities(const sn_model_muscle *m, sn_muscle_state *s, cons
     sn_kinematics_limit_speed(m, s, most);
 }
 
+/* Pairs of another set of contacts mislead. */
+static const double MOST_CHANGED = 0.1;
+
+static void settle_contacts(const sn_model_muscle *m, sn_muscle_state *s, sn_qn *qn) {
+    if (sn_contacts_update(m, s, s->inputs->stiffness) > MOST_CHANGED) sn_qn_forget_pairs(qn);
+    sn_contacts_finish(m, s);
+}
+
 static sn_verdict finish(const sn_group *g, sn_group_state *s, const sn_substep *substep) {
     const sn_qn *qn = sn_qn_of(s);
     if (substep->may_halve && qn->stopped == SN_STOP_ITERATIONS && sn_qn_tears(g, s)) {
@@ -275,6 +284,7 @@ static sn_verdict finish(const sn_group *g, sn_group_state *s, const sn_substep 
     }
     for (sn_index i = 0; i < g->count; i++) {
         s->members[i]->statistics.torn_substeps += qn->torn;
+        settle_contacts(g->members[i], s->members[i], sn_qn_of(s));
         update_velocities(g->members[i], s->members[i], substep);
     }
     return SN_STEP_HOLDS;

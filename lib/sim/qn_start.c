@@ -3,6 +3,7 @@
  * take the points; the matrix; the predictor; the points to begin with, and others where those are no good (qn_fallback.c).   numerics.md
  * 2, 7
  */
+#include "contact.h"
 #include "qn.h"
 
 /* Bones that move a point farther than so many mean edges in a step, or did in the last, tear the rings next to them: there a smaller
@@ -94,6 +95,7 @@ static bone_way aim(const sn_group *g, sn_group_state *s, const sn_substep *subs
     for (sn_index i = 0; i < g->count; i++) {
         aim_member(g->members[i], s->members[i], qn->target + g->first[i], substep);
         add_way(g->members[i], s->members[i], qn->jump + g->first[i], substep->h, &way);
+        sn_contacts_gather(g->members[i], s->members[i]);
     }
     qn->abrupt = way.abrupt;
     return way;
@@ -194,6 +196,7 @@ bool sn_qn_start(const sn_group *g, sn_group_state *s, const sn_substep *substep
 void sn_qn_resume(const sn_group *g, sn_group_state *s, double h) {
     sn_qn *qn = sn_qn_of(s);
     bool changed;
+    for (sn_index i = 0; i < g->count; i++) sn_contacts_gather(g->members[i], s->members[i]);
     sn_qn_take_stiffness(g, s);
     qn->energy = sn_objective_evaluate(&(sn_objective){g, s, h}, s->points, qn->gradient); /* the residual needs it, iterations or not */
     if (qn->stopped != SN_STOP_ITERATIONS) return;

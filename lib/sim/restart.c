@@ -12,7 +12,7 @@
 #include "backend.h"
 
 static const char MAGIC[12] = "sinew state\n";
-enum { VERSION = 4, HEADER = sizeof MAGIC + sizeof(int32_t) + SN_HASH_LENGTH };
+enum { VERSION = 5, HEADER = sizeof MAGIC + sizeof(int32_t) + SN_HASH_LENGTH };
 
 /* ---- the numbers of a group and of its members ------------------------------------------------------------------------------ */
 
@@ -27,7 +27,8 @@ static bool is_progress(const sn_group *g, const sn_progress *p) {
     bool power = p->size >= 0 && p->size <= SN_SUBSTEP_PARTS && (p->size & (p->size - 1)) == 0;
     bool fits = p->parts >= 0 && p->parts <= SN_SUBSTEP_PARTS && (p->parts == SN_SUBSTEP_PARTS || p->parts + p->size <= SN_SUBSTEP_PARTS);
     bool asleep = p->size == 0 && (p->parts == 0 || p->parts == SN_SUBSTEP_PARTS) && p->iteration == 0;
-    bool whole = g->members[0]->quasi_newton || p->size == 0 || p->size == SN_SUBSTEP_PARTS;
+    bool cut = g->members[0]->quasi_newton || g->members[0]->contact_count > 0;
+    bool whole = cut || p->size == 0 || p->size == SN_SUBSTEP_PARTS;
     return power && fits && whole && (asleep || (p->size > 0 && p->parts % p->size == 0)) && p->iteration >= 0 &&
            p->iteration < g->iterations && p->spent >= 0;
 }
@@ -222,7 +223,8 @@ static sn_status check_fit(const sn_model *model, const sn_state *state, const c
 
 static bool has_iteration(const sn_model *model, sn_index iteration) {
     bool has = iteration == 0;
-    int64_t steps = model->halves ? SN_SUBSTEP_PARTS + SN_MOST_HALVINGS : 1; /* in the smallest parts, and those that were given up */
+    bool cuts = model->halves || model->contact != NULL;
+    int64_t steps = cuts ? SN_SUBSTEP_PARTS + SN_MOST_HALVINGS : 1; /* in the smallest parts, and those that were given up */
     for (sn_index i = 0; i < model->muscle_count; i++) has = has || (iteration > 0 && iteration < steps * model->muscles[i].iterations);
     return has;
 }

@@ -17,6 +17,7 @@ typedef struct sn_build {
     sn_index *sample_parents; /* (the same) the sample that it is joined to; SN_NONE: none, or it is left out */
     bool scaled;              /* stiffness by area */
     sn_anisotropy anisotropy; /* as it runs: NONE, PBD or XPBD */
+    const struct sn_contact_plan *contact; /* NULL = contact is off */
 } sn_build;
 
 /* ---- scheme.c ---- */
@@ -93,6 +94,8 @@ SN_MUST_CHECK sn_status sn_kinematics_build(const sn_build *build, sn_error *err
 void sn_kinematics_aim(const sn_model_muscle *m, sn_muscle_state *s, const sn_scene *scene, const sn_surface_moment *at);
 /* Put every attached vertex where its bone carries it: exactly pose(rest); or its surface. */
 void sn_kinematics_place(const sn_model_muscle *m, sn_muscle_state *s);
+/* Where the k-th kinematic point, one of that site, will be put. */
+sn_vec3 sn_kinematics_target(const sn_model_muscle *m, const sn_muscle_state *s, sn_index site, sn_index k);
 /* Are they anywhere else than where sn_kinematics_place put them last? */
 bool sn_kinematics_moved(const sn_model_muscle *m, const sn_muscle_state *s);
 /* The whole muscle, carried along with its bones to `points` (point_count): where a run starts. */

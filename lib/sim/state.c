@@ -2,6 +2,7 @@
  * state.c -- the arrays that a run writes: made, put at the start, read.
  */
 #include "backend.h"
+#include "contact.h"
 
 _Static_assert(sizeof(sn_point) == 32, "a point is one record of four doubles");
 _Static_assert(sizeof(sn_distance_row) == 8 && sizeof(sn_hinge_row) == 16, "rows are packed indices");
@@ -126,6 +127,8 @@ static void reset_muscle(const sn_model_muscle *m, sn_muscle_state *s, const sn_
         s->velocities[i] = sn_v3(0, 0, 0);
     }
     sn_kinematics_aim(m, s, scene, at);
+    sn_contacts_aim(m, s, scene, at);
+    sn_contacts_reset(m, s);
     sn_kinematics_carry(m, s, s->points);
     sn_kinematics_place(m, s);
     sn_inputs_update(m, s, at->time);

@@ -33,6 +33,10 @@ typedef struct sn_bone_motion {
     X(sn_rigid, placed, m->site_count, SN_KEPT)                     /* those that the attached points were put at last */                  \
     X(sn_vec3, targets, m->follower_count, SN_LEFT)                 /* of the followers at the end of the step, m */                       \
     X(sn_rigid, joint_poses, m->pose_count, SN_LEFT)                /* room for those of all joints at a time of the muscle's own */       \
+    X(sn_rigid, collider_poses, m->collider_count, SN_KEPT)         /* of the bones it may touch, at the end of the step */                \
+    X(sn_rigid, collider_placed, m->collider_count, SN_KEPT)        /* and at its beginning */                                             \
+    X(double, multipliers, m->quasi_newton ? m->contact_count : 0, SN_KEPT) /* of the rows of contact, N */                                \
+    X(sn_index, near, m->contact_count, SN_LEFT)                            /* those that may act in the step at hand */                   \
     X(bool, guarded, m->quasi_newton ? m->area_count : 0, SN_KEPT)
 
 /* What one muscle is told of the step at hand. */
@@ -42,6 +46,8 @@ typedef struct sn_inputs {
 #undef SN_INPUT_MEMBER
     double *own[SN_ROW_KINDS];      /* numbers that only their own kind reads, made anew from the others */
     sn_vec3 *volume_gradient;       /* (vertex_count) the back end's: dV/dx at the points that were evaluated or projected last; or NULL */
+    sn_index near_count;            /* rows of contact that may act */
+    double resolved;                /* how far margins have grown to what is asked, in [0,1] */
     double activation, contraction; /* the input in [0,1]; a = contraction x activation */
     double stiffness, volume_goal;  /* k, N/m; g(a) / g(a0) */
     double goal_contraction, goal_ratio; /* what the goals were made for; NaN = not made yet */
@@ -49,8 +55,10 @@ typedef struct sn_inputs {
 } sn_inputs;
 
 /* A substep that is too long for a group is halved so many times at most; parts are counted in the smallest ones. */
-#define SN_MOST_HALVINGS 3
+#define SN_MOST_HALVINGS 6
 #define SN_SUBSTEP_PARTS (1 << SN_MOST_HALVINGS)
+/* Where a bone could pass through it. A muscle that tears is helped by the first three alone. */
+#define SN_LEAST_TORN_PARTS (SN_SUBSTEP_PARTS / 8)
 
 /* How far a group has come in a substep. */
 typedef struct sn_progress {

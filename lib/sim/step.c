@@ -6,6 +6,7 @@
  * sleeping go through the same stages.
  */
 #include "backend.h"
+#include "contact.h"
 
 /* How far into a frame: substeps done, and iterations of the next one. */
 typedef struct moment {
@@ -74,7 +75,10 @@ static void take_poses(const run *r, const sn_group *g, sn_group_state *s, sn_in
     const sn_surface_moment at = {.poses = shared ? shared_poses(r, substep) : NULL,
                                   .time = time_of(r, g, substep, parts),
                                   .share = run_in_share(r, (substep + parts / (double)SN_SUBSTEP_PARTS) * g->substep_duration)};
-    for (sn_index i = 0; i < g->count; i++) sn_kinematics_aim(g->members[i], s->members[i], scene, &at);
+    for (sn_index i = 0; i < g->count; i++) {
+        sn_kinematics_aim(g->members[i], s->members[i], scene, &at);
+        sn_contacts_aim(g->members[i], s->members[i], scene, &at);
+    }
 }
 
 /* ---- rest ----------------------------------------------------------------------------------------------------------------------- */
@@ -95,7 +99,7 @@ static bool is_woken(const sn_group *g, const sn_group_state *s, double time) {
     for (sn_index i = 0; i < g->count; i++) {
         const sn_model_muscle *m = g->members[i];
         bool same = sn_muscle_activation(m->source, time) == s->members[i]->inputs->activation;
-        if (!same || sn_kinematics_moved(m, s->members[i])) return true;
+        if (!same || sn_kinematics_moved(m, s->members[i]) || sn_contacts_moved(m, s->members[i])) return true;
     }
     return false;
 }
@@ -104,9 +108,10 @@ static bool is_woken(const sn_group *g, const sn_group_state *s, double time) {
 static bool sleeps(const run *r, const sn_group *g, sn_group_state *s, sn_index substep) {
     bool rested = r->model->scene->solver.sleep && s->still >= g->substeps;
     if (rested) take_poses(r, g, s, substep, SN_SUBSTEP_PARTS);
-    if (rested && !is_woken(g, s, time_of(r, g, substep, SN_SUBSTEP_PARTS))) return true;
-    if (rested) s->still = 0;
-    return false;
+    bool woken = rested && is_woken(g, s, time_of(r, g, substep, SN_SUBSTEP_PARTS));
+    if (woken) s->still = 0;
+    for (sn_index i = 0; rested && !woken && i < g->count; i++) sn_contacts_sleep(g->members[i], s->members[i]);
+    return rested && !woken;
 }
 
 /* ---- a step as stages ------------------------------------------------------------------------------------------------------------- */
@@ -133,10 +138,18 @@ static sn_verdict stage_inputs(const step *at) {
     return SN_STEP_HOLDS;
 }
 
+/* Bones that would pass by too far make it too long; so that none passes through a muscle thinner than its way. */
+static sn_verdict stage_sweep(const step *at) {
+    if (at->part.begin > 0 || at->s->progress.size == 1) return SN_STEP_HOLDS;
+    for (sn_index i = 0; i < at->g->count; i++)
+        if (sn_contacts_too_far(at->g->members[i], at->s->members[i])) return SN_STEP_REFUSED;
+    return SN_STEP_HOLDS;
+}
+
 static sn_verdict stage_start(const step *at) {
     const sn_backend *backend = at->r->backend;
     if (at->part.begin == 0) return backend->start(at->g, at->s, &at->part);
-    if (backend->resume != NULL) backend->resume(at->g, at->s, &at->part);
+    backend->resume(at->g, at->s, &at->part);
     return SN_STEP_HOLDS;
 }
 
@@ -160,7 +173,8 @@ static sn_verdict stage_rest(const step *at) {
     return SN_STEP_HOLDS;
 }
 
-static sn_verdict (*const STAGES[])(const step *at) = {stage_poses, stage_inputs, stage_start, stage_iterate, stage_finish, stage_rest};
+static sn_verdict (*const STAGES[])(const step *at) = {stage_poses,   stage_inputs, stage_sweep, stage_start,
+                                                       stage_iterate, stage_finish, stage_rest};
 
 /* ---- a substep of a group: one step, or the halves of it ---------------------------------------------------------------------------- */
 
@@ -196,7 +210,7 @@ static step step_of(const run *r, const sn_group *g, sn_group_state *s, sn_index
                            .rules = sn_scheme_rules_of(&r->model->scene->solver),
                            .begin = at->iteration,
                            .end = end,
-                           .may_halve = g->halves && at->size > 1,
+                           .may_halve = g->halves && at->size > SN_LEAST_TORN_PARTS,
                            .halved = at->size < SN_SUBSTEP_PARTS,
                            .measure = r->measure && end == g->iterations && last,
                            .before = before_of(r, g)}};

@@ -8,6 +8,7 @@
 #include "xpbd.h"
 
 #include "backend.h"
+#include "contact.h"
 
 /* ---- stages ----------------------------------------------------------------------------------------------------------------- */
 
@@ -29,9 +30,15 @@ static sn_verdict start(const sn_group *g, sn_group_state *s, const sn_substep *
         const sn_model_muscle *m = g->members[i];
         predict(m, s->members[i], substep);
         sn_kinematics_place(m, s->members[i]);
+        sn_contacts_gather(m, s->members[i]);
         if (m->single) sn_single_enter(m, s->members[i]);
     }
     return SN_STEP_HOLDS;
+}
+
+static void resume(const sn_group *g, sn_group_state *s, const sn_substep *substep) {
+    (void)substep;
+    for (sn_index i = 0; i < g->count; i++) sn_contacts_gather(g->members[i], s->members[i]);
 }
 
 static void project_kind(const sn_model_muscle *m, sn_muscle_state *s, sn_row_kind kind, const sn_scheme_rules *rules, double h,
@@ -93,7 +100,10 @@ static void update_velocities(const sn_model_muscle *m, sn_muscle_state *s, cons
 
 /* Until here the velocities are the predicted ones. */
 static sn_verdict finish(const sn_group *g, sn_group_state *s, const sn_substep *substep) {
-    for (sn_index i = 0; i < g->count; i++) update_velocities(g->members[i], s->members[i], substep);
+    for (sn_index i = 0; i < g->count; i++) {
+        sn_contacts_finish(g->members[i], s->members[i]);
+        update_velocities(g->members[i], s->members[i], substep);
+    }
     return SN_STEP_HOLDS;
 }
 
@@ -194,6 +204,7 @@ static void take(const sn_group *g, const sn_group_state *from, sn_group_state *
 
 const sn_backend sn_backend_xpbd = {.name = "xpbd",
                                     .start = start,
+                                    .resume = resume,
                                     .iterate = iterate,
                                     .finish = finish,
                                     .create = create,

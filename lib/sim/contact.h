@@ -1,0 +1,87 @@
+/*
+ * contact.h -- inside lib/sim: which bones a muscle may touch, a row for each of its vertices (or samples of its triangles) and each of
+ * those bones, and what a step does with them.   bodies.md 2, numerics.md 7
+ *
+ * C = phi(x) - m: phi the signed distance to the bone in its own frame, m the margin that the row keeps, at most what it had at rest.
+ */
+#ifndef SN_SIM_CONTACT_H
+#define SN_SIM_CONTACT_H
+
+#include "rows.h"
+#include "sinew/distance_field.h"
+
+/* ---- contact_reach.c: before any muscle is built ------------------------------------------------------------------------------------ */
+
+/* Which bones come near which muscle over the motion, and the fields of those bones. */
+struct sn_contact_plan {
+    sn_index muscle_count, bone_count; /* of the scene */
+    bool *reach;                       /* (muscle_count x bone_count) */
+    sn_distance_field *fields;         /* (bone_count) empty where no muscle comes near */
+    double *thickness;                 /* (bone_count) m */
+};
+
+/* *out stays NULL where contact is off. */
+SN_MUST_CHECK sn_status sn_contact_plan_create(const sn_scene *scene, const sn_model_options *options, struct sn_contact_plan **out,
+                                               sn_error *error);
+void sn_contact_plan_destroy(struct sn_contact_plan *plan); /* NULL is fine */
+
+/* ---- the rows of one muscle: m->own[SN_ROWS_CONTACT] (contact_build.c) ------------------------------------------------------------- */
+
+typedef struct sn_collider {
+    sn_index bone, joint; /* of the scene; joint SN_NONE = it never moves */
+    const sn_distance_field *field;
+    double limit;        /* m: a surface that passes by farther in a step could pass through */
+    sn_index begin, end; /* its rows */
+} sn_collider;
+
+/* A vertex (weight 1, 0, 0) or a point of a triangle. */
+typedef struct sn_contact_row {
+    sn_index point[3];
+    float weight[3];
+    float margin; /* m; below the asked one where it was nearer at rest; negative: it overlaps at rest */
+} sn_contact_row;
+
+typedef struct sn_contacts {
+    sn_collider *colliders; /* (m->collider_count) in the order of the scene's bones */
+    sn_contact_row *rows;   /* (m->contact_count) by collider */
+    double margin;          /* m: asked for */
+    double friction;
+    double begin, resolve; /* s: margins grow to what is asked from `begin` on, in `resolve`; 0 = never */
+} sn_contacts;
+
+static inline const sn_contacts *sn_contacts_of(const sn_model_muscle *m) { return m->own[SN_ROWS_CONTACT]; }
+
+sn_left_out sn_contacts_reason(const sn_build *build);
+SN_MUST_CHECK sn_status sn_contacts_build(const sn_build *build, sn_row_kind kind, sn_error *error);
+void sn_contacts_destroy(sn_model_muscle *m, sn_row_kind kind);
+
+/* ---- one row (contact.c) ---------------------------------------------------------------------------------------------------------------
+ */
+
+double sn_contact_margin(const sn_contacts *contacts, const sn_muscle_state *s, const sn_contact_row *row); /* now, m */
+sn_vec3 sn_contact_point(const sn_contact_row *row, const sn_point *points);
+/* Move its points so that C >= 0, by its own gradient; `rubs`: with friction. false: it was, or there is no way out. */
+bool sn_contact_project(const sn_model_muscle *m, sn_muscle_state *s, const sn_collider *collider, sn_index r, bool rubs);
+
+/* ---- a step (contact_step.c); each does nothing for a muscle without contacts ------------------------------------------------------- */
+
+/* The poses of the colliders at that moment; at->poses may be NULL. */
+void sn_contacts_aim(const sn_model_muscle *m, sn_muscle_state *s, const sn_scene *scene, const sn_surface_moment *at);
+/* They are where they start; nothing pushes. */
+void sn_contacts_reset(const sn_model_muscle *m, sn_muscle_state *s);
+/* Has a collider moved since the last step that is near the muscle? */
+bool sn_contacts_moved(const sn_model_muscle *m, const sn_muscle_state *s);
+/* A group that slept through a step: the colliders have come this far. */
+void sn_contacts_sleep(const sn_model_muscle *m, sn_muscle_state *s);
+/* Would a bone pass by a point that it may hit farther than is safe? The points are those before the step, the attached ones too. */
+bool sn_contacts_too_far(const sn_model_muscle *m, const sn_muscle_state *s);
+/* The rows that may act in the step, whose `previous` points are set and whose attached points are placed. */
+void sn_contacts_gather(const sn_model_muscle *m, sn_muscle_state *s);
+/* qn: multipliers for the next step, from stiffness k, N/m. The share of the acting rows that have begun or ceased to act. */
+double sn_contacts_update(const sn_model_muscle *m, sn_muscle_state *s, double k);
+/* No vertex is left beyond its margin, also one that nobody thought near; the colliders have come this far. */
+void sn_contacts_finish(const sn_model_muscle *m, sn_muscle_state *s);
+/* Contacts, and the deepest vertex. */
+void sn_contacts_measure(const sn_model_muscle *m, const sn_muscle_state *s, sn_statistics *out);
+
+#endif

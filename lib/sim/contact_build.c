@@ -1,0 +1,187 @@
+/*
+ * contact_build.c -- the rows of contact of one muscle: which of its points are held out of which bones, and by which margin.   bodies.md 2
+ *
+ * Points that a bone carries have none, and the vertices around an attachment none against that bone: the muscle grows out of it there.
+ */
+#include "contact.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/* Vertices as near to an attachment as so many edges do not feel its bone. */
+enum { EDGES_AROUND_ATTACHMENT = 2 };
+/* Of the muscle's mean edge (bodies.md 2). */
+static const double DEFAULT_MARGIN = 0.1;
+/* A surface that passes by farther in a step than this share of the thinner of the two could pass through (numerics.md 7). */
+static const double SAFE_WAY = 0.3;
+
+/* What the rows of one muscle are made in. */
+typedef struct contact_work {
+    const sn_build *build;
+    sn_contacts *contacts;
+    bool *excluded;  /* (vertex_count) by the bone at hand */
+    sn_index *front; /* (vertex_count) room */
+} contact_work;
+
+/* ---- what is excluded ----------------------------------------------------------------------------------------------------------- */
+
+static sn_index exclude(contact_work *w, sn_index vertex, sn_index count) {
+    if (w->excluded[vertex]) return count;
+    w->excluded[vertex] = true;
+    w->front[count] = vertex;
+    return count + 1;
+}
+
+/* The vertices on this bone, and those up to two edges from them. */
+static void exclude_attachment(contact_work *w, const sn_attachment *attachment) {
+    const sn_topology *t = w->build->topology;
+    sn_index count = 0, begin = 0;
+    for (sn_index i = 0; i < attachment->count; i++) count = exclude(w, attachment->vertices[i], count);
+    for (int edges = 0; edges < EDGES_AROUND_ATTACHMENT; edges++) {
+        sn_index end = count;
+        for (sn_index i = begin; i < end; i++)
+            for (sn_index k = t->vertex_start[w->front[i]]; k < t->vertex_start[w->front[i] + 1]; k++)
+                count = exclude(w, t->neighbours[k], count);
+        begin = end;
+    }
+}
+
+static void find_excluded(contact_work *w, sn_index bone) {
+    const sn_muscle *rig = &w->build->source->rig;
+    memset(w->excluded, 0, (size_t)w->build->model->vertex_count * sizeof *w->excluded);
+    for (sn_index i = 0; i < rig->attachment_count; i++) {
+        sn_carrier carrier = sn_scene_carrier(w->build->scene, rig->attachments[i].bone);
+        if (carrier.kind == SN_CARRIER_BONE && carrier.index == bone) exclude_attachment(w, &rig->attachments[i]);
+    }
+}
+
+/* ---- rows ------------------------------------------------------------------------------------------------------------------------ */
+
+/* What it had at rest, where that is less than what is asked. */
+static float margin_of(const contact_work *w, const sn_distance_field *field, const sn_contact_row *row) {
+    sn_vec3 at = sn_v3(0, 0, 0);
+    for (int i = 0; i < 3; i++) at = sn_add_scaled(at, w->build->model->rest[row->point[i]], (double)row->weight[i]);
+    return (float)fmin(w->contacts->margin, sn_distance_field_at(field, at, NULL));
+}
+
+static void add_row(contact_work *w, const sn_distance_field *field, sn_contact_row row) {
+    row.margin = margin_of(w, field, &row);
+    w->contacts->rows[w->build->model->contact_count++] = row;
+}
+
+static void add_vertices(contact_work *w, const sn_distance_field *field) {
+    const sn_model_muscle *m = w->build->model;
+    for (sn_index v = 0; v < m->vertex_count; v++)
+        if (m->inverse_mass[v] > 0.0 && !w->excluded[v])
+            add_row(w, field, (sn_contact_row){.point = {v, v, v}, .weight = {1.0f, 0.0f, 0.0f}});
+}
+
+/* The middle of each triangle, or three points half way from it to the corners. */
+static void add_samples(contact_work *w, const sn_distance_field *field) {
+    const sn_model_muscle *m = w->build->model;
+    const float third = 1.0f / 3.0f, far = 1.0f / 6.0f, near = 2.0f / 3.0f;
+    sn_index samples = w->build->scene->contact.samples;
+    for (sn_index t = 0; t < m->triangle_count && samples > 0; t++) {
+        const sn_index *v = m->triangles[t].v;
+        bool held = w->excluded[v[0]] || w->excluded[v[1]] || w->excluded[v[2]];
+        bool is_free = m->inverse_mass[v[0]] > 0.0 || m->inverse_mass[v[1]] > 0.0 || m->inverse_mass[v[2]] > 0.0;
+        if (held || !is_free || !(m->rest_area[t] > 0.0)) continue;
+        sn_contact_row row = {.point = {v[0], v[1], v[2]}, .weight = {third, third, third}};
+        if (samples == 1) add_row(w, field, row);
+        for (int i = 0; i < 3 && samples == 3; i++) {
+            for (int k = 0; k < 3; k++) row.weight[k] = k == i ? near : far;
+            add_row(w, field, row);
+        }
+    }
+}
+
+static double thickness_of(const sn_model_muscle *m) {
+    double area = 0.0;
+    for (sn_index t = 0; t < m->triangle_count; t++) area += m->rest_area[t];
+    double thickness = area > 0.0 ? 4.0 * fabs(m->rest_volume) / area : 0.0;
+    return thickness > 0.0 ? thickness : m->mean_edge; /* an open sheet has no volume */
+}
+
+static void add_collider(contact_work *w, sn_index bone) {
+    const struct sn_contact_plan *plan = w->build->contact;
+    sn_model_muscle *m = w->build->model;
+    const sn_distance_field *field = &plan->fields[bone];
+    double thinner = fmin(thickness_of(m), plan->thickness[bone] > 0.0 ? plan->thickness[bone] : INFINITY);
+    sn_index begin = m->contact_count;
+    find_excluded(w, bone);
+    add_vertices(w, field);
+    add_samples(w, field);
+    if (m->contact_count == begin) return;
+    w->contacts->colliders[m->collider_count++] = (sn_collider){.bone = bone,
+                                                                .joint = w->build->scene->bones[bone].joint,
+                                                                .field = field,
+                                                                .limit = SAFE_WAY * thinner,
+                                                                .begin = begin,
+                                                                .end = m->contact_count};
+}
+
+/* ---- the whole --------------------------------------------------------------------------------------------------------------------- */
+
+static const bool *reach_of(const sn_build *build) {
+    const struct sn_contact_plan *plan = build->contact;
+    return plan->reach + (size_t)(build->source - build->scene->muscles) * (size_t)plan->bone_count;
+}
+
+static sn_index count_bones(const sn_build *build) {
+    const bool *reach = reach_of(build);
+    sn_index count = 0;
+    for (sn_index b = 0; b < build->contact->bone_count; b++) count += reach[b];
+    return count;
+}
+
+static bool make_room(contact_work *w, sn_index bones) {
+    sn_model_muscle *m = w->build->model;
+    size_t samples = (size_t)w->build->scene->contact.samples * (size_t)m->triangle_count;
+    return (w->contacts->colliders = SN_NEW(sn_collider, bones)) &&
+           (w->contacts->rows = SN_NEW(sn_contact_row, (size_t)bones * ((size_t)m->vertex_count + samples))) &&
+           (w->excluded = SN_NEW(bool, m->vertex_count)) && (w->front = SN_NEW(sn_index, m->vertex_count)) &&
+           (w->build->plan->bones = SN_NEW(sn_index, bones));
+}
+
+/* The rows' arrays as long as they are, and the bones for the plan. */
+static void settle(contact_work *w) {
+    sn_model_muscle *m = w->build->model;
+    sn_plan_muscle *plan = w->build->plan;
+    void *fitted = sn_realloc(w->contacts->rows, (size_t)m->contact_count, sizeof *w->contacts->rows);
+    if (fitted != NULL) w->contacts->rows = fitted;
+    for (sn_index i = 0; i < m->collider_count; i++) plan->bones[plan->bone_count++] = w->contacts->colliders[i].bone;
+}
+
+sn_status sn_contacts_build(const sn_build *build, sn_row_kind kind, sn_error *error) {
+    sn_model_muscle *m = build->model;
+    const sn_contact_settings *asked = &build->scene->contact;
+    if (build->plan->groups[kind].reason != SN_RUNS) return SN_OK;
+    contact_work w = {.build = build, .contacts = SN_NEW(sn_contacts, 1)};
+    if ((m->own[kind] = w.contacts) == NULL) return sn_fail_memory(error, "contact");
+    w.contacts->margin = asked->margin > 0.0 ? asked->margin : DEFAULT_MARGIN * m->mean_edge;
+    w.contacts->friction = asked->friction;
+    w.contacts->begin = build->scene->first_frame / build->scene->rate;
+    w.contacts->resolve = asked->resolve;
+    bool made = make_room(&w, count_bones(build));
+    for (sn_index b = 0; made && b < build->contact->bone_count; b++)
+        if (reach_of(build)[b]) add_collider(&w, b);
+    if (made) settle(&w);
+    free(w.excluded);
+    free(w.front);
+    build->plan->groups[kind].rows = m->contact_count;
+    return made ? SN_OK : sn_fail_memory(error, "contact");
+}
+
+void sn_contacts_destroy(sn_model_muscle *m, sn_row_kind kind) {
+    sn_contacts *contacts = m->own[kind];
+    if (contacts == NULL) return;
+    free(contacts->colliders);
+    free(contacts->rows);
+    free(contacts);
+    m->own[kind] = NULL;
+}
+
+sn_left_out sn_contacts_reason(const sn_build *build) {
+    if (build->contact == NULL || build->source->untouched) return SN_OUT_SETTING;
+    return count_bones(build) > 0 ? SN_RUNS : SN_OUT_NO_BONE;
+}

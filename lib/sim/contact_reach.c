@@ -1,0 +1,228 @@
+/*
+ * contact_reach.c -- which bones come near which muscle over the motion, by boxes; and the distance fields of those bones.   bodies.md 2
+ *
+ * A muscle is taken to stay in the box around where each bone that it is attached to would carry all of its rest shape, and some room
+ * around that. The rest of the scene's bones it never hears of.
+ */
+#include "contact.h"
+
+#include <stdlib.h>
+
+/* Room around a muscle, as a share of its diagonal: it bulges, swings, and is pushed aside. */
+static const double ROOM = 0.15;
+/* A run-in goes from rest to the first frame in so many looks. */
+enum { RUN_IN_LOOKS = 16 };
+/* Cells of a field along a bone's diagonal, at most, where the scene leaves the cell open; and the smallest such cell, m. */
+static const double MOST_CELLS = 400.0, LEAST_CELL = 1e-4;
+/* Of the finest mean edge in reach (bodies.md 2). */
+static const double CELLS_PER_EDGE = 3.0;
+
+typedef struct reach_work {
+    const sn_scene *scene;
+    struct sn_contact_plan *plan;
+    sn_box *bones, *muscles; /* at rest, m */
+    double *edges;           /* mean ones of the muscles, m */
+    sn_rigid *poses;         /* room for those of all joints */
+} reach_work;
+
+/* ---- boxes ---------------------------------------------------------------------------------------------------------------------- */
+
+static const sn_box EMPTY = {{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
+
+static void extend(sn_box *box, sn_vec3 p) {
+    box->low = sn_min3(box->low, p);
+    box->high = sn_max3(box->high, p);
+}
+
+static sn_box mesh_box(const sn_mesh *mesh, double unit) {
+    sn_box box = sn_mesh_box(mesh);
+    return (sn_box){sn_scale(box.low, unit), sn_scale(box.high, unit)};
+}
+
+static bool overlap(const sn_box *a, const sn_box *b) {
+    return a->low.x <= b->high.x && b->low.x <= a->high.x && a->low.y <= b->high.y && b->low.y <= a->high.y && a->low.z <= b->high.z &&
+           b->low.z <= a->high.z;
+}
+
+/* Grow `box` by another one that has been carried by a joint (SN_NONE: it has not). */
+static void extend_by(sn_box *box, const sn_box *rest, const sn_rigid *poses, sn_index joint) {
+    for (int corner = 0; corner < 8 && rest->low.x <= rest->high.x; corner++) {
+        sn_vec3 p = sn_v3(corner & 1 ? rest->high.x : rest->low.x, corner & 2 ? rest->high.y : rest->low.y,
+                          corner & 4 ? rest->high.z : rest->low.z);
+        extend(box, joint == SN_NONE ? p : sn_rigid_apply(poses[joint], p));
+    }
+}
+
+/* The joint that an attachment goes with; SN_NONE also where it is a surface. */
+static sn_index joint_of(const sn_scene *scene, const sn_attachment *attachment) {
+    sn_carrier carrier = sn_scene_carrier(scene, attachment->bone);
+    if (carrier.kind == SN_CARRIER_JOINT) return carrier.index;
+    return carrier.kind == SN_CARRIER_BONE ? scene->bones[carrier.index].joint : SN_NONE;
+}
+
+/* Where an attachment to a surface goes: everywhere that the surface's own vertices go, roughly. */
+static void extend_by_surface(const reach_work *w, sn_index surface, const sn_surface_moment *at, sn_box *box) {
+    const sn_scene_surface *s = &w->scene->surfaces[surface];
+    sn_index n = s->envelope.mesh.vertex_count, step = n / 200 + 1;
+    for (sn_index v = 0; v < n; v += step) extend(box, sn_scene_surface_vertex(s, at, v));
+}
+
+static sn_box muscle_box(const reach_work *w, sn_index muscle, const sn_surface_moment *at) {
+    const sn_muscle *rig = &w->scene->muscles[muscle].rig;
+    const sn_box *rest = &w->muscles[muscle];
+    sn_box box = EMPTY;
+    for (sn_index i = 0; i < rig->attachment_count; i++) {
+        sn_carrier carrier = sn_scene_carrier(w->scene, rig->attachments[i].bone);
+        if (carrier.kind == SN_CARRIER_SURFACE)
+            extend_by_surface(w, carrier.index, at, &box);
+        else
+            extend_by(&box, rest, at->poses, joint_of(w->scene, &rig->attachments[i]));
+    }
+    if (rig->attachment_count == 0) box = *rest;
+    double room = ROOM * sn_box_diagonal(*rest);
+    box.low = sn_sub(box.low, sn_v3(room, room, room));
+    box.high = sn_add(box.high, sn_v3(room, room, room));
+    return box;
+}
+
+/* ---- over the motion -------------------------------------------------------------------------------------------------------------- */
+
+static bool takes_part(const sn_scene_muscle *muscle) { return muscle->enabled && !muscle->untouched; }
+
+static void look(const reach_work *w, double time, double share) {
+    const sn_scene *scene = w->scene;
+    struct sn_contact_plan *plan = w->plan;
+    sn_motion_run_in_poses(&scene->motion, time, share, w->poses);
+    const sn_surface_moment at = {w->poses, time, share};
+    for (sn_index i = 0; i < scene->muscle_count; i++) {
+        if (!takes_part(&scene->muscles[i])) continue;
+        sn_box box = muscle_box(w, i, &at);
+        for (sn_index b = 0; b < scene->bone_count; b++) {
+            bool *near = &plan->reach[(size_t)i * (size_t)plan->bone_count + (size_t)b];
+            if (*near || scene->bones[b].passable) continue;
+            sn_box bone = EMPTY;
+            extend_by(&bone, &w->bones[b], w->poses, scene->bones[b].joint);
+            *near = overlap(&box, &bone);
+        }
+    }
+}
+
+static void look_through(const reach_work *w) {
+    const sn_scene *scene = w->scene;
+    double first = scene->first_frame / scene->rate;
+    for (int i = 0; sn_scene_runs_in(scene) && i < RUN_IN_LOOKS; i++) look(w, first, i / (double)RUN_IN_LOOKS);
+    for (sn_index frame = scene->first_frame; frame <= scene->last_frame; frame++) look(w, frame / scene->rate, 1.0);
+}
+
+/* ---- fields ----------------------------------------------------------------------------------------------------------------------- */
+
+/* The finest mean edge of the muscles that a bone comes near; 0 = none. */
+static double finest_edge(const reach_work *w, sn_index bone) {
+    double finest = 0.0;
+    for (sn_index i = 0; i < w->plan->muscle_count; i++)
+        if (w->plan->reach[(size_t)i * (size_t)w->plan->bone_count + (size_t)bone] && (finest == 0.0 || w->edges[i] < finest))
+            finest = w->edges[i];
+    return finest;
+}
+
+/* In metres, in its rest place. */
+static sn_status scaled_mesh(const sn_scene_bone *bone, sn_mesh *out, sn_error *error) {
+    sn_status status = sn_mesh_copy(&bone->mesh, out, error);
+    for (sn_index v = 0; status == SN_OK && v < out->vertex_count; v++)
+        out->positions[v] = sn_scale(out->positions[v], bone->meters_per_unit);
+    return status;
+}
+
+static double thickness_of(const sn_mesh *mesh) {
+    double area = sn_mesh_area(mesh);
+    return area > 0.0 ? 4.0 * fabs(sn_mesh_volume(mesh)) / area : 0.0; /* of a rod its diameter */
+}
+
+static sn_status make_field(const reach_work *w, const sn_model_options *options, sn_index bone, double edge, sn_error *error) {
+    const sn_scene_bone *source = &w->scene->bones[bone];
+    double chosen = w->scene->contact.cell, diagonal = sn_box_diagonal(w->bones[bone]);
+    if (!(chosen > 0.0)) chosen = fmax(fmax(edge / CELLS_PER_EDGE, diagonal / MOST_CELLS), LEAST_CELL);
+    sn_distance_field_params params = sn_distance_field_defaults(chosen);
+    sn_mesh mesh = {0};
+    params.pool = options->pool;
+    sn_status status = scaled_mesh(source, &mesh, error);
+    if (status == SN_OK) w->plan->thickness[bone] = thickness_of(&mesh);
+    if (status == SN_OK)
+        status = options->fields != NULL ? options->fields(options->user, source, &mesh, &params, &w->plan->fields[bone], error)
+                                         : sn_distance_field_create(&mesh, &params, &w->plan->fields[bone], error);
+    sn_mesh_free(&mesh);
+    if (status == SN_OK || error == NULL) return status;
+    sn_error why = *error;
+    return sn_fail(error, status, "bone \"%s\": %s", source->name, why.text);
+}
+
+static sn_status make_fields(const reach_work *w, const sn_model_options *options, sn_error *error) {
+    sn_status status = SN_OK;
+    for (sn_index b = 0; b < w->plan->bone_count && status == SN_OK; b++) {
+        double edge = finest_edge(w, b);
+        if (edge > 0.0) status = make_field(w, options, b, edge, error);
+    }
+    return status;
+}
+
+/* ---- the whole ---------------------------------------------------------------------------------------------------------------------- */
+
+static sn_status check_meshes(const sn_scene *scene, sn_error *error) {
+    for (sn_index b = 0; b < scene->bone_count; b++)
+        if (!scene->bones[b].passable && scene->bones[b].mesh.triangle_count == 0)
+            return sn_fail(error, SN_ERROR_INPUT,
+                           "bone \"%s\" has no surface to touch; give it one, or leave it out of contact with \"contact\": false",
+                           scene->bones[b].name);
+    return SN_OK;
+}
+
+static bool make_room(reach_work *w) {
+    struct sn_contact_plan *plan = w->plan;
+    plan->muscle_count = w->scene->muscle_count;
+    plan->bone_count = w->scene->bone_count;
+    return (plan->reach = SN_NEW(bool, (size_t)plan->muscle_count *(size_t)plan->bone_count)) &&
+           (plan->fields = SN_NEW(sn_distance_field, plan->bone_count)) && (plan->thickness = SN_NEW(double, plan->bone_count)) &&
+           (w->bones = SN_NEW(sn_box, plan->bone_count)) && (w->muscles = SN_NEW(sn_box, plan->muscle_count)) &&
+           (w->edges = SN_NEW(double, plan->muscle_count)) && (w->poses = SN_NEW(sn_rigid, w->scene->motion.joint_count));
+}
+
+static void measure_rest(reach_work *w) {
+    for (sn_index b = 0; b < w->plan->bone_count; b++) w->bones[b] = mesh_box(&w->scene->bones[b].mesh, w->scene->bones[b].meters_per_unit);
+    for (sn_index i = 0; i < w->plan->muscle_count; i++) {
+        const sn_muscle *rig = &w->scene->muscles[i].rig;
+        w->muscles[i] = mesh_box(&rig->mesh, rig->meters_per_unit);
+        w->edges[i] = rig->meters_per_unit * sn_mesh_mean_side(&rig->mesh);
+    }
+}
+
+sn_status sn_contact_plan_create(const sn_scene *scene, const sn_model_options *options, struct sn_contact_plan **out, sn_error *error) {
+    *out = NULL;
+    if (!scene->contact.enabled) return SN_OK;
+    sn_status status = check_meshes(scene, error);
+    if (status != SN_OK) return status;
+    reach_work w = {.scene = scene, .plan = SN_NEW(struct sn_contact_plan, 1)};
+    if (w.plan == NULL || !make_room(&w)) status = sn_fail_memory(error, "contact");
+    if (status == SN_OK) {
+        measure_rest(&w);
+        look_through(&w);
+        status = make_fields(&w, options, error);
+    }
+    free(w.bones);
+    free(w.muscles);
+    free(w.edges);
+    free(w.poses);
+    if (status == SN_OK)
+        *out = w.plan;
+    else
+        sn_contact_plan_destroy(w.plan);
+    return status;
+}
+
+void sn_contact_plan_destroy(struct sn_contact_plan *plan) {
+    if (plan == NULL) return;
+    for (sn_index b = 0; plan->fields != NULL && b < plan->bone_count; b++) sn_distance_field_free(&plan->fields[b]);
+    free(plan->fields);
+    free(plan->reach);
+    free(plan->thickness);
+    free(plan);
+}

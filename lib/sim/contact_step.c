@@ -1,0 +1,204 @@
+/*
+ * contact_step.c -- what a step does with contacts beside projecting them: where bones are, which rows may act, what passes by too far.
+ *
+ * A row is near where its point could reach the bone in the step. Both are looked at in the bone's frame, before the step and after it with
+ * the muscle's mean motion: phi changes no faster than a point moves, so that along the way between the two phi is at least their mean less
+ * half of the way. Everything here depends on what a state keeps, so that a run that goes on in the middle of a step finds the same rows.
+ */
+#include "contact.h"
+
+#include <string.h>
+
+/* Points move beside the muscle's mean motion in a step, by so many mean edges. */
+static const double SLACK = 2.0;
+/* The last look: bones close to each other push a point to and fro. */
+enum { LAST_SWEEPS = 4 };
+
+/* ---- where the bones are ----------------------------------------------------------------------------------------------------------------
+ */
+
+void sn_contacts_aim(const sn_model_muscle *m, sn_muscle_state *s, const sn_scene *scene, const sn_surface_moment *at) {
+    const sn_contacts *contacts = sn_contacts_of(m);
+    for (sn_index c = 0; c < m->collider_count; c++) {
+        sn_index joint = contacts->colliders[c].joint;
+        s->inputs->collider_poses[c] = joint == SN_NONE    ? sn_rigid_identity()
+                                       : at->poses != NULL ? at->poses[joint]
+                                                           : sn_motion_run_in_pose(&scene->motion, joint, at->time, at->share);
+    }
+    if (m->collider_count == 0 || !(contacts->resolve > 0.0)) return;
+    s->inputs->resolved = fmin(fmax((at->time - contacts->begin) / contacts->resolve, 0.0), 1.0);
+}
+
+static void keep_poses(const sn_model_muscle *m, sn_muscle_state *s) {
+    if (m->collider_count > 0)
+        memcpy(s->inputs->collider_placed, s->inputs->collider_poses, (size_t)m->collider_count * sizeof *s->inputs->collider_placed);
+}
+
+void sn_contacts_reset(const sn_model_muscle *m, sn_muscle_state *s) {
+    s->inputs->near_count = 0;
+    keep_poses(m, s);
+    for (sn_index r = 0; m->quasi_newton && r < m->contact_count; r++) s->inputs->multipliers[r] = 0.0;
+}
+
+void sn_contacts_sleep(const sn_model_muscle *m, sn_muscle_state *s) { keep_poses(m, s); }
+
+/* ---- the muscle as a whole
+ * ---------------------------------------------------------------------------------------------------------------- */
+
+typedef struct whole {
+    sn_box box;   /* of its points before the step */
+    sn_vec3 way;  /* mean way of its attached points in the step */
+    double reach; /* how far beside that way a point may come, m */
+} whole;
+
+static void extend(sn_box *box, sn_vec3 p) {
+    box->low = sn_min3(box->low, p);
+    box->high = sn_max3(box->high, p);
+}
+
+/* before (point_count): the points before the step; targets: those of the attached ones after it, by sn_kinematics_target. */
+static whole see_whole(const sn_model_muscle *m, const sn_muscle_state *s, const sn_vec3 *before) {
+    whole w = {.box = {{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}}, .reach = SLACK * m->mean_edge};
+    for (sn_index i = 0; i < m->vertex_count; i++) extend(&w.box, before != NULL ? before[i] : sn_point_position(&s->points[i]));
+    sn_index k = 0;
+    for (sn_index site = 0; site < m->site_count; site++)
+        for (; k < m->sites[site].end; k++) {
+            sn_index v = m->kinematic_points[k];
+            sn_vec3 from = before != NULL ? before[v] : sn_point_position(&s->points[v]);
+            w.way = sn_add_scaled(w.way, sn_sub(sn_kinematics_target(m, s, site, k), from), 1.0 / m->kinematic_count);
+        }
+    return w;
+}
+
+/* A collider's poses the other way, before the step and after it: from the world into its frame. */
+typedef struct frames {
+    sn_rigid before, after;
+} frames;
+
+static frames frames_of(const sn_muscle_state *s, sn_index c) {
+    return (frames){sn_rigid_inverse(s->inputs->collider_placed[c]), sn_rigid_inverse(s->inputs->collider_poses[c])};
+}
+
+/* How far from a box a point is. */
+static double distance_from(const sn_box *box, sn_vec3 p) {
+    sn_vec3 out = sn_max3(sn_max3(sn_sub(box->low, p), sn_sub(p, box->high)), sn_v3(0, 0, 0));
+    return sn_norm(out);
+}
+
+/* Could any point of the muscle come to this collider in the step? By the ball around the muscle's box. */
+static bool whole_comes_near(const sn_collider *collider, const whole *w, const frames *f, double margin) {
+    sn_vec3 middle = sn_scale(sn_add(w->box.low, w->box.high), 0.5);
+    double radius = 0.5 * sn_box_diagonal(w->box);
+    sn_vec3 before = sn_rigid_apply(f->before, middle), after = sn_rigid_apply(f->after, sn_add(middle, w->way));
+    double way = sn_distance(before, after), turn = 2.0 * radius; /* a turning bone's way at the ball's rim is at most twice its radius */
+    double nearest = fmin(distance_from(&collider->field->box, before), distance_from(&collider->field->box, after));
+    return nearest <= radius + margin + w->reach + way + turn;
+}
+
+/* What a row's point does in the frame of its bone. */
+typedef struct passage {
+    double way;   /* how far it is carried, m */
+    double least; /* phi is at least this on the way */
+} passage;
+
+static passage passage_of(const sn_collider *collider, const frames *f, sn_vec3 from, sn_vec3 to) {
+    sn_vec3 p = sn_rigid_apply(f->before, from), q = sn_rigid_apply(f->after, to);
+    passage way = {.way = sn_distance(p, q)};
+    double a = sn_distance_field_at(collider->field, p, NULL), b = sn_distance_field_at(collider->field, q, NULL);
+    way.least = 0.5 * (a + b - way.way);
+    return way;
+}
+
+static sn_vec3 vertex_of(const sn_contact_row *row, const sn_muscle_state *s, const sn_vec3 *before) {
+    if (before == NULL) return sn_contact_point(row, s->points);
+    sn_vec3 at = sn_v3(0, 0, 0);
+    for (int i = 0; i < 3 && row->weight[i] > 0.0f; i++) at = sn_add_scaled(at, before[row->point[i]], (double)row->weight[i]);
+    return at;
+}
+
+/* ---- before a step
+ * -------------------------------------------------------------------------------------------------------------------------- */
+
+bool sn_contacts_moved(const sn_model_muscle *m, const sn_muscle_state *s) {
+    const sn_contacts *contacts = sn_contacts_of(m);
+    if (m->collider_count == 0) return false;
+    whole w = see_whole(m, s, NULL);
+    for (sn_index c = 0; c < m->collider_count; c++) {
+        frames f = frames_of(s, c);
+        bool still = memcmp(&s->inputs->collider_poses[c], &s->inputs->collider_placed[c], sizeof *s->inputs->collider_poses) == 0;
+        if (!still && whole_comes_near(&contacts->colliders[c], &w, &f, contacts->margin)) return true;
+    }
+    return s->inputs->resolved > 0.0 && s->inputs->resolved < 1.0;
+}
+
+static bool passes_too_far(const sn_contacts *contacts, const sn_muscle_state *s, sn_index c, const whole *w) {
+    const sn_collider *collider = &contacts->colliders[c];
+    frames f = frames_of(s, c);
+    if (!whole_comes_near(collider, w, &f, contacts->margin)) return false;
+    for (sn_index r = collider->begin; r < collider->end; r++) {
+        sn_vec3 from = vertex_of(&contacts->rows[r], s, NULL);
+        passage way = passage_of(collider, &f, from, sn_add(from, w->way));
+        if (way.way > collider->limit && way.least < contacts->margin) return true;
+    }
+    return false;
+}
+
+bool sn_contacts_too_far(const sn_model_muscle *m, const sn_muscle_state *s) {
+    const sn_contacts *contacts = sn_contacts_of(m);
+    if (m->collider_count == 0) return false;
+    whole w = see_whole(m, s, NULL);
+    for (sn_index c = 0; c < m->collider_count; c++)
+        if (passes_too_far(contacts, s, c, &w)) return true;
+    return false;
+}
+
+static void gather_from(const sn_contacts *contacts, const sn_model_muscle *m, sn_muscle_state *s, sn_index c, const whole *w) {
+    const sn_collider *collider = &contacts->colliders[c];
+    sn_inputs *in = s->inputs;
+    frames f = frames_of(s, c);
+    bool comes = whole_comes_near(collider, w, &f, contacts->margin);
+    for (sn_index r = collider->begin; r < collider->end; r++) {
+        bool near = comes;
+        if (near) {
+            sn_vec3 from = vertex_of(&contacts->rows[r], s, s->previous);
+            near = passage_of(collider, &f, from, sn_add(from, w->way)).least < contacts->margin + w->reach;
+        }
+        if (near)
+            in->near[in->near_count++] = r;
+        else if (m->quasi_newton)
+            in->multipliers[r] = 0.0;
+    }
+}
+
+void sn_contacts_gather(const sn_model_muscle *m, sn_muscle_state *s) {
+    const sn_contacts *contacts = sn_contacts_of(m);
+    s->inputs->near_count = 0;
+    if (m->collider_count == 0) return;
+    whole w = see_whole(m, s, s->previous);
+    for (sn_index c = 0; c < m->collider_count; c++) gather_from(contacts, m, s, c, &w);
+}
+
+/* ---- after a step
+ * ----------------------------------------------------------------------------------------------------------------------------- */
+
+/* Rows of one collider that are beyond their margin; false: there were none. */
+static bool project_collider(const sn_model_muscle *m, sn_muscle_state *s, sn_index c, const whole *w) {
+    const sn_contacts *contacts = sn_contacts_of(m);
+    const sn_collider *collider = &contacts->colliders[c];
+    frames f = frames_of(s, c);
+    bool moved = false;
+    if (!whole_comes_near(collider, w, &f, contacts->margin)) return false;
+    for (sn_index r = collider->begin; r < collider->end; r++) moved = sn_contact_project(m, s, collider, r, false) || moved;
+    return moved;
+}
+
+void sn_contacts_finish(const sn_model_muscle *m, sn_muscle_state *s) {
+    if (m->collider_count == 0) return;
+    whole w = see_whole(m, s, NULL);
+    bool moved = true;
+    for (int i = 0; i < LAST_SWEEPS && moved; i++) {
+        moved = false;
+        for (sn_index c = 0; c < m->collider_count; c++) moved = project_collider(m, s, c, &w) || moved;
+    }
+    keep_poses(m, s);
+}
