@@ -55,9 +55,9 @@ for solver in qn xpbd; do
 done
 # passive stands first of its solver: the others are over it
 for solver in qn xpbd; do
-    for setting in $settings; do "$folds" "$rig" "$out/$setting.$solver.ply" | sed -n "s|^$out/\(.*\)\.$solver\.ply|$solver\t\1|p"; done
+    for setting in $settings; do "$folds" "$rig" "$out/$setting.$solver.ply" | sed -n "2s/^[^\t]*/$solver\t$setting/p"; done
 done | awk -F '\t' -v OFS='\t' 'BEGIN { print "solver", "setting", "largest", "p99", "rms", "over passive" }
-    $2 == "passive" { passive = $3 } { print $1, $2, $3, $4, $5, sprintf("%.2f", $3 / passive) }' > "$out/tone.tsv"
+    $2 == "passive" { passive = $3 } { print $1, $2, $3, $4, $5, (passive > 0 ? sprintf("%.2f", $3 / passive) : "-") }' > "$out/tone.tsv"
 cat "$out/tone.tsv"
 (last "$out/bones") > "$out/last"
 mv "$out/last" "$out/bones/last.txt"
