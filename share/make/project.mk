@@ -18,7 +18,7 @@ PROGRAM_STAMPS := $(patsubst tests/%.c,$(STAMPS)/program-%,$(sort $(wildcard tes
 SHORT_STAMPS := $(STAMPS)/layering $(STAMPS)/circles $(STAMPS)/parameters $(UNIT_STAMPS) $(CLI_STAMPS)
 ALL_STAMPS := $(SHORT_STAMPS) $(PROGRAM_STAMPS) $(STAMPS)/examples $(STAMPS)/anatomy $(STAMPS)/install
 ASSETS := $(wildcard share/make/sinew.mk share/make/assets share/make/*.awk)
-EVERYTHING := $(ASSETS) $(wildcard share/plots/* share/examples/body/* share/examples/assets/* share/examples/papers/* share/examples/sensors/* share/completions/*) $(BUILT_TOOLS) $(BUILT_LIBEXEC) $(EXAMPLES) $(wildcard share/schema/*.json) tests/suite
+EVERYTHING := $(ASSETS) $(wildcard share/plots/* share/examples/arm/* share/examples/body/* share/examples/assets/* share/examples/papers/* share/examples/sensors/* share/completions/*) $(BUILT_TOOLS) $(BUILT_LIBEXEC) $(EXAMPLES) $(wildcard share/schema/*.json) tests/suite
 
 # the first make may install the compiler's libraries: build in a second one
 check: deps
@@ -111,6 +111,12 @@ anatomy: $(B)/tests/numerics/anatomy_rig $(B)/tests/numerics/attach_rules $(B)/t
 demo: deps
 	@$(MAKE) --no-print-directory -j$(JOBS) programs examples
 	@share/examples/arm/demo.sh $(B)/bin $(B)/examples build/demo
+# how far the arm's passive biceps folds, without and with tone: the table and the picture of simulate(1)
+.PHONY: tone
+tone: deps
+	@$(MAKE) --no-print-directory -j$(JOBS) programs examples
+	@mkdir -p build/tone
+	@$(MAKE) -s --no-print-directory -C build/tone -f $(CURDIR)/share/examples/arm/Makefile TOOLS=$(CURDIR)/$(B)/bin ARM=$(CURDIR)/$(B)/examples/arm/arm tone
 
 # ---- checks of the sources ------------------------------------------------------------------------------------------------------
 C_FILES := $(wildcard include/sinew/*.h lib/*/*.[ch] tools/*.[ch] tests/*/*.c share/examples/*/*.c)

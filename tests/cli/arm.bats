@@ -140,11 +140,66 @@ END
 
 @test "the demo leaves documents, frames, a log and pictures, and says what was measured" {
     TRIANGLES=1000 "$HERE/demo.sh" "$BIN" "$EXAMPLES" demo > out
-    for tool in arm mesh-clean root-select build-structure fiber-flow attach-detect simulate rig-view; do
+    for tool in arm mesh-clean root-select build-structure fiber-flow attach-detect simulate motion-import motion-sense scene-build rig-view; do
         grep -q "^  $tool  *[0-9][0-9.]* s" out
     done
-    grep -q "^  worst volume error  *0\.[0-9]* %" out
+    [ "$(grep -c "^  simulate " out)" -eq 2 ]
+    [ "$(grep -c "^  worst volume error  *0\.[0-9]* %" out)" -eq 2 ]
     for file in biceps.muscle.json frames/biceps.pc2 arm.jsonl arm.png arm.motion.png biceps.stages.png; do [ -s "demo/$file" ]; done
+    for file in curl.bvh curl.motion.json curl.activation.json curl.scene.json curl-frames/triceps.pc2 curl.jsonl curl.png curl.sensors.png; do
+        [ -s "demo/$file" ]
+    done
+}
+
+@test "the curl: elbow and activations are those that its curves and sensors say, at any rate of the recording" {
+    cp -r "$SAMPLE" curl
+    cd curl
+    make -s -f "$HERE/Makefile" TOOLS="$BIN" curl
+    [ "$(wc -l < curl.jsonl)" -eq $((3 * 73)) ]
+    python3 - <<'END'
+import json, math, struct
+def jerk(s): s = min(max(s, 0), 1); return s**3 * (10 - 15 * s + 6 * s * s)
+def degrees(t): return 120 * jerk((t - 0.25) / 1.25) - 115 * jerk((t - 1.75) / 0.75)
+# activations in the log against the readings that the curl has by its formula: at its quickest, held, let down, at rest again
+log = {(line["frame"], line["muscle"]): line["activation"] for line in map(json.loads, open("curl.jsonl"))}
+fastest = 120 / 1.25 * 1.875  # degrees/s of minimum jerk, at 0.875 s
+wanted = {(0, "biceps"): 0.05, (0, "triceps"): 0.5, (21, "biceps"): 0.9 * fastest / 200, (40, "brachialis"): 0.6, (40, "triceps"): 0, (54, "triceps"): 0.6,
+          (72, "biceps"): 0.05}
+for key, value in wanted.items(): assert abs(log[key] - value) < 2e-3, (key, log[key], value)
+# the brake fires once, where the elbow passes 150 degrees/s on its way down
+fired = [s["fired"] for s in json.load(open("curl.activation.report.json"))["sensors"] if "fired" in s]
+share = (1 - math.sqrt(1 - 4 * math.sqrt(150 * 0.75 / (115 * 30)))) / 2
+assert len(fired) == 1 and len(fired[0]) == 1 and abs(fired[0][0] - (1.75 + 0.75 * share)) < 5e-3, (fired, share)
+# attached vertices lie where the recording has their bones; between its samples it goes straight
+document = json.load(open("biceps.muscle.json"))
+rest, data = document["mesh"]["vertices"], open("curl-frames/biceps.pc2", "rb").read()
+points = struct.unpack("<i", data[16:20])[0]
+for frame in 21, 40, 50, 72:
+    a, count = math.radians(degrees(frame / 24)), 0
+    now = struct.unpack(f"<{3 * points}f", data[32 + 12 * points * frame:32 + 12 * points * (frame + 1)])
+    for attachment in document["attachments"]:
+        for v in attachment["vertices"] if attachment["bone"] == "radius" else ():
+            x, y, z = rest[3 * v:3 * v + 3]
+            goal = x * math.cos(a) - z * math.sin(a), y, x * math.sin(a) + z * math.cos(a)
+            count += 1
+            assert math.dist(goal, now[3 * v:3 * v + 3]) < 5e-5, (frame, v, math.dist(goal, now[3 * v:3 * v + 3]))
+    assert count > 3
+END
+    awk -f "$HERE/curl.awk" -v rate=240 > fine.bvh
+    "$BIN/motion-sense" --sensors "$HERE/curl.sensors.json" --rate 24 fine.bvh -o fine.tsv
+    "$BIN/motion-sense" --sensors "$HERE/curl.sensors.json" --rate 24 curl.motion.json -o coarse.tsv
+    paste fine.tsv coarse.tsv | awk '{ for (i = 2; i <= 4; i++) { d = $i - $(i + 4); if (d < 0) d = -d; if (d > most) most = d } }
+        END { if (NR != 74 || most > 0.005) { print NR, most; exit 1 } }'
+    run -2 awk -f "$HERE/curl.awk" -v rate=-1
+}
+
+@test "motion and sensors of the example keep to their schemas" {
+    python3 - "$HERE" <<'END'
+import json, jsonschema, sys
+for kind in "sensors", "motion", "scene":
+    name = {"sensors": "curl", "motion": "bend", "scene": "arm"}[kind]
+    jsonschema.validate(json.load(open(f"{sys.argv[1]}/{name}.{kind}.json")), json.load(open(f"{sys.argv[1]}/../../schema/{kind}.schema.json")))
+END
 }
 
 @test "a run that strays from the goal volume fails the demo's summary" {
