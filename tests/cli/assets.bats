@@ -270,3 +270,16 @@ refused() { # WORDS [MAKE ARGUMENT...]: one sentence, no work
     command -v shellcheck > /dev/null || skip "shellcheck is not installed"
     shellcheck "$share/make/assets" "$share/examples/assets/generate.sh"
 }
+
+@test "what make says in the end tells of rigs on no bone and on one bone alone" {
+    row triceps bones radius
+    row triceps attach-detect '--method contact'
+    row biceps bones radius
+    build
+    tail -n 1 said
+    [ "$(tail -n 1 said)" = "3 rigs, 1 on no bone, 1 on one bone alone; see rigs/summary.tsv" ]
+    [ "$(awk -F '\t' '$1 == "triceps" { print $3, $15, $16 }' rigs/summary.tsv)" = "ok 0 0" ]
+    printf 'muscle\ttool\toptions\n' > options.tsv
+    make -s SINEW_BONES= > said 2>&1
+    [ "$(tail -n 1 said)" = "3 rigs; see rigs/summary.tsv" ]
+}
