@@ -61,7 +61,7 @@ typedef struct sn_distance_field {
     sn_index *brick;        /* (bricks x y z; x runs fastest) which values, or SN_NONE = coarse */
     float *values;          /* (brick_count x SN_BRICK_VALUES), x runs fastest */
     float *coarse;          /* ((2 bricks + 1) of x y z), x runs fastest */
-    sn_solid_report report; /* of how it was built; zeros in one that was read */
+    sn_solid_report report; /* of how it was built */
 } sn_distance_field;
 
 sn_distance_field_params sn_distance_field_defaults(double cell);
