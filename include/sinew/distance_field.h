@@ -13,7 +13,7 @@
 #include "sinew/mesh.h"
 #include "sinew/thread.h"
 
-/* ---- the solid that a surface stands for (lib/geom/solid.c solid_inner.c) ------------------------------------------------------------- */
+/* ---- the solid that a surface stands for (lib/geom/solid.c solid_inner.c) ------------------------------------------- */
 
 /* What was done to a surface to make it bound a solid. */
 typedef struct sn_solid_report {

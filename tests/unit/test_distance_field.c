@@ -361,11 +361,13 @@ static void test_nested_spheres(void **state) {
     sn_mesh_free(&turned);
 }
 
-/* A half sphere, either way around, is closed by its disc. */
+/* A half sphere, either way around, is closed by its disc; one with a long border by a cone to its middle. */
 static void test_open_cup(void **state) {
     (void)state;
-    for (int turned = 0; turned < 2; turned++) {
-        sn_mesh cup = shape_sphere(31, 64);
+    for (int kind = 0; kind < 3; kind++) {
+        bool turned = kind == 1;
+        sn_index columns = kind == 2 ? 208 : 64;
+        sn_mesh cup = shape_sphere(31, columns);
         bool *keep = calloc((size_t)cup.triangle_count, sizeof *keep);
         for (sn_index t = 0; t < cup.triangle_count; t++) {
             const sn_index *v = cup.triangles[t].v;
@@ -376,8 +378,8 @@ static void test_open_cup(void **state) {
         if (turned) turn(&cup);
         sn_distance_field f = field_of(&cup, 0.04);
         assert_int_equal(f.report.caps, 1);
-        assert_int_equal(f.report.cap_triangles, 62);
-        assert_true(f.report.inside_out == (turned == 1));
+        assert_int_equal(f.report.cap_triangles, kind == 2 ? columns : columns - 2);
+        assert_true(f.report.inside_out == turned);
         assert_near(f.report.volume, 2.0 / 3.0 * SN_PI, 0.02);
         uint64_t random = 37;
         for (int i = 0; i < 5000; i++) {
@@ -477,6 +479,20 @@ static void test_a_sheet_has_no_inside(void **state) {
     assert_near(f.report.volume, 0.0, 1e-15);
     sn_distance_field_free(&f);
     sn_mesh_free(&sheet);
+}
+
+/* One-sided: there is no telling inside from outside, but a distance there is. */
+static void test_a_strip_of_one_side(void **state) {
+    (void)state;
+    sn_mesh strip = shape_moebius(40);
+    sn_distance_field f = field_of(&strip, 0.1);
+    for (sn_index t = 0; t < strip.triangle_count; t++) {
+        const sn_index *v = strip.triangles[t].v;
+        sn_vec3 sum = sn_add(strip.positions[v[0]], sn_add(strip.positions[v[1]], strip.positions[v[2]]));
+        assert_near(sn_distance_field_at(&f, sn_scale(sum, 1.0 / 3.0), NULL), 0.0, 0.06);
+    }
+    sn_distance_field_free(&f);
+    sn_mesh_free(&strip);
 }
 
 /* ---- what cannot be ------------------------------------------------------------------------------------------------------------------ */
@@ -724,6 +740,7 @@ int main(void) {
         cmocka_unit_test(test_many_pieces),
         cmocka_unit_test(test_badly_wound),
         cmocka_unit_test(test_a_sheet_has_no_inside),
+        cmocka_unit_test(test_a_strip_of_one_side),
         cmocka_unit_test(test_refusals),
         cmocka_unit_test(test_large_cells),
         cmocka_unit_test(test_memory_goes_with_the_area),
