@@ -8,10 +8,10 @@
  * it is that to the boundary of sn_solid_surface, whose triangles are held against the file's, and the signs are compared with the winding
  * number of the file's own triangles besides.
  *
- * Nine in ten values must be within 0.1 cells, all within 0.5; at most 1 % of the signs may be wrong, all of these within 0.3 cells of the
- * surface. Where the side that a point is on is thin, at edges like knives and in crevices, no table of distances at corners shows it: no
- * point within a cell is 0.75 cells from the surface there. These are counted apart, and held to 0.5 cells. Points deep inside must come
- * out by steps of value along gradient. Thin bones get smaller cells.
+ * Nine in ten values must be within 0.1 cells, all within 0.5; at most 1 % of the signs may be wrong (3 % of few points), all of these
+ * within 0.3 cells of the surface. Where the side that a point is on is thin, at edges like knives and in crevices, no table of distances
+ * at corners shows it: no point within a cell is 0.75 cells from the surface there. These are counted apart, and held to 0.5 cells. Points
+ * deep inside must come out by steps of value along gradient. Thin bones get smaller cells.
  */
 #include "field_bones.h"
 
@@ -45,11 +45,11 @@ static const subject subjects[] = {
     {{GAIT("femur_r"), 1.0, 2e-3}, true, false},
     {{DOG("Ribcage"), 1.0, 1e-3}, false, false},               /* 74 pieces, 3396 triangles twice */
     {{DOG("MergedSkull"), 1.0, 4e-4}, false, true},            /* 23 pieces, crossing */
-    {{DOG("Jaw"), 1.0, 5e-4}, false, false},                   /* 23 pieces, crossing */
+    {{DOG("Jaw"), 1.0, 5e-4}, false, true},                    /* 23 pieces, crossing */
     {{DOG("Xiphoid_cartilage"), 1.0, 2.5e-4}, false, false},   /* every triangle twice */
     {{LOW("FJ495_Right_scapula"), 1e-3, 1e-3}, false, false},  /* crosses itself */
     {{LOW("FJ607_Frontal_bone"), 1e-3, 1e-3}, false, false},   /* open, crossing */
-    {{LOW("FJ803_Occipital_bone"), 1e-3, 1e-3}, false, false}, /* not manifold, crossing */
+    {{LOW("FJ803_Occipital_bone"), 1e-3, 5e-4}, false, false}, /* not manifold, crossing */
     {{GAIT("hat_ribs"), 1.0, 1e-3}, false, false},             /* 25 pieces, crossing */
     {{GAIT("hat_skull"), 1.0, 1e-3}, false, false},            /* 6 holes, badly wound edges, 473 crossings */
     {{GAIT("arm_r_humerus"), 1.0, 2e-3}, false, false},        /* 6 holes */
@@ -165,7 +165,7 @@ static void compare_near(trial *t, sn_index points, outcome *out) {
         if (true_distance(t, p) > 3.0 * cell) continue;
         double exact = truth(t, p), depth = fabs(exact) / cell, phi = sn_distance_field_at(t->field, p, NULL);
         errors[out->near++] = fabs(phi - exact) / cell;
-        agree += (phi < 0.0) == (fabs(brute_winding(t->file, p)) > 0.5);
+        agree += (phi < 0.0) == (t->clean ? exact < 0.0 : fabs(brute_winding(t->file, p)) > 0.5);
         if ((phi < 0.0) == (exact < 0.0)) continue;
         wrong++;
         double *at = depth > 0.3 && is_thin(t, p, exact < 0.0) ? &out->thin_at : &out->wrong_at;
@@ -224,9 +224,9 @@ static void explain_triangles(trial *t, sn_index points, outcome *out) {
 
 static bool judge(const subject *s, const outcome *o, sn_index points) {
     bool good =
-        o->near == points && o->error90 <= 0.1 && o->worst <= 0.5 && o->wrong_share <= 0.01 && o->wrong_at <= 0.3 && o->thin_at <= 0.5;
+        o->near == points && o->error90 <= 0.1 && o->worst <= 0.5 && o->wrong_share <= most && o->wrong_at <= 0.3 && o->thin_at <= 0.5;
     good = good && o->stuck <= 0.01 && o->unexplained <= 0.002;
-    return good && (!s->clean || o->agree >= 0.99);
+    return good && (!s->clean || o->agree >= 1.0 - most);
 }
 
 static bool try_bone(const char *data, const subject *s, sn_index points, sn_pool *pool) {
