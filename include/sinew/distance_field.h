@@ -13,7 +13,7 @@
 #include "sinew/mesh.h"
 #include "sinew/thread.h"
 
-/* ---- the solid that a surface stands for (lib/geom/solid.c solid_inner.c) ------------------------------------------------------------- */
+/* ---- the solid that a surface stands for (lib/geom/solid.c solid_inner.c) ------------------------------------------- */
 
 /* What was done to a surface to make it bound a solid. */
 typedef struct sn_solid_report {
@@ -61,7 +61,7 @@ typedef struct sn_distance_field {
     sn_index *brick;        /* (bricks x y z; x runs fastest) which values, or SN_NONE = coarse */
     float *values;          /* (brick_count x SN_BRICK_VALUES), x runs fastest */
     float *coarse;          /* ((2 bricks + 1) of x y z), x runs fastest */
-    sn_solid_report report; /* of how it was built; zeros in one that was read */
+    sn_solid_report report; /* of how it was built */
 } sn_distance_field;
 
 sn_distance_field_params sn_distance_field_defaults(double cell);

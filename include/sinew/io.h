@@ -7,6 +7,7 @@
 #ifndef SINEW_IO_H
 #define SINEW_IO_H
 
+#include "sinew/distance_field.h"
 #include "sinew/embedding.h"
 #include "sinew/envelope.h"
 #include "sinew/motion_clip.h"
@@ -231,6 +232,19 @@ void sn_pc2_free(sn_pc2_data *data);
 SN_MUST_CHECK sn_status sn_embedding_save(const sn_embedding *embedding, const char *hash, sn_output *output, sn_error *error);
 /* SN_ERROR_INPUT where the file is damaged or was made for something else: make the weights anew then. */
 SN_MUST_CHECK sn_status sn_embedding_load(const sn_blob *blob, const char *hash, sn_embedding *out, sn_error *error);
+
+/* ---- distance fields, kept in binary files (lib/io/distance_field_file.c distance_field_cache.c) -------------------------------- */
+
+/* hash: sn_distance_field_hash of what the field was built from. */
+SN_MUST_CHECK sn_status sn_distance_field_save(const sn_distance_field *field, const char *hash, sn_output *output, sn_error *error);
+/* What sn_distance_field_is_valid holds of; its report is that of the build. SN_ERROR_INPUT where the file is damaged or was made for
+ * something else: build it anew then. */
+SN_MUST_CHECK sn_status sn_distance_field_load(const sn_blob *blob, const char *hash, sn_distance_field *out, sn_error *error);
+/* sn_distance_field_create, or the same from FOLDER/HASH.field where a run before left it there (*was_read). The folder is made where it is
+ * missing (its last part), and fields are written by renaming. A file that is damaged is made anew, one that cannot be written is not kept,
+ * each with a warning in the log. folder NULL = just build. */
+SN_MUST_CHECK sn_status sn_distance_field_cached(const char *folder, const sn_mesh *mesh, const sn_distance_field_params *params,
+                                                 sn_distance_field *out, bool *was_read, sn_error *error);
 
 /* ---- fibres through the volume ------------------------------------------------------------------------------------------------- */
 

@@ -104,17 +104,27 @@ void sn_distance_field_at_all(const sn_distance_field *field, sn_index count, co
     for (sn_index i = 0; i < count; i++) values[i] = value_at(field, per_cell, points[i], gradients != NULL ? gradients + i : NULL);
 }
 
+static inline double larger(double a, double b) { return a > b ? a : b; } /* a line of branches in fmax costs more than the rest */
+
+static inline double box_distance2(const sn_box *box, sn_vec3 p) {
+    double x = larger(larger(box->low.x - p.x, p.x - box->high.x), 0.0);
+    double y = larger(larger(box->low.y - p.y, p.y - box->high.y), 0.0);
+    double z = larger(larger(box->low.z - p.z, p.z - box->high.z), 0.0);
+    return x * x + y * y + z * z;
+}
+
 /* The coarse corners hold distances, which change no faster than a point moves. */
 bool sn_distance_field_farther(const sn_distance_field *field, sn_vec3 p, double distance) {
-    if (!sn_finite3(p) || !(distance >= 0.0)) return false;
-    if (sn_norm2(from_box(field, p)) > distance * distance) return true;
-    sn_vec3 q = sn_scale(sn_sub(p, field->origin), 1.0 / field->cell);
-    if (!in_grid(field, q)) return false;
-    cube c = coarse_cube(field, q);
-    bool x = c.u > 0.5, y = c.v > 0.5, z = c.w > 0.5;
-    double nearest = (double)c.corner[x + (y ? c.y : 0) + (z ? c.z : 0)];
-    double away = SN_COARSE_CELLS * field->cell * sn_norm(sn_v3(c.u - x, c.v - y, c.w - z));
-    return nearest * (1.0 - 1e-6) - away * (1.0 + 1e-9) > distance;
+    if (!(distance >= 0.0)) return false;
+    if (box_distance2(&field->box, p) > distance * distance) return sn_finite3(p);
+    sn_vec3 q = sn_scale(sn_sub(p, field->origin), 1.0 / (SN_COARSE_CELLS * field->cell));
+    const sn_index *n = field->bricks;
+    if (!(q.x >= 0.0 && q.y >= 0.0 && q.z >= 0.0 && q.x <= 2 * n[0] && q.y <= 2 * n[1] && q.z <= 2 * n[2])) return false;
+    sn_index i = (sn_index)(q.x + 0.5), j = (sn_index)(q.y + 0.5), k = (sn_index)(q.z + 0.5);
+    double away2 = sn_norm2(sn_v3(q.x - i, q.y - j, q.z - k)), width = SN_COARSE_CELLS * field->cell;
+    size_t row = 2 * (size_t)n[0] + 1, layer = row * (2 * (size_t)n[1] + 1);
+    double left = (double)field->coarse[(size_t)i + (size_t)j * row + (size_t)k * layer] * (1.0 - 1e-6) - distance;
+    return left > 0.0 && left * left > away2 * width * width * (1.0 + 1e-9);
 }
 
 /* ---- what holds of every field ----------------------------------------------------------------------------------------------- */

@@ -41,7 +41,7 @@ static double bricks_along(double length, double cell, double band) { return cei
 static double estimate_bytes(sn_vec3 size, double area, double cell, double band) {
     double places = bricks_along(size.x, cell, band) * bricks_along(size.y, cell, band) * bricks_along(size.z, cell, band);
     double width = N * cell, layers = 2.0 + 2.0 * band / N;
-    double bricks = fmin(places, 1.5 * layers * area / (width * width) + 8.0);
+    double bricks = fmin(places, 1.1 * layers * area / (width * width) + 8.0);
     return 36.0 * places + 4.0 * SN_BRICK_VALUES * bricks;
 }
 
@@ -78,8 +78,9 @@ static sn_status check_size(const build *b, sn_error *error) {
     sn_vec3 size = sn_sub(f->box.high, f->box.low);
     double area = sn_mesh_area(b->boundary), band = f->band / f->cell, fits = cell_that_fits(size, area, f->cell, band);
     if (fits == f->cell) return SN_OK;
-    return sn_fail(error, SN_ERROR_USAGE, "a distance field of cells of %g would take more than 1 GB for this surface; a cell of %.3g fits",
-                   f->cell, 1.01 * fits);
+    return sn_fail(error, SN_ERROR_USAGE,
+                   "a distance field of cells of %g would take more than about 1 GB for this surface; a cell of %.3g fits", f->cell,
+                   1.01 * fits);
 }
 
 /* As many bricks as the surface and the band need, around the middle of its box. */

@@ -7,6 +7,7 @@
  * Files that once found a fault (tests/data/broken) are read as well.
  * --seeds writes the good files to FOLDER, a folder for each format in it: where the programs of tests/fuzz/targets begin.
  */
+#include "fields.h"
 #include "sinew/error_time.h"
 #include "sinew/model_files.h"
 
@@ -26,7 +27,23 @@
 enum { SECONDS_UNTIL_HANGING = 30 };
 enum { SEED_LIMIT = 64, GROWTH = 4096 };
 
-typedef enum kind { MESH, MUSCLE, SCENE, CACHE, REPORT, SETTINGS, MOTION, SKELETON, MODEL, STORAGE, SENSORS, NAMES, BODY, ENVELOPE } kind;
+typedef enum kind {
+    MESH,
+    MUSCLE,
+    SCENE,
+    CACHE,
+    REPORT,
+    SETTINGS,
+    MOTION,
+    SKELETON,
+    MODEL,
+    STORAGE,
+    SENSORS,
+    NAMES,
+    BODY,
+    ENVELOPE,
+    FIELD
+} kind;
 
 typedef struct bytes {
     char *data;
@@ -276,6 +293,25 @@ static void add_cache(void) {
     add_seed(CACHE, "mdd.pc2", (const char *)mdd, sizeof mdd);
 }
 
+static void add_field(void) {
+    sn_vec3 positions[] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+    sn_triangle triangles[] = {{{0, 2, 1}}, {{0, 1, 3}}, {{1, 2, 3}}, {{0, 3, 2}}};
+    const sn_mesh mesh = {.vertex_count = 4, .triangle_count = 4, .positions = positions, .triangles = triangles};
+    const sn_distance_field_params params = sn_distance_field_defaults(0.5);
+    sn_error error = {0};
+    sn_distance_field field;
+    sn_output *output;
+    sn_blob blob;
+    if (sn_distance_field_create(&mesh, &params, &field, &error) != SN_OK || sn_output_open_memory(&output, &error) != SN_OK ||
+        sn_distance_field_save(&field, FIELD_HASH, output, &error) != SN_OK ||
+        sn_output_take(output, "solid.field", &blob, &error) != SN_OK) {
+        give_up(error.text);
+    }
+    add_seed(FIELD, "solid.field", blob.data, blob.size);
+    sn_distance_field_free(&field);
+    sn_blob_free(&blob);
+}
+
 static void make_seeds(void) {
     add_text(MESH, "cube.obj", cube_obj);
     add_text(MESH, "notch.off", notch_off);
@@ -316,12 +352,13 @@ static void make_seeds(void) {
     add_text(ENVELOPE, "skin.envelope.json", skin_json);
     add_vtk_files();
     add_cache();
+    add_field();
 }
 
 /* Each good file in a folder of its format. */
 static void write_seeds(const char *target) {
-    static const char *const formats[] = {"obj", "ply", "stl",    "off",  "vtk",  "vtp", "muscle", "scene",   "pc2",  "bvh",
-                                          "amc", "asf", "motion", "osim", "mjcf", "mot", "nodes",  "sensors", "body", "envelope"};
+    static const char *const formats[] = {"obj", "ply",    "stl",  "off",  "vtk", "vtp",   "muscle",  "scene", "pc2",      "bvh",  "amc",
+                                          "asf", "motion", "osim", "mjcf", "mot", "nodes", "sensors", "body",  "envelope", "field"};
     mkdir(target, 0777);
     for (size_t k = 0; k < sizeof formats / sizeof *formats; k++) {
         char path[1024], part[16];
@@ -758,6 +795,20 @@ static const char *try_body(const sn_blob *blob, sn_status *status, sn_error *er
 }
 
 /* What was read is valid, moves with its bones, and can be written. */
+/* As it is, and forged: under right hashes. */
+static const char *try_field(const sn_blob *blob, sn_status *status, sn_error *error) {
+    const char *fault = NULL;
+    for (int forged = 0; forged < 2 && fault == NULL; forged++) {
+        sn_distance_field field;
+        if (forged) field_forge(blob);
+        *error = (sn_error){0};
+        *status = sn_distance_field_load(blob, FIELD_HASH, &field, error);
+        fault = *status == SN_OK ? field_fault(&field) : judge(*status, error);
+        if (*status == SN_OK) sn_distance_field_free(&field);
+    }
+    return fault;
+}
+
 static const char *try_envelope(const sn_blob *blob, sn_status *status, sn_error *error) {
     sn_envelope envelope;
     sn_output *output;
@@ -831,6 +882,7 @@ static void try_file(kind k, const char *name, const char *data, size_t size, bo
                         : k == NAMES    ? try_names(&blob, &status, &error)
                         : k == BODY     ? try_body(&blob, &status, &error)
                         : k == ENVELOPE ? try_envelope(&blob, &status, &error)
+                        : k == FIELD    ? try_field(&blob, &status, &error)
                                         : try_cache(&blob, &status, &error);
     double taken = seconds() - start;
     setitimer(ITIMER_PROF, &NO_LIMIT, NULL);
@@ -1033,21 +1085,22 @@ static void try_kept_files(void) {
         sn_blob blob;
         snprintf(path, sizeof path, "tests/data/broken/%s", name);
         if (name[0] != '.' && sn_blob_read(path, &blob, &error) == SN_OK) {
-            kind k = strstr(name, ".muscle.")                       ? MUSCLE
-                     : strstr(name, ".scene.")                      ? SCENE
+            kind k = strstr(name, ".muscle.")    ? MUSCLE
+                     : strstr(name, ".scene.")   ? SCENE
                      : strstr(name, ".pc2")      ? CACHE
-                     : strstr(name, ".report.")                     ? REPORT
-                     : strstr(name, ".settings")                    ? SETTINGS
-                     : strstr(name, ".asf")                         ? SKELETON
-                     : is_motion(name)                              ? MOTION
-                     : strstr(name, ".osim")                        ? MODEL
-                     : strstr(name, ".mjcf")                        ? MODEL
-                     : strstr(name, ".mot")                         ? STORAGE
-                     : strstr(name, ".sensors.")                    ? SENSORS
-                     : strstr(name, ".names")                       ? NAMES
-                     : strstr(name, ".body")                        ? BODY
-                     : strstr(name, ".envelope")                    ? ENVELOPE
-                                                                    : MESH;
+                     : strstr(name, ".report.")  ? REPORT
+                     : strstr(name, ".settings") ? SETTINGS
+                     : strstr(name, ".asf")      ? SKELETON
+                     : is_motion(name)           ? MOTION
+                     : strstr(name, ".osim")     ? MODEL
+                     : strstr(name, ".mjcf")     ? MODEL
+                     : strstr(name, ".mot")      ? STORAGE
+                     : strstr(name, ".sensors.") ? SENSORS
+                     : strstr(name, ".names")    ? NAMES
+                     : strstr(name, ".body")     ? BODY
+                     : strstr(name, ".envelope") ? ENVELOPE
+                     : strstr(name, ".field")    ? FIELD
+                                                 : MESH;
             try_file(k, name, blob.data, blob.size, false);
             sn_blob_free(&blob);
         }

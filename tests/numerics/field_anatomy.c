@@ -8,16 +8,22 @@
  * it is that to the boundary of sn_solid_surface, whose triangles are held against the file's, and the signs are compared with the winding
  * number of the file's own triangles besides.
  *
- * Points deep inside must come out by steps of value along gradient. Thin bones get smaller cells.
+ * Nine in ten values must be within 0.1 cells, all within 0.5; at most 1 % of the signs may be wrong (3 % of few points), all of these
+ * within 0.3 cells of the surface. Where the side that a point is on is thin, at edges like knives and in crevices, no table of distances
+ * at corners shows it: no point within a cell is 0.75 cells from the surface there. These are counted apart, and held to 0.5 cells. Points
+ * deep inside must come out by steps of value along gradient. Thin bones get smaller cells.
  */
 #include "field_bones.h"
 
 #include <math.h>
 #include <string.h>
 
+enum { SHORT = 1000 }; /* points of a short form: fewer than this */
+
 typedef struct subject {
     bone bone;
     bool clean; /* closed, oriented, one piece that does not cross itself, by the data's manifest */
+    bool large; /* left out of the short form */
 } subject;
 
 #define LEG(name) "leg-vhf/meshes/VHF_Left_Bone_" name "_smooth.ply"
@@ -25,31 +31,31 @@ typedef struct subject {
 #define LOW(name) "body-bp3d-low/meshes/" name ".obj"
 #define GAIT(name) "gait-opensim/meshes/" name ".vtp"
 static const subject subjects[] = {
-    {{LEG("Tibia"), 1e-3, 2e-3}, true},
-    {{LEG("Fibula"), 1e-3, 2e-3}, true},
-    {{LEG("Sacrum"), 1e-3, 2e-3}, true},
-    {{LEG("Calcaneous"), 1e-3, 2e-3}, true},
-    {{LEG("Patella"), 1e-3, 2e-3}, true},
-    {{DOG("Pelvis"), 1.0, 1e-3}, true},
-    {{DOG("Scapula_L"), 1.0, 1e-3}, true},
-    {{DOG("Femoris_L"), 1.0, 1e-3}, true},
-    {{LOW("FJ40_Right_femur"), 1e-3, 2e-3}, true},
-    {{LOW("FJ30_Left_hip_bone"), 1e-3, 2e-3}, true},
-    {{LOW("FJ27_Left_scapula"), 1e-3, 1e-3}, true},
-    {{GAIT("femur_r"), 1.0, 2e-3}, true},
-    {{DOG("Ribcage"), 1.0, 1e-3}, false},               /* 74 pieces, 3396 triangles twice */
-    {{DOG("MergedSkull"), 1.0, 5e-4}, false},           /* 23 pieces, crossing */
-    {{DOG("Jaw"), 1.0, 5e-4}, false},                   /* 23 pieces, crossing */
-    {{DOG("Xiphoid_cartilage"), 1.0, 5e-4}, false},     /* every triangle twice */
-    {{LOW("FJ495_Right_scapula"), 1e-3, 1e-3}, false},  /* crosses itself */
-    {{LOW("FJ607_Frontal_bone"), 1e-3, 1e-3}, false},   /* open, crossing */
-    {{LOW("FJ803_Occipital_bone"), 1e-3, 1e-3}, false}, /* not manifold, crossing */
-    {{GAIT("hat_ribs"), 1.0, 1e-3}, false},             /* 25 pieces, crossing */
-    {{GAIT("hat_skull"), 1.0, 1e-3}, false},            /* 6 holes, badly wound edges, 473 crossings */
-    {{GAIT("arm_r_humerus"), 1.0, 2e-3}, false},        /* 6 holes */
-    {{GAIT("arm_r_radius"), 1.0, 1e-3}, false},         /* 3 holes, inside out */
-    {{GAIT("ground_r_scapula"), 1.0, 1e-3}, false},     /* 5 holes */
-    {{GAIT("pelvis"), 1.0, 2e-3}, false},               /* 4 holes */
+    {{LEG("Tibia"), 1e-3, 2e-3}, true, false},
+    {{LEG("Fibula"), 1e-3, 2e-3}, true, false},
+    {{LEG("Sacrum"), 1e-3, 2e-3}, true, false},
+    {{LEG("Calcaneous"), 1e-3, 2e-3}, true, false},
+    {{LEG("Patella"), 1e-3, 2e-3}, true, false},
+    {{DOG("Pelvis"), 1.0, 1e-3}, true, false},
+    {{DOG("Scapula_L"), 1.0, 1e-3}, true, false},
+    {{DOG("Femoris_L"), 1.0, 1e-3}, true, false},
+    {{LOW("FJ40_Right_femur"), 1e-3, 2e-3}, true, false},
+    {{LOW("FJ30_Left_hip_bone"), 1e-3, 2e-3}, true, false},
+    {{LOW("FJ27_Left_scapula"), 1e-3, 1e-3}, true, false},
+    {{GAIT("femur_r"), 1.0, 2e-3}, true, false},
+    {{DOG("Ribcage"), 1.0, 1e-3}, false, false},               /* 74 pieces, 3396 triangles twice */
+    {{DOG("MergedSkull"), 1.0, 4e-4}, false, true},            /* 23 pieces, crossing */
+    {{DOG("Jaw"), 1.0, 5e-4}, false, true},                    /* 23 pieces, crossing */
+    {{DOG("Xiphoid_cartilage"), 1.0, 2.5e-4}, false, false},   /* every triangle twice */
+    {{LOW("FJ495_Right_scapula"), 1e-3, 1e-3}, false, false},  /* crosses itself */
+    {{LOW("FJ607_Frontal_bone"), 1e-3, 1e-3}, false, false},   /* open, crossing */
+    {{LOW("FJ803_Occipital_bone"), 1e-3, 5e-4}, false, false}, /* not manifold, crossing */
+    {{GAIT("hat_ribs"), 1.0, 1e-3}, false, false},             /* 25 pieces, crossing */
+    {{GAIT("hat_skull"), 1.0, 1e-3}, false, false},            /* 6 holes, badly wound edges, 473 crossings */
+    {{GAIT("arm_r_humerus"), 1.0, 2e-3}, false, false},        /* 6 holes */
+    {{GAIT("arm_r_radius"), 1.0, 1e-3}, false, false},         /* 3 holes, inside out */
+    {{GAIT("ground_r_scapula"), 1.0, 1e-3}, false, false},     /* 5 holes */
+    {{GAIT("pelvis"), 1.0, 2e-3}, false, false},               /* 4 holes */
 };
 
 /* ---- by brute force ------------------------------------------------------------------------------------------------------------ */
@@ -98,6 +104,7 @@ static double brute_winding(const sn_mesh *mesh, sn_vec3 p) {
 typedef struct outcome {
     double error90, worst;        /* cells: nine in ten points are below it; the largest */
     double wrong_share, wrong_at; /* of signs; the farthest of these from the surface, in cells */
+    double thin_at;               /* the same of those on a side that is thin */
     double agree;                 /* share of signs that are those of the file's own triangles */
     double stuck, unexplained;    /* share of deep points that do not come out; of the file's triangles that the solid lost */
     sn_index near, deep;          /* points that were looked at */
@@ -126,21 +133,43 @@ static sn_vec3 point_in_bricks(trial *t) {
     return sn_add(f->origin, sn_scale(sn_v3(x, y, at[2] + sn_random(&t->random)), width));
 }
 
+static double true_distance(const trial *t, sn_vec3 p) {
+    return t->clean ? brute_distance(t->file, t->file->triangle_count, p) : brute_distance(t->solid, t->boundary, p);
+}
+
+/* Distance to the boundary, negative inside. */
+static double truth(const trial *t, sn_vec3 p) {
+    double distance = true_distance(t, p);
+    return fabs(brute_winding(t->clean ? t->file : t->solid, p)) > 0.5 ? -distance : distance;
+}
+
+/* Is no point within a cell of p 0.75 cells or more from the surface on the same side? */
+static bool is_thin(const trial *t, sn_vec3 p, bool inside) {
+    double cell = t->field->cell;
+    uint64_t random = 1;
+    for (int i = 0; i < 300; i++) {
+        sn_vec3 d = sn_v3(2.0 * sn_random(&random) - 1.0, 2.0 * sn_random(&random) - 1.0, 2.0 * sn_random(&random) - 1.0);
+        if (sn_norm2(d) > 1.0) continue;
+        double exact = truth(t, sn_add_scaled(p, d, cell));
+        if ((inside ? -exact : exact) >= 0.75 * cell) return false;
+    }
+    return true;
+}
+
 static void compare_near(trial *t, sn_index points, outcome *out) {
     double cell = t->field->cell, *errors = calloc((size_t)points, sizeof *errors);
     sn_index wrong = 0, agree = 0;
     if (errors == NULL) exit(1);
     while (out->near < points) {
         sn_vec3 p = point_in_bricks(t);
-        double distance = t->clean ? brute_distance(t->file, t->file->triangle_count, p) : brute_distance(t->solid, t->boundary, p);
-        if (distance > 3.0 * cell) continue;
-        double phi = sn_distance_field_at(t->field, p, NULL), file_winding = brute_winding(t->file, p);
-        bool inside = fabs(t->clean ? file_winding : brute_winding(t->solid, p)) > 0.5;
-        errors[out->near++] = fabs(phi - (inside ? -distance : distance)) / cell;
-        agree += (phi < 0.0) == (fabs(file_winding) > 0.5);
-        if ((phi < 0.0) == inside) continue;
+        if (true_distance(t, p) > 3.0 * cell) continue;
+        double exact = truth(t, p), depth = fabs(exact) / cell, phi = sn_distance_field_at(t->field, p, NULL);
+        errors[out->near++] = fabs(phi - exact) / cell;
+        agree += (phi < 0.0) == (t->clean ? exact < 0.0 : fabs(brute_winding(t->file, p)) > 0.5);
+        if ((phi < 0.0) == (exact < 0.0)) continue;
         wrong++;
-        out->wrong_at = fmax(out->wrong_at, distance / cell);
+        double *at = depth > 0.3 && is_thin(t, p, exact < 0.0) ? &out->thin_at : &out->wrong_at;
+        *at = fmax(*at, depth);
     }
     qsort(errors, (size_t)points, sizeof *errors, by_size);
     out->error90 = errors[points * 9 / 10];
@@ -194,9 +223,10 @@ static void explain_triangles(trial *t, sn_index points, outcome *out) {
 }
 
 static bool judge(const subject *s, const outcome *o, sn_index points) {
-    bool good = o->near == points && o->error90 <= 0.1 && o->worst <= 0.5 && o->wrong_share <= 0.01 && o->wrong_at <= 0.3;
+    bool good =
+        o->near == points && o->error90 <= 0.1 && o->worst <= 0.5 && o->wrong_share <= most && o->wrong_at <= 0.3 && o->thin_at <= 0.5;
     good = good && o->stuck <= 0.01 && o->unexplained <= 0.002;
-    return good && (!s->clean || o->agree >= 0.99);
+    return good && (!s->clean || o->agree >= 1.0 - most);
 }
 
 static bool try_bone(const char *data, const subject *s, sn_index points, sn_pool *pool) {
@@ -218,11 +248,11 @@ static bool try_bone(const char *data, const subject *s, sn_index points, sn_poo
     trial t = {&field, &file, &solid, report.boundary_triangles, s->clean, 1};
     compare_near(&t, points, &o);
     try_deep(&t, points, &o);
-    explain_triangles(&t, points < 1000 ? points : 1000, &o);
+    explain_triangles(&t, points < SHORT ? points : SHORT, &o);
     bool good = judge(s, &o, points);
-    printf("%-48s %4.1f %6d %5.1f %4d %5d %3d%s %6.3f %6.3f %6.2f %5.2f %6.2f %6.2f %6.2f%s\n", s->bone.file, 1e3 * s->bone.cell,
+    printf("%-48s %4.1f %6d %5.1f %4d %5d %3d%s %6.3f %6.3f %6.2f %5.2f %5.2f %6.2f %6.2f %6.2f%s\n", s->bone.file, 1e3 * s->bone.cell,
            file.triangle_count, started, report.caps, report.inner_triangles, report.turned, report.inside_out ? "*" : " ", o.error90,
-           o.worst, 100 * o.wrong_share, o.wrong_at, 100 * o.agree, 100 * o.stuck, 100 * o.unexplained, good ? "" : "  FAILED");
+           o.worst, 100 * o.wrong_share, o.wrong_at, o.thin_at, 100 * o.agree, 100 * o.stuck, 100 * o.unexplained, good ? "" : "  FAILED");
     sn_distance_field_free(&field);
     sn_mesh_free(&solid);
     sn_mesh_free(&file);
@@ -231,16 +261,16 @@ static bool try_bone(const char *data, const subject *s, sn_index points, sn_poo
 
 int main(int argc, char **argv) {
     const char *data = getenv("DATA") != NULL ? getenv("DATA") : "../shared/data";
-    sn_index points = argc > 1 ? (sn_index)strtol(argv[1], NULL, 10) : 300;
+    sn_index points = argc > 1 ? (sn_index)strtol(argv[1], NULL, 10) : 200;
     const char *only = argc > 2 ? argv[2] : "";
     int passed = 0, failed = 0;
     sn_pool *pool = sn_pool_create(0);
     setvbuf(stdout, NULL, _IOLBF, 0);
     if (points < 10) points = 10;
-    printf("%-48s %4s %6s %5s %4s %5s %4s %6s %6s %6s %5s %6s %6s %6s\n", "bone", "mm", "tris", "cpu s", "caps", "inner", "turn", "err90",
-           "worst", "sign%", "at", "file%", "stuck%", "lost%");
+    printf("%-48s %4s %6s %5s %4s %5s %4s %6s %6s %6s %5s %5s %6s %6s %6s\n", "bone", "mm", "tris", "cpu s", "caps", "inner", "turn",
+           "err90", "worst", "sign%", "at", "thin", "file%", "stuck%", "lost%");
     for (size_t i = 0; i < sizeof subjects / sizeof *subjects; i++) {
-        if (strstr(subjects[i].bone.file, only) == NULL) continue;
+        if (strstr(subjects[i].bone.file, only) == NULL || (subjects[i].large && points < SHORT)) continue;
         if (try_bone(data, &subjects[i], points, pool))
             passed++;
         else

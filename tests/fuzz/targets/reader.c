@@ -1,6 +1,6 @@
 /*
  * reader.c -- one reader under libFuzzer, coverage-guided: built once for each format, with -DTARGET_obj, _ply, _stl, _off, _vtk, _vtp,
- * _muscle, _scene, _pc2, _bvh, _amc, _asf, _motion, _osim, _mjcf, _mot, _nodes, _sensors, _body or _envelope (make fuzz).
+ * _muscle, _scene, _pc2, _bvh, _amc, _asf, _motion, _osim, _mjcf, _mot, _nodes, _sensors, _body, _envelope or _field (make fuzz).
  *
  * Whatever the bytes, the reader must give a valid result or one line that names the file; the sanitizers and libFuzzer's limits of time
  * and memory watch over the rest.
@@ -193,6 +193,22 @@ static int try_bytes(const sn_blob *blob, sn_error *error) {
     demand(sn_envelope_write(&envelope, NULL, blob, output, error) == SN_OK, "the envelope cannot be written");
     sn_output_abort(output);
     sn_envelope_free(&envelope);
+    return 0;
+}
+
+#elif defined(TARGET_field)
+
+#include "../fields.h"
+
+/* Under right hashes: else nothing but these would be tried. */
+static int try_bytes(const sn_blob *blob, sn_error *error) {
+    sn_distance_field field;
+    field_forge(blob);
+    sn_status status = sn_distance_field_load(blob, FIELD_HASH, &field, error);
+    judge(status, error);
+    if (status != SN_OK) return 0;
+    demand(field_fault(&field) == NULL, "the field is not valid");
+    sn_distance_field_free(&field);
     return 0;
 }
 
