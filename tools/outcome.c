@@ -27,12 +27,14 @@ static double read_elastic(const sn_statistics *s) { return s->elastic_energy; }
 static double read_residual(const sn_statistics *s) { return s->residual; }
 static double read_skipped(const sn_statistics *s) { return (double)(s->skipped_edges + s->skipped_hinges + s->skipped_triangles); }
 static double read_clamped(const sn_statistics *s) { return (double)s->clamped_hinges; }
+static double read_penetration(const sn_statistics *s) { return s->penetration; }
 static double read_torn(const sn_statistics *s) { return s->torn; }
 
 /* Beside these the greatest error of every kind of rows, by its name. */
 static const outcome_measure MEASURES[] = {
-    {"volume", read_volume},   {"nan", read_nan},           {"triangle", read_triangle}, {"edge", read_edge},       {"energy", read_energy},
-    {"elastic", read_elastic}, {"residual", read_residual}, {"skipped", read_skipped},   {"clamped", read_clamped}, {"torn", read_torn},
+    {"volume", read_volume},   {"nan", read_nan},         {"triangle", read_triangle},       {"edge", read_edge},
+    {"energy", read_energy},   {"elastic", read_elastic}, {"residual", read_residual},       {"skipped", read_skipped},
+    {"clamped", read_clamped}, {"torn", read_torn},       {"penetration", read_penetration},
 };
 enum { MEASURE_COUNT = sizeof MEASURES / sizeof *MEASURES };
 
@@ -193,6 +195,8 @@ static void compare(outcome *o, const sn_statistics *s, sn_index muscle, sn_inde
     keep_worst(&w[WORST_VOLUME], s->volume_error, fabs(s->volume_error) > fabs(w[WORST_VOLUME].value), muscle, frame);
     keep_worst(&w[WORST_EDGE], s->largest_edge_ratio, s->largest_edge_ratio > w[WORST_EDGE].value, muscle, frame);
     keep_worst(&w[WORST_TRIANGLE], s->smallest_triangle, s->smallest_triangle < w[WORST_TRIANGLE].value, muscle, frame);
+    double depth = s->penetration > 0.0 ? s->penetration : NAN;
+    keep_worst(&w[WORST_PENETRATION], depth, depth > w[WORST_PENETRATION].value, muscle, frame);
     keep_worst(&w[WORST_ITERATIONS], iterations, iterations > w[WORST_ITERATIONS].value, muscle, frame);
 }
 
@@ -349,6 +353,8 @@ void outcome_say(const outcome *o) {
         cli_tell(o->c, "longest edge: %.4g times its goal length (%s)", o->worst[WORST_EDGE].value, where);
     if (find_worst(o, WORST_TRIANGLE, sizeof where, where))
         cli_tell(o->c, "smallest triangle: %.2g of its rest area (%s)", o->worst[WORST_TRIANGLE].value, where);
+    if (find_worst(o, WORST_PENETRATION, sizeof where, where))
+        cli_tell(o->c, "deepest in a bone, beyond its rest: %.3g mm (%s)", 1e3 * o->worst[WORST_PENETRATION].value, where);
     if (find_worst(o, WORST_ITERATIONS, sizeof where, where) && o->worst[WORST_ITERATIONS].value > 0.0)
         cli_tell(o->c, "most iterations in a frame: %.0f (%s)", o->worst[WORST_ITERATIONS].value, where);
     for (sn_index i = 0; i < o->model->muscle_count; i++) say_torn(o, i);
@@ -402,6 +408,7 @@ void outcome_report(const outcome *o, sn_json *json) {
     report_worst(o, WORST_VOLUME, "volumeError", json);
     report_worst(o, WORST_EDGE, "largestEdgeRatio", json);
     report_worst(o, WORST_TRIANGLE, "smallestTriangle", json);
+    report_worst(o, WORST_PENETRATION, "penetration", json);
     report_worst(o, WORST_ITERATIONS, "mostIterations", json);
     sn_json_array(json, "torn");
     for (sn_index i = 0; i < o->model->muscle_count; i++) report_torn(o, i, json);

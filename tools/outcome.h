@@ -47,7 +47,7 @@ typedef struct outcome_worst {
 } outcome_worst;
 
 /* The figures of which the worst is kept. */
-enum { WORST_VOLUME, WORST_EDGE, WORST_TRIANGLE, WORST_ITERATIONS, WORST_COUNT };
+enum { WORST_VOLUME, WORST_EDGE, WORST_TRIANGLE, WORST_PENETRATION, WORST_ITERATIONS, WORST_COUNT };
 
 typedef struct outcome {
     cli *c;

@@ -3,6 +3,7 @@
  */
 #include "bone_frames.h"
 #include "cli.h"
+#include "contacts.h"
 #include "fibers.h"
 #include "frame_files.h"
 #include "grips.h"
@@ -25,6 +26,7 @@ typedef struct choices {
     int format, law, solver, scheme, hinges, anisotropy, stretch, preconditioner, precision;
     bool plan, no_sleep;
     fiber_choices fibers;
+    contact_choices contact;
 } choices;
 
 static choices given = {.fibers = {.cut = FIBERS_CUT}};
@@ -72,6 +74,18 @@ static const cli_option OPTIONS[] = {
     {0, "plan", NULL, CLI_FLAG, &given.plan, 0, 0, 0, NULL, "print the scene with every default, and what would run; run nothing"},
     {0, "fail-on", "LIST", CLI_TEXT, &given.fail_on, 0, 0, 0, NULL,
      "exit with 3 where a frame breaks one of these: 'volume>0.01,triangle<0.1'"},
+    {0, NULL, NULL, CLI_HEADING, NULL, 0, 0, 0, NULL, "Contact with bones, absent unless asked for:"},
+    {0, "contact", NULL, CLI_FLAG, &given.contact.on, 0, 0, 0, NULL, "muscles do not enter bones, whatever the scene says"},
+    {0, "no-contact", NULL, CLI_FLAG, &given.contact.off, 0, 0, 0, NULL, "they do, whatever it says"},
+    {0, "margin", "LENGTH", CLI_LENGTH, &given.contact.margin, 0, 0, 0, NULL,
+     "what vertices keep from bones (default: a tenth of the muscle's mean edge)"},
+    {0, "resolve", "SECONDS", CLI_NUMBER, &given.contact.resolve, 0, 0, 1e6, NULL,
+     "take apart in this time what overlaps at rest (default 0: it stays)"},
+    {0, "friction", "F", CLI_NUMBER, &given.contact.friction, 0, 0, 1e6, NULL, "xpbd: Coulomb's coefficient (default 0)"},
+    {0, "contact-samples", "N", CLI_INTEGER, &given.contact.samples, 0, 0, 3, NULL, "hold 1 or 3 points inside each triangle out, too"},
+    {0, "grid-cell", "LENGTH", CLI_LENGTH, &given.contact.cell, 0, 0, 0, NULL,
+     "of the bones' distance fields (default: a third of the finest mean edge in reach)"},
+    {0, "grid-cache", "FOLDER", CLI_TEXT, &given.contact.cache, 0, 0, 0, NULL, "keep these fields in FOLDER for the next run"},
     {0, NULL, NULL, CLI_HEADING, NULL, 0, 0, 0, NULL, "Fibres through the volume, absent unless asked for:"},
     {0, "fibers", NULL, CLI_FLAG, &given.fibers.frames, 0, 0, 0, NULL, "with -o: their frames too, as VTP, PVD and PC2"},
     {0, "lengths", "FILE", CLI_TEXT, &given.fibers.lengths, 0, 0, 0, NULL,
@@ -91,10 +105,10 @@ static const cli_tool TOOL = {
     .shared = CLI_TAKES_INPUT | CLI_HAS_OUTPUT | CLI_HAS_TRACE | CLI_OWN_STOP | CLI_HAS_REPORT | CLI_HAS_THREADS,
     .options = OPTIONS,
     .option_count = sizeof OPTIONS / sizeof *OPTIONS,
-    .notes =
-        "-o is NAME.pc2 for one muscle, or a folder with one cache per muscle. --stop-after takes FRAME[:SUBSTEP[:ITERATION]].\n"
-        "--fail-on knows volume, nan, triangle, edge, torn, internal, radial, mesh, dihedral, area, membrane, energy, elastic, residual,\n"
-        "skipped and clamped; '<' and '>' compare.",
+    .notes = "-o is NAME.pc2 for one muscle, or a folder with one cache per muscle. --stop-after takes FRAME[:SUBSTEP[:ITERATION]].\n"
+             "--fail-on knows volume, nan, triangle, edge, torn, penetration, internal, radial, mesh, dihedral, area, membrane, contact, "
+             "energy,\n"
+             "elastic, residual, skipped and clamped; '<' and '>' compare.",
 };
 
 /* "A:B" or "A" into whole numbers; unset parts keep their value. Returns how many there were; 0 = not of this form. */
@@ -129,6 +143,7 @@ typedef struct job {
     sn_output *log;
     target *targets; /* (muscle_count); NULL = no frames */
     fiber_run fibers;
+    contact_run contact;
     bone_run bones;
     outcome outcome;
     sn_index stop[3];     /* frame, substep, iteration */
@@ -180,6 +195,7 @@ static void apply_options(job *j) {
     if (cli_given(&j->c, "hinges")) scene->solver.hinges = (sn_hinge_rule)given.hinges;
     if (cli_given(&j->c, "precision")) scene->solver.precision = (sn_precision)given.precision;
     if (j->c.threads > 0) scene->solver.threads = j->c.threads;
+    contacts_apply(&j->c, &given.contact, scene);
 }
 
 static void parse_stop(job *j) {
@@ -254,17 +270,24 @@ static sn_status choose_setting(job *j, const sn_blob *scene, sn_error *error) {
     return status;
 }
 
+static sn_status make_model(job *j, sn_error *error) {
+    if ((j->pool = sn_pool_create(j->scene.solver.threads)) == NULL) return sn_fail_memory(error, "the run");
+    j->contact = (contact_run){.c = &j->c, .cache = given.contact.cache};
+    return contacts_model(&j->contact, &j->scene, j->pool, &j->model, error);
+}
+
 static sn_status load_scene(job *j, sn_error *error) {
     sn_blob blob = {0};
     sn_status status = sn_blob_read(j->c.inputs.items[0], &blob, error);
     if (status != SN_OK) return status;
-    status = sn_scene_parse(&blob, given.fibers.penetration || given.bone_frames != NULL, &j->scene, error);
+    bool bones = given.fibers.penetration || given.bone_frames != NULL || contacts_wanted(&j->c, &given.contact);
+    status = sn_scene_parse(&blob, bones, &j->scene, error);
     if (status == SN_OK) status = choose_setting(j, &blob, error);
     if (status == SN_OK) {
         apply_options(j);
         j->first = j->scene.first_frame, j->last = j->scene.last_frame;
         if (given.from == NULL) check_stop(j, j->first, true);
-        status = sn_model_create(&j->scene, &j->model, error);
+        status = make_model(j, error);
     }
     if (status != SN_OK) sn_error_set_file(error, blob.name);
     sn_blob_free(&blob);
@@ -451,6 +474,7 @@ static void write_statistics(const job *j, sn_json *json, sn_index muscle, const
     sn_json_integer(json, "held_triangles", s->held_triangles);
     sn_json_integer(json, "skipped_triangles", s->skipped_triangles);
     if (j->scene.solver.method == SN_SOLVER_QN) write_quasi_newton(json, s);
+    contacts_log(j->model, s, plan, json);
     fibers_log(&j->fibers, muscle, json);
     sn_json_close(json);
 }
@@ -518,8 +542,6 @@ static int64_t rows_to_write(const job *j) {
 }
 
 static sn_status prepare(job *j, sn_error *error) {
-    j->pool = sn_pool_create(j->scene.solver.threads);
-    if (j->pool == NULL) return sn_fail_memory(error, "the run");
     sn_status status = outcome_start(&j->outcome, j->model, error);
     if (status == SN_OK) status = sn_state_create(j->model, &j->state, error);
     if (status == SN_OK && given.from != NULL) status = read_state(j, error);
@@ -610,6 +632,7 @@ static void write_muscle_plan(const job *j, sn_json *json, const sn_plan_muscle 
     sn_json_integer(json, "modelBytes", (int64_t)plan->model_bytes);
     sn_json_integer(json, "stateBytes", (int64_t)plan->state_bytes);
     write_groups(j, json, plan, costs ? muscle : SN_NONE);
+    contacts_plan_muscle(j->model, plan, json);
     fibers_plan(&j->fibers, costs ? j->state : NULL, muscle, json);
     sn_json_close(json);
 }
@@ -626,12 +649,12 @@ static void write_plan_members(const job *j, sn_json *json, bool costs) {
         write_muscle_plan(j, json, &plan->muscles[i], muscle, costs);
     }
     sn_json_close(json);
+    contacts_plan(&j->contact, j->model, json);
 }
 
 static sn_status print_plan(job *j, sn_error *error) {
     sn_output *output = NULL;
     sn_status status = sn_state_create(j->model, &j->state, error);
-    if (status == SN_OK && (j->pool = sn_pool_create(j->scene.solver.threads)) == NULL) status = sn_fail_memory(error, "threads");
     if (status == SN_OK) status = fibers_bind(&j->fibers, &j->c, &given.fibers, j->model, j->pool, error);
     if (status == SN_OK) status = sn_output_open("-", false, &output, error);
     if (status != SN_OK) return status;

@@ -237,6 +237,8 @@ typedef struct sn_model_options {
 /* Validate the scene, plan, build every row. The scene must outlive the model and keep still. Contact needs the meshes of the bones. */
 SN_MUST_CHECK sn_status sn_model_create(const sn_scene *scene, sn_model **out, sn_error *error);
 SN_MUST_CHECK sn_status sn_model_create_with(const sn_scene *scene, const sn_model_options *options, sn_model **out, sn_error *error);
+/* The distance field of a bone of the scene; NULL = contact is off, or no muscle comes near it. */
+const struct sn_distance_field *sn_model_field(const sn_model *model, sn_index bone);
 void sn_model_destroy(sn_model *model); /* NULL is fine */
 
 /* ---- statistics: numbers, not text -------------------------------------------------------------------------------------- */

@@ -28,7 +28,7 @@ static sn_status parse_joint(const sn_json_value *value, const sn_motion *motion
 }
 
 sn_status sn_bone_parse(const sn_json_value *value, const sn_motion *motion, sn_motion_bone *out, sn_error *error) {
-    static const char *const known[] = {"name", "mesh", "units", "joint", NULL};
+    static const char *const known[] = {"name", "mesh", "units", "joint", "contact", NULL};
     sn_json_value name = sn_json_member(value, "name"), mesh = sn_json_member(value, "mesh"), units = sn_json_member(value, "units"),
                   joint = sn_json_member(value, "joint");
     *out = (sn_motion_bone){.joint = SN_NONE};

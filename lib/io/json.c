@@ -285,6 +285,7 @@ bool sn_json_next(const sn_json_value *object, sn_json_value *member) {
     return true;
 }
 
+bool sn_json_is_bool(const sn_json_value *value) { return json_is_boolean(value->node); }
 bool sn_json_is_number(const sn_json_value *value) { return json_is_number(value->node); }
 bool sn_json_is_text(const sn_json_value *value) { return json_is_string(value->node); }
 bool sn_json_is_array(const sn_json_value *value) { return json_is_array(value->node); }

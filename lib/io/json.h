@@ -38,6 +38,7 @@ sn_json_value sn_json_element(const sn_json_value *array, sn_index i); /* of an 
 sn_index sn_json_length(const sn_json_value *array);
 /* The member after *member in file order; the first where it is zeroed; false = no more. */
 bool sn_json_next(const sn_json_value *object, sn_json_value *member);
+bool sn_json_is_bool(const sn_json_value *value);
 bool sn_json_is_number(const sn_json_value *value);
 bool sn_json_is_text(const sn_json_value *value);
 bool sn_json_is_array(const sn_json_value *value);

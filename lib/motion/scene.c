@@ -346,6 +346,12 @@ static sn_status check_clock(const sn_scene *scene, sn_error *error) {
     if (!within(scene->run_in, 0.0, scene->preroll))
         return sn_fail(error, SN_ERROR_INPUT, "runIn is %g s; it is a part of the preroll, which is %g s: make that as long at least",
                        scene->run_in, scene->preroll);
+    const sn_contact_settings *contact = &scene->contact;
+    if (!within(contact->margin, 0.0, HUGE_VAL) || !within(contact->cell, 0.0, HUGE_VAL) || !within(contact->friction, 0.0, HUGE_VAL) ||
+        !within(contact->resolve, 0.0, HUGE_VAL))
+        return sn_fail(error, SN_ERROR_INPUT, "contact: margin, cell, friction and resolve must be at least 0");
+    if (contact->samples != 0 && contact->samples != 1 && contact->samples != 3)
+        return sn_fail(error, SN_ERROR_INPUT, "contact: samples is %ld; it must be 0, 1 or 3", (long)contact->samples);
     if (!sn_finite3(scene->gravity)) return sn_fail(error, SN_ERROR_INPUT, "gravity is not finite");
     if (solver->substeps == SN_SUBSTEPS_AUTO && solver->method != SN_SOLVER_QN)
         return sn_fail(error, SN_ERROR_INPUT, "solver.substeps auto is for the method qn; give a number or choose that method");

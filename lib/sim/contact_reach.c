@@ -218,6 +218,11 @@ sn_status sn_contact_plan_create(const sn_scene *scene, const sn_model_options *
     return status;
 }
 
+const sn_distance_field *sn_model_field(const sn_model *model, sn_index bone) {
+    const struct sn_contact_plan *plan = model->contact;
+    return plan != NULL && plan->fields[bone].values != NULL ? &plan->fields[bone] : NULL;
+}
+
 void sn_contact_plan_destroy(struct sn_contact_plan *plan) {
     if (plan == NULL) return;
     for (sn_index b = 0; plan->fields != NULL && b < plan->bone_count; b++) sn_distance_field_free(&plan->fields[b]);
