@@ -222,7 +222,12 @@ static void explain_triangles(trial *t, sn_index points, outcome *out) {
     out->unexplained = (double)lost / points;
 }
 
+/* Signs that may be wrong: of few points chance takes its share. */
+static const double WRONG = 0.01, WRONG_OF_FEW = 0.03;
+enum { FEW = 10000 };
+
 static bool judge(const subject *s, const outcome *o, sn_index points) {
+    double most = points < FEW ? WRONG_OF_FEW : WRONG;
     bool good =
         o->near == points && o->error90 <= 0.1 && o->worst <= 0.5 && o->wrong_share <= most && o->wrong_at <= 0.3 && o->thin_at <= 0.5;
     good = good && o->stuck <= 0.01 && o->unexplained <= 0.002;
