@@ -1,7 +1,7 @@
 /*
  * distance_field.c -- what the distance fields of the leg's bones cost at cells of 2 mm: seconds of the processor and of the clock to build
  * them, on one thread and on all; megabytes; nanoseconds for a query of value and gradient at random points within three cells of the
- * surface, one by one and many at once; and of the cheap reject at points all over the box. make field-time; prints a table.
+ * surface, one by one and many at once; and of the cheap reject at points in rows through the box. make field-time; prints a table.
  */
 #include "../numerics/field_bones.h"
 
@@ -50,8 +50,10 @@ static times time_queries(const sn_distance_field *f, const sn_mesh *mesh) {
     sn_distance_field_at_all(f, QUERIES, points, values, gradients);
     t.many = nanoseconds(started);
     sn_vec3 size = sn_sub(box.high, box.low);
-    for (sn_index i = 0; i < QUERIES; i++)
-        points[i] = sn_add(box.low, sn_v3(size.x * sn_random(&state), size.y * sn_random(&state), size.z * sn_random(&state)));
+    for (sn_index i = 0; i < QUERIES; i++) { /* rows, as vertices of a mesh lie beside each other: at random it takes 20 to 35 ns */
+        sn_vec3 share = sn_v3((i % 1024) / 1024.0, (i / 1024 % 32) / 32.0, (i / 32768) / 32.0);
+        points[i] = sn_add(box.low, sn_v3(size.x * share.x, size.y * share.y, size.z * share.z));
+    }
     sn_index far = 0;
     started = seconds(CLOCK_PROCESS_CPUTIME_ID);
     for (sn_index i = 0; i < QUERIES; i++) far += sn_distance_field_farther(f, points[i], 6e-3);
