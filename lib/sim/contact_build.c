@@ -1,7 +1,8 @@
 /*
  * contact_build.c -- the rows of contact of one muscle: which of its points are held out of which bones, and by which margin.   bodies.md 2
  *
- * Points that a bone carries have none, and the vertices around an attachment none against that bone: the muscle grows out of it there.
+ * Points that a bone carries have none, and the vertices around an attachment none against that bone, and those that move as one with it:
+ * the muscle grows out of it there.
  */
 #include "contact.h"
 
@@ -46,13 +47,18 @@ static void exclude_attachment(contact_work *w, const sn_attachment *attachment)
     }
 }
 
+/* Is this attachment to the bone, or to another that moves as one with it? */
+static bool holds_to(const sn_scene *scene, const sn_attachment *attachment, sn_index bone) {
+    sn_carrier carrier = sn_scene_carrier(scene, attachment->bone);
+    if (carrier.kind == SN_CARRIER_BONE) return carrier.index == bone || scene->bones[carrier.index].joint == scene->bones[bone].joint;
+    return carrier.kind == SN_CARRIER_JOINT && carrier.index == scene->bones[bone].joint;
+}
+
 static void find_excluded(contact_work *w, sn_index bone) {
     const sn_muscle *rig = &w->build->source->rig;
     memset(w->excluded, 0, (size_t)w->build->model->vertex_count * sizeof *w->excluded);
-    for (sn_index i = 0; i < rig->attachment_count; i++) {
-        sn_carrier carrier = sn_scene_carrier(w->build->scene, rig->attachments[i].bone);
-        if (carrier.kind == SN_CARRIER_BONE && carrier.index == bone) exclude_attachment(w, &rig->attachments[i]);
-    }
+    for (sn_index i = 0; i < rig->attachment_count; i++)
+        if (holds_to(w->build->scene, &rig->attachments[i], bone)) exclude_attachment(w, &rig->attachments[i]);
 }
 
 /* ---- rows ------------------------------------------------------------------------------------------------------------------------ */
