@@ -17,14 +17,15 @@ static struct {
     double zoom, range, rate;
     int64_t samples, columns, substeps, frame_count;
     int law, scheme, solver, precision, stretch, preconditioner;
-    bool legend;
+    int64_t contact_samples;
+    bool legend, contact, no_contact;
     cli_list bones, bone_lists, states;
 } given = {.camera = "auto", .zoom = 1.0, .samples = 9, .legend = true};
 
 static const cli_option options[] = {
     {.kind = CLI_HEADING, .help = "What is drawn:"},
     {0, "show", "LIST", CLI_TEXT, &given.show, 0, 0, 0, NULL,
-     "any of surface, roots, structure, fibers, attachments, bones, joints, envelopes, wire, with commas (default: what is there)"},
+     "any of surface, roots, structure, fibers, attachments, bones, joints, envelopes, fields, wire, with commas (default: what is there)"},
     {'b', "bone", "[NAME=]FILE", CLI_LIST, &given.bones, 0, 0, 0, NULL, "draw the bone in FILE, in the muscle's unit, with every muscle"},
     {0, "bones", "LIST", CLI_LIST, &given.bone_lists, 0, 0, 0, NULL,
      "a text file with a bone a line: FILE, or NAME, a tab and FILE; relative to LIST"},
@@ -38,7 +39,8 @@ static const cli_option options[] = {
     {0, "state", "FILE", CLI_LIST, &given.states, 0, 0, 0, NULL,
      "draw the scene at a state of simulate, coloured by constraint error; one tile each"},
     {0, "error", "LIST", CLI_TEXT, &given.error, 0, 0, 0, NULL,
-     "which error: mesh (default), internal, radial, dihedral, area, membrane or volume; several with commas, one tile each"},
+     "which error: mesh (default), internal, radial, dihedral, area, membrane, volume, contact; or pressure, penetration; several with\n"
+     "commas, one tile each"},
     {0, "range", "NUMBER", CLI_NUMBER, &given.range, 0, 1e-300, 1e300, NULL,
      "end of the colours (default: a round number that few rows exceed, the same for all states)"},
     {0, "scheme", "SCHEME", CLI_CHOICE, &given.scheme, 0, 0, 0, sn_scheme_names, "as simulate was told: guarded, romeo or kohout"},
@@ -50,6 +52,9 @@ static const cli_option options[] = {
     {0, "law", "LAW", CLI_CHOICE, &given.law, 0, 0, 0, sn_fiber_law_names, "as simulate was told: projected, paper or isochoric"},
     {0, "substeps", "N", CLI_AUTO, &given.substeps, 0, 1, 1e6, NULL, "as simulate was told"},
     {0, "rate", "N", CLI_NUMBER, &given.rate, 0, 1e-6, 1e6, NULL, "as simulate was told"},
+    {0, "contact", NULL, CLI_FLAG, &given.contact, 0, 0, 0, NULL, "as simulate was told"},
+    {0, "no-contact", NULL, CLI_FLAG, &given.no_contact, 0, 0, 0, NULL, "as simulate was told"},
+    {0, "contact-samples", "N", CLI_INTEGER, &given.contact_samples, 0, 0, 3, NULL, "as simulate was told"},
     {.kind = CLI_HEADING, .help = "From where:"},
     {0, "camera", "VIEW", CLI_TEXT, &given.camera, 0, 0, 0, NULL,
      "auto (default: across the long axis), front, back, left, right, top, bottom, or AZIMUTH:ELEVATION in degrees"},
@@ -84,10 +89,17 @@ static unsigned show_bit(const char *word, size_t length) {
     static const struct {
         const char *name;
         unsigned bit;
-    } names[] = {
-        {"surface", SN_SHOW_SURFACE},         {"roots", SN_SHOW_ROOTS},        {"structure", SN_SHOW_STRUCTURE}, {"fibers", SN_SHOW_FIBERS},
-        {"attachments", SN_SHOW_ATTACHMENTS}, {"bones", SN_SHOW_BONES},        {"wire", SN_SHOW_WIRE},           {"auto", SN_SHOW_AUTO},
-        {"joints", SN_SHOW_JOINTS},           {"envelopes", SN_SHOW_ENVELOPES}};
+    } names[] = {{"surface", SN_SHOW_SURFACE},
+                 {"roots", SN_SHOW_ROOTS},
+                 {"structure", SN_SHOW_STRUCTURE},
+                 {"fibers", SN_SHOW_FIBERS},
+                 {"attachments", SN_SHOW_ATTACHMENTS},
+                 {"bones", SN_SHOW_BONES},
+                 {"wire", SN_SHOW_WIRE},
+                 {"auto", SN_SHOW_AUTO},
+                 {"joints", SN_SHOW_JOINTS},
+                 {"envelopes", SN_SHOW_ENVELOPES},
+                 {"fields", SN_SHOW_FIELDS}};
     for (size_t i = 0; i < sizeof names / sizeof *names; i++)
         if (strlen(names[i].name) == length && memcmp(names[i].name, word, length) == 0) return names[i].bit;
     return 0;
@@ -101,7 +113,7 @@ static unsigned parse_show(const cli *c, const char *text) {
         unsigned bit = show_bit(text, length);
         if (!bit)
             cli_usage_error(
-                c, "--show: '%.*s' is none of surface, roots, structure, fibers, attachments, bones, joints, envelopes, wire, auto",
+                c, "--show: '%.*s' is none of surface, roots, structure, fibers, attachments, bones, joints, envelopes, fields, wire, auto",
                 (int)length, text);
         show |= bit;
         text += length + (text[length] == ',');
@@ -203,22 +215,24 @@ static looks parse_looks(const cli *c) {
 enum { KINDS_MAX = 2 * SN_ROW_KINDS };
 typedef struct kind_list {
     sn_index count;
-    sn_row_kind items[KINDS_MAX];
+    sn_state_figure items[KINDS_MAX];
 } kind_list;
 
-/* The row kinds of --error. */
+/* The figures of --error. */
 static kind_list parse_kinds(const cli *c) {
-    kind_list all = {0, {SN_ROWS_MESH}};
+    kind_list all = {0, {(sn_state_figure)SN_ROWS_MESH}};
     const char *text = given.error ? given.error : "mesh";
     for (size_t length; *text; text += length + (text[length] == ',')) {
         length = strcspn(text, ",");
         int kind = 0;
-        while (kind < SN_ROW_KINDS &&
-               (strlen(sn_row_kind_name((sn_row_kind)kind)) != length || strncmp(sn_row_kind_name((sn_row_kind)kind), text, length) != 0))
+        while (kind < SN_FIGURES && (strlen(sn_state_figure_name((sn_state_figure)kind)) != length ||
+                                     strncmp(sn_state_figure_name((sn_state_figure)kind), text, length) != 0))
             kind++;
-        if (kind == SN_ROW_KINDS || all.count == KINDS_MAX)
-            cli_usage_error(c, "--error: '%.*s' is none of mesh, internal, radial, dihedral, area, membrane, volume", (int)length, text);
-        all.items[all.count++] = (sn_row_kind)kind;
+        if (kind == SN_FIGURES || all.count == KINDS_MAX)
+            cli_usage_error(
+                c, "--error: '%.*s' is none of mesh, internal, radial, dihedral, area, membrane, volume, contact, pressure, penetration",
+                (int)length, text);
+        all.items[all.count++] = (sn_state_figure)kind;
     }
     if (all.count == 0) cli_usage_error(c, "--error: an empty list");
     return all;
@@ -484,6 +498,8 @@ static void apply_settings(const cli *c, sn_scene *scene) {
     if (cli_given(c, "scheme")) scene->solver.scheme = (sn_scheme)given.scheme;
     if (cli_given(c, "substeps")) scene->solver.substeps = (sn_index)given.substeps;
     if (cli_given(c, "rate")) scene->rate = given.rate;
+    if (given.contact || given.no_contact) scene->contact.enabled = given.contact;
+    if (cli_given(c, "contact-samples")) scene->contact.samples = (sn_index)given.contact_samples;
     for (sn_index i = 0; cli_given(c, "law") && i < scene->muscle_count; i++) scene->muscles[i].law = (sn_fiber_law)given.law;
 }
 

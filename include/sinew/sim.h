@@ -407,6 +407,12 @@ void sn_row_errors(const sn_model *model, const sn_state *state, sn_index muscle
  * moves (vertex_count), zeros where no volume is kept; gradients (vertex_count) is scratch, and holds dV/dx then. */
 void sn_volume_moves(const sn_model *model, const sn_state *state, sn_index muscle, sn_vec3 *gradients, double *moves);
 
+/* Contact at the vertices (contact_show.c): what bones press with, Pa, under `qn` (else SN_ERROR_INPUT); how much deeper than at rest
+ * vertices are in bones, m, 0 = not. Both (vertex_count). */
+SN_MUST_CHECK sn_status sn_contact_pressures(const sn_model *model, const sn_state *state, sn_index muscle, double *pressures,
+                                             sn_error *error);
+void sn_contact_depths(const sn_model *model, const sn_state *state, sn_index muscle, double *depths);
+
 /* ---- single constraints: value and gradients, for tests, pictures and other back ends ------------------------------------- */
 
 /* Guards (numerics.md 5): an edge with l^2 below the first has no direction; a hinge with |n|^2 <= the second x |e|^4 has no angle. */

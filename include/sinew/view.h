@@ -54,6 +54,7 @@ typedef enum sn_view_show {
     SN_SHOW_WIRE = 64,
     SN_SHOW_JOINTS = 256,    /* of a motion: its stick figure */
     SN_SHOW_ENVELOPES = 512, /* of a scene: its surfaces, envelopes and driven meshes, translucent */
+    SN_SHOW_FIELDS = 1024,   /* of a scene: sections through the distance fields of its bones */
     SN_SHOW_AUTO = 128       /* the sections that are there, drawn so that they can be told apart */
 } sn_view_show;
 
@@ -144,22 +145,33 @@ SN_MUST_CHECK sn_status sn_view_add_bone(sn_view *view, const char *name, const 
 SN_MUST_CHECK sn_status sn_view_add_scene(sn_view *view, const sn_scene *scene, double time, const sn_vec3 *const *positions, unsigned show,
                                           sn_error *error);
 
+/* What a state is coloured by: the errors of a kind of rows (sn_row_kind, which come first), or contact at the vertices. */
+typedef enum sn_state_figure {
+    SN_FIGURE_ROWS = 0, /* to SN_ROW_KINDS - 1 */
+    SN_FIGURE_PRESSURE = SN_ROW_KINDS,
+    SN_FIGURE_PENETRATION,
+    SN_FIGURES
+} sn_state_figure;
+const char *sn_state_figure_name(sn_state_figure figure); /* "mesh", ..., "contact", "pressure", "penetration" */
+
 /* What of a state is shown. */
 typedef struct sn_state_look {
-    sn_row_kind kind;
+    sn_state_figure figure;
     double range;  /* the end of the scale of colours; NaN = sn_view_state_range */
     unsigned show; /* bits of sn_view_show */
 } sn_state_look;
 
 /* The muscles of a simulation at a state's points, coloured by the error |C| of their rows of one kind (sim.h: units of
  * sn_statistics): the surface by the greatest error of the rows at each vertex, or for internal and radial rows the edges inside a
- * translucent surface. SN_ROWS_VOLUME colours by sn_volume_moves. The worst row has a ring. SN_SHOW_STRUCTURE draws the internal edges
- * under mesh errors too, on the same scale; SN_SHOW_BONES the bones at the state's time; SN_SHOW_AUTO is the surface here.
+ * translucent surface. SN_ROWS_VOLUME colours by sn_volume_moves, SN_FIGURE_PRESSURE
+ * and SN_FIGURE_PENETRATION by sn_contact_pressures (kPa) and sn_contact_depths (mm). The worst row has a ring. SN_SHOW_STRUCTURE draws the
+ * internal edges under mesh errors too, on the same scale; SN_SHOW_BONES the bones at the state's time; SN_SHOW_AUTO is the surface here.
  * Sets title and subtitle where there is none yet. */
 SN_MUST_CHECK sn_status sn_view_add_state(sn_view *view, const sn_model *model, const sn_state *state, const sn_state_look *look,
                                           sn_error *error);
 /* A round number at or above 98 of 100 errors of the rows of a kind; above all of them where those are 0; 1 where all are. */
-SN_MUST_CHECK sn_status sn_view_state_range(const sn_model *model, const sn_state *state, sn_row_kind kind, double *range, sn_error *error);
+SN_MUST_CHECK sn_status sn_view_state_range(const sn_model *model, const sn_state *state, sn_state_figure figure, double *range,
+                                            sn_error *error);
 /* The moment that a state has reached, in frames: a part of one where it was stopped inside a frame. */
 double sn_view_state_frame(const sn_model *model, const sn_state *state);
 

@@ -2,7 +2,8 @@
  * contact_reach.c -- which bones come near which muscle over the motion, by boxes; and the distance fields of those bones.   bodies.md 2
  *
  * A muscle is taken to stay in the box around where each bone that it is attached to would carry all of its rest shape, and some room
- * around that. The rest of the scene's bones it never hears of.
+ * around that. The rest of the scene's bones it never hears of. All of the motion is looked at, whatever frames are simulated and at which
+ * rate: which rows there are must not depend on where a run begins or ends, so that another may go on with its state.
  */
 #include "contact.h"
 
@@ -10,8 +11,10 @@
 
 /* Room around a muscle, as a share of its diagonal: it bulges, swings, and is pushed aside. */
 static const double ROOM = 0.15;
-/* A run-in goes from rest to the first frame in so many looks. */
-enum { RUN_IN_LOOKS = 16 };
+/* Looks at the motion a second, and how many there are at most; on the way from rest to the motion, of a run-in, at so many places of it.
+ */
+static const double LOOKS_A_SECOND = 60.0;
+enum { MOST_LOOKS = 100000, RUN_IN_PLACES = 16, RUN_IN_SHARES = 4 };
 /* Cells of a field along a bone's diagonal, at most, where the scene leaves the cell open; and the smallest such cell, m. */
 static const double MOST_CELLS = 400.0, LEAST_CELL = 1e-4;
 /* Of the finest mean edge in reach (bodies.md 2). */
@@ -107,11 +110,38 @@ static void look(const reach_work *w, double time, double share) {
     }
 }
 
+/* From where to where something moves, s. */
+typedef struct span {
+    double begin, end;
+} span;
+
+static void extend_span(span *s, const double *times, sn_index count) {
+    if (count == 0) return;
+    s->begin = fmin(s->begin, times[0]);
+    s->end = fmax(s->end, times[count - 1]);
+}
+
+static span span_of(const sn_scene *scene) {
+    span all = {0.0, 0.0};
+    for (sn_index j = 0; j < scene->motion.joint_count; j++) {
+        const sn_joint *joint = &scene->motion.joints[j];
+        extend_span(&all, joint->angle.times, joint->kind == SN_JOINT_HINGE ? joint->angle.count : 0);
+        if (joint->kind == SN_JOINT_HINGE || joint->key_count == 0) continue;
+        extend_span(&all, &joint->keys[0].time, 1);
+        extend_span(&all, &joint->keys[joint->key_count - 1].time, 1);
+    }
+    for (sn_index i = 0; i < scene->surface_count; i++)
+        extend_span(&all, scene->surfaces[i].track.times, scene->surfaces[i].track.sample_count);
+    return all;
+}
+
 static void look_through(const reach_work *w) {
-    const sn_scene *scene = w->scene;
-    double first = scene->first_frame / scene->rate;
-    for (int i = 0; sn_scene_runs_in(scene) && i < RUN_IN_LOOKS; i++) look(w, first, i / (double)RUN_IN_LOOKS);
-    for (sn_index frame = scene->first_frame; frame <= scene->last_frame; frame++) look(w, frame / scene->rate, 1.0);
+    span all = span_of(w->scene);
+    double looks = fmin(ceil((all.end - all.begin) * LOOKS_A_SECOND), MOST_LOOKS);
+    for (double i = 0.0; i < looks; i++) look(w, all.begin + (all.end - all.begin) * i / looks, 1.0);
+    look(w, all.end, 1.0);
+    for (int i = 0; w->scene->run_in > 0.0 && i < RUN_IN_PLACES * RUN_IN_SHARES; i++)
+        look(w, all.begin + (all.end - all.begin) * (i / RUN_IN_SHARES) / RUN_IN_PLACES, i % RUN_IN_SHARES / (double)RUN_IN_SHARES);
 }
 
 /* ---- fields ----------------------------------------------------------------------------------------------------------------------- */

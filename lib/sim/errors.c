@@ -9,8 +9,10 @@ sn_index sn_row_count(const sn_model *model, sn_index muscle, sn_row_kind kind) 
 
 int sn_row_points(const sn_model *model, sn_index muscle, sn_row_kind kind, sn_index row, sn_index points[4]) {
     const sn_row_ops *ops = sn_row_ops_of(kind);
-    for (int i = 0; i < ops->info.points; i++) points[i] = ops->points(&model->muscles[muscle], kind, row)[i];
-    return ops->info.points;
+    int count = ops->info.points;
+    for (int i = 0; i < count; i++) points[i] = ops->points(&model->muscles[muscle], kind, row)[i];
+    while (count > 1 && points[count - 1] == points[0]) count--; /* a row of contact that is a vertex */
+    return count;
 }
 
 static void count_error(sn_residual *residual, sn_index row, double error) {

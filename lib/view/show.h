@@ -18,6 +18,8 @@ SN_MUST_CHECK sn_status show_fibers(sn_view *view, const sn_muscle *muscle, sn_e
 
 /* A scene's bones as they lie at a time, s. */
 SN_MUST_CHECK sn_status show_bones(sn_view *view, const sn_scene *scene, double time, sn_error *error);
+/* Sections through the distance fields of its bones that muscles may touch, as the scene's contact has them. */
+SN_MUST_CHECK sn_status show_distance_fields(sn_view *view, const sn_scene *scene, double time, sn_error *error);
 /* Its loaded surfaces, translucent; wire: with their edges. */
 SN_MUST_CHECK sn_status show_envelopes(sn_view *view, const sn_scene *scene, double time, bool wire, sn_error *error);
 

@@ -70,9 +70,10 @@ static sn_status show_muscle_at(sn_view *view, const sn_scene_muscle *muscle, do
 sn_status sn_view_add_scene(sn_view *view, const sn_scene *scene, double time, const sn_vec3 *const *positions, unsigned show,
                             sn_error *error) {
     if (show & SN_SHOW_AUTO) show |= SN_SHOW_SURFACE | SN_SHOW_BONES | SN_SHOW_ENVELOPES;
-    const unsigned of_scene = SN_SHOW_BONES | SN_SHOW_ENVELOPES;
+    const unsigned of_scene = SN_SHOW_BONES | SN_SHOW_ENVELOPES | SN_SHOW_FIELDS;
     if (!view->title && scene->name && !(view->title = sn_strdup(scene->name))) return sn_fail_memory(error, "the title");
     sn_status status = show & SN_SHOW_BONES ? show_bones(view, scene, time, error) : SN_OK;
+    if (!status && show & SN_SHOW_FIELDS) status = show_distance_fields(view, scene, time, error);
     if (!status && show & SN_SHOW_ENVELOPES) status = show_envelopes(view, scene, time, (show & SN_SHOW_WIRE) != 0, error);
     bool shown = false;
     for (sn_index i = 0; i < scene->muscle_count && show & ~of_scene && !status; i++) {

@@ -14,15 +14,28 @@ static const sn_color COLOR_SHEER = {0.72, 0.72, 0.74}, COLOR_WORST = {0.10, 0.1
 /* Of its rows of one kind; of a row of all points (the volume) at its vertices. */
 typedef struct field {
     sn_index muscle;
-    sn_row_kind kind;
+    sn_state_figure figure;
     sn_index count, worst; /* worst: SN_NONE = none */
     double *errors;        /* (count) NaN: a row without a value */
 } field;
 
-static bool has_all_points(sn_row_kind kind) { return sn_row_info_of(kind)->points == 0; }
+static bool is_kind(sn_state_figure figure) { return (int)figure < SN_ROW_KINDS; }
 
-static sn_index field_size(const sn_model *model, sn_index muscle, sn_row_kind kind) {
-    return has_all_points(kind) ? model->muscles[muscle].vertex_count : sn_row_count(model, muscle, kind);
+const char *sn_state_figure_name(sn_state_figure figure) {
+    if (is_kind(figure)) return sn_row_kind_name((sn_row_kind)figure);
+    return figure == SN_FIGURE_PRESSURE ? "pressure" : "penetration";
+}
+
+/* What the scale says of it. */
+static const char *scale_text(sn_state_figure figure) {
+    if (is_kind(figure)) return sn_row_info_of((sn_row_kind)figure)->errors;
+    return figure == SN_FIGURE_PRESSURE ? "pressure of bones, kPa" : "depth in bones beyond that at rest, mm";
+}
+
+static bool has_all_points(sn_state_figure figure) { return !is_kind(figure) || sn_row_info_of((sn_row_kind)figure)->points == 0; }
+
+static sn_index field_size(const sn_model *model, sn_index muscle, sn_state_figure figure) {
+    return has_all_points(figure) ? model->muscles[muscle].vertex_count : sn_row_count(model, muscle, (sn_row_kind)figure);
 }
 
 static sn_status measure_volume(const sn_model *model, const sn_state *state, sn_index muscle, double *errors, sn_error *error) {
@@ -31,6 +44,17 @@ static sn_status measure_volume(const sn_model *model, const sn_state *state, sn
     sn_volume_moves(model, state, muscle, gradients, errors);
     free(gradients);
     return SN_OK;
+}
+
+/* In kPa, or mm. */
+static sn_status measure_contact(const sn_model *model, const sn_state *state, const field *f, sn_error *error) {
+    sn_status status = SN_OK;
+    if (f->figure == SN_FIGURE_PRESSURE)
+        status = sn_contact_pressures(model, state, f->muscle, f->errors, error);
+    else
+        sn_contact_depths(model, state, f->muscle, f->errors);
+    for (sn_index i = 0; i < f->count; i++) f->errors[i] *= f->figure == SN_FIGURE_PRESSURE ? 1e-3 : 1e3;
+    return status;
 }
 
 /* The greatest; a row without a value (a hinge between collapsed triangles) is worse than any. */
@@ -44,21 +68,24 @@ static sn_index worst_of(sn_index count, const double *errors) {
 }
 
 /* The caller frees field->errors. */
-static sn_status field_measure(const sn_model *model, const sn_state *state, sn_index muscle, sn_row_kind kind, field *f, sn_error *error) {
-    *f = (field){.muscle = muscle, .kind = kind, .count = field_size(model, muscle, kind), .worst = SN_NONE};
+static sn_status field_measure(const sn_model *model, const sn_state *state, sn_index muscle, sn_state_figure figure, field *f,
+                               sn_error *error) {
+    *f = (field){.muscle = muscle, .figure = figure, .count = field_size(model, muscle, figure), .worst = SN_NONE};
     f->errors = SN_NEW(double, f->count);
     if (!f->errors) return sn_fail_memory(error, "the errors of a muscle");
     sn_status status = SN_OK;
-    if (has_all_points(kind))
+    if (!is_kind(figure))
+        status = measure_contact(model, state, f, error);
+    else if (has_all_points(figure))
         status = measure_volume(model, state, muscle, f->errors, error);
     else
-        sn_row_errors(model, state, muscle, kind, f->errors);
+        sn_row_errors(model, state, muscle, (sn_row_kind)figure, f->errors);
     f->worst = worst_of(f->count, f->errors);
     return status;
 }
 
-static int field_points(const sn_model *model, sn_index muscle, sn_row_kind kind, sn_index item, sn_index points[4]) {
-    if (!has_all_points(kind)) return sn_row_points(model, muscle, kind, item, points);
+static int field_points(const sn_model *model, sn_index muscle, sn_state_figure figure, sn_index item, sn_index points[4]) {
+    if (!has_all_points(figure)) return sn_row_points(model, muscle, (sn_row_kind)figure, item, points);
     points[0] = item;
     return 1;
 }
@@ -67,9 +94,9 @@ static sn_vec3 point_at(const sn_state *state, sn_index muscle, sn_index point) 
     return sn_point_position(&state->muscles[muscle].points[point]);
 }
 
-static sn_vec3 middle_of(const sn_model *model, const sn_state *state, sn_index muscle, sn_row_kind kind, sn_index item) {
+static sn_vec3 middle_of(const sn_model *model, const sn_state *state, sn_index muscle, sn_state_figure figure, sn_index item) {
     sn_index points[4];
-    int count = field_points(model, muscle, kind, item, points);
+    int count = field_points(model, muscle, figure, item, points);
     sn_vec3 sum = sn_v3(0, 0, 0);
     for (int i = 0; i < count; i++) sum = sn_add_scaled(sum, point_at(state, muscle, points[i]), 1.0 / count);
     return sum;
@@ -92,16 +119,16 @@ static double round_up(double x) {
     return x;
 }
 
-sn_status sn_view_state_range(const sn_model *model, const sn_state *state, sn_row_kind kind, double *range, sn_error *error) {
+sn_status sn_view_state_range(const sn_model *model, const sn_state *state, sn_state_figure figure, double *range, sn_error *error) {
     size_t room = 0, count = 0;
-    for (sn_index m = 0; m < model->muscle_count; m++) room += (size_t)field_size(model, m, kind);
+    for (sn_index m = 0; m < model->muscle_count; m++) room += (size_t)field_size(model, m, figure);
     double *all = SN_NEW(double, room);
     sn_status status = all ? SN_OK : sn_fail_memory(error, "the errors");
     for (sn_index m = 0; m < model->muscle_count && !status; m++) {
         field f;
-        status = field_measure(model, state, m, kind, &f, error);
+        status = field_measure(model, state, m, figure, &f, error);
         for (sn_index i = 0; i < f.count && !status; i++)
-            if (isfinite(f.errors[i])) all[count++] = f.errors[i];
+            if (isfinite(f.errors[i]) && (is_kind(figure) || f.errors[i] > 0.0)) all[count++] = f.errors[i]; /* most touch nothing */
         free(f.errors);
     }
     if (!status && count > 0) qsort(all, count, sizeof *all, compare_numbers);
@@ -129,7 +156,7 @@ typedef struct scene_view {
 static void spread_errors(const sn_model *model, const field *f, double *at) {
     sn_index points[4], vertices = model->muscles[f->muscle].vertex_count;
     for (sn_index i = 0; i < f->count; i++) {
-        int count = field_points(model, f->muscle, f->kind, i, points);
+        int count = field_points(model, f->muscle, f->figure, i, points);
         for (int k = 0; k < count; k++)
             if (points[k] < vertices && (isnan(f->errors[i]) || at[points[k]] < f->errors[i])) at[points[k]] = f->errors[i];
     }
@@ -169,7 +196,7 @@ static sn_status add_lines(const scene_view *s, const field *f, sn_index step, d
     for (sn_index i = 0; i < f->count && !status; i++) {
         sn_index p[4];
         if (i % step != 0 && i != f->worst) continue;
-        sn_row_points(s->model, f->muscle, f->kind, i, p);
+        sn_row_points(s->model, f->muscle, (sn_row_kind)f->figure, i, p);
         const sn_view_tube tube = {point_at(s->state, f->muscle, p[0]), point_at(s->state, f->muscle, p[1]), radius,
                                    sn_scale_color(f->errors[i] / s->look.range)};
         status = sn_view_add_tube(s->view, tube, error);
@@ -180,7 +207,7 @@ static sn_status add_lines(const scene_view *s, const field *f, sn_index step, d
 /* The internal edges, with their own errors. */
 static sn_status add_internal(const scene_view *s, sn_index muscle, sn_error *error) {
     field f;
-    sn_status status = field_measure(s->model, s->state, muscle, SN_ROWS_INTERNAL, &f, error);
+    sn_status status = field_measure(s->model, s->state, muscle, (sn_state_figure)SN_ROWS_INTERNAL, &f, error);
     if (!status) status = add_lines(s, &f, 1, INTERNAL_RADIUS, error);
     free(f.errors);
     return status;
@@ -190,7 +217,8 @@ static sn_status add_internal(const scene_view *s, sn_index muscle, sn_error *er
 
 static sn_status show_field(const scene_view *s, const field *f, sn_error *error) {
     sn_view_mesh *mesh;
-    bool inside = sn_row_info_of(f->kind)->inside, both = f->kind == SN_ROWS_MESH && s->look.show & SN_SHOW_STRUCTURE;
+    bool inside = is_kind(f->figure) && sn_row_info_of((sn_row_kind)f->figure)->inside,
+         both = (int)f->figure == SN_ROWS_MESH && s->look.show & SN_SHOW_STRUCTURE;
     both = both && sn_row_count(s->model, f->muscle, SN_ROWS_INTERNAL) > 0;
     sn_status status = add_surface(s, f->muscle, &mesh, error);
     if (status) return status;
@@ -199,7 +227,7 @@ static sn_status show_field(const scene_view *s, const field *f, sn_error *error
     mesh->opacity = inside || both ? SHEER : 1.0;
     if (!inside) status = color_surface(s, f, mesh, error);
     if (!status && both) status = add_internal(s, f->muscle, error);
-    bool radial = f->kind == SN_ROWS_RADIAL; /* there are many of them */
+    bool radial = (int)f->figure == SN_ROWS_RADIAL; /* there are many of them */
     sn_index step = radial ? f->count / RADIAL_SHOWN + 1 : 1;
     double radius = radial ? RADIAL_RADIUS : INTERNAL_RADIUS;
     if (!status && inside) status = add_lines(s, f, step, radius, error);
@@ -208,7 +236,7 @@ static sn_status show_field(const scene_view *s, const field *f, sn_error *error
 
 static sn_status show_muscle_state(scene_view *s, sn_index muscle, sn_error *error) {
     field f;
-    sn_status status = field_measure(s->model, s->state, muscle, s->look.kind, &f, error);
+    sn_status status = field_measure(s->model, s->state, muscle, s->look.figure, &f, error);
     if (!status) status = show_field(s, &f, error);
     bool worse = f.worst != SN_NONE && (s->worst_row == SN_NONE || isnan(f.errors[f.worst]) || f.errors[f.worst] > s->worst);
     if (!status && worse) {
@@ -226,7 +254,7 @@ static sn_status show_muscle_state(scene_view *s, sn_index muscle, sn_error *err
 static void worst_points(const scene_view *s, char *text, size_t room) {
     const sn_model_muscle *muscle = &s->model->muscles[s->worst_muscle];
     sn_index points[4], vertices = muscle->vertex_count;
-    int count = field_points(s->model, s->worst_muscle, s->look.kind, s->worst_row, points), length = 0;
+    int count = field_points(s->model, s->worst_muscle, s->look.figure, s->worst_row, points), length = 0;
     bool mixed = count > 1 && (points[0] >= vertices) != (points[1] >= vertices);
     for (int i = 0; i < count && length < (int)room; i++) {
         bool sample = points[i] >= vertices;
@@ -242,30 +270,31 @@ static void worst_points(const scene_view *s, char *text, size_t room) {
 static sn_status write_subtitle(const scene_view *s, sn_error *error) {
     char text[320], points[128] = "";
     if (s->worst_row == SN_NONE) {
-        snprintf(text, sizeof text, "no rows: %s", sn_row_kind_name(s->look.kind));
+        snprintf(text, sizeof text, "no rows: %s", sn_state_figure_name(s->look.figure));
     } else if (!(s->worst > 0.0 || isnan(s->worst))) {
-        snprintf(text, sizeof text, "%s: no error", sn_row_kind_name(s->look.kind));
+        snprintf(text, sizeof text, "%s: no error", sn_state_figure_name(s->look.figure));
     } else {
         const char *muscle = s->model->muscle_count > 1 ? s->model->muscles[s->worst_muscle].source->name : "";
         char value[32];
-        snprintf(value, sizeof value, "%s", sn_row_info_of(s->look.kind)->lacks);
+        snprintf(value, sizeof value, "%s", is_kind(s->look.figure) ? sn_row_info_of((sn_row_kind)s->look.figure)->lacks : "");
         if (!isnan(s->worst)) snprintf(value, sizeof value, "%.3g", s->worst);
         worst_points(s, points, sizeof points);
-        snprintf(text, sizeof text, "%s: worst %s, %s%s%s", sn_row_kind_name(s->look.kind), value, muscle, *muscle ? ", " : "", points);
+        snprintf(text, sizeof text, "%s: worst %s, %s%s%s", sn_state_figure_name(s->look.figure), value, muscle, *muscle ? ", " : "",
+                 points);
     }
     s->view->subtitle = sn_strdup(text);
     return s->view->subtitle ? SN_OK : sn_fail_memory(error, "the subtitle");
 }
 
 static sn_status write_scale(const scene_view *s, sn_error *error) {
-    s->view->scale = (sn_view_scale){sn_strdup(sn_row_info_of(s->look.kind)->errors), s->look.range,
-                                     !(s->worst <= s->look.range) && s->worst_row != SN_NONE};
+    s->view->scale =
+        (sn_view_scale){sn_strdup(scale_text(s->look.figure)), s->look.range, !(s->worst <= s->look.range) && s->worst_row != SN_NONE};
     return s->view->scale.text ? SN_OK : sn_fail_memory(error, "the scale");
 }
 
 static sn_status mark_worst(const scene_view *s, sn_error *error) {
     if (s->worst_row == SN_NONE || !(s->worst > 0.0 || isnan(s->worst))) return SN_OK;
-    sn_vec3 at = middle_of(s->model, s->state, s->worst_muscle, s->look.kind, s->worst_row);
+    sn_vec3 at = middle_of(s->model, s->state, s->worst_muscle, s->look.figure, s->worst_row);
     sn_status status = sn_view_add_ring(s->view, at, error);
     if (!status) status = sn_view_add_tube(s->view, (sn_view_tube){at, at, WORST_RADIUS, COLOR_WORST}, error);
     return status ? status
@@ -285,7 +314,7 @@ sn_status sn_view_add_state(sn_view *view, const sn_model *model, const sn_state
     const sn_scene *scene = model->scene;
     scene_view s = {.view = view, .model = model, .state = state, .look = *look, .worst_muscle = SN_NONE, .worst_row = SN_NONE};
     sn_status status = SN_OK;
-    if (isnan(look->range)) status = sn_view_state_range(model, state, look->kind, &s.look.range, error);
+    if (isnan(look->range)) status = sn_view_state_range(model, state, look->figure, &s.look.range, error);
     if (!status && !view->title && scene->name && !(view->title = sn_strdup(scene->name))) status = sn_fail_memory(error, "the title");
     double time = sn_view_state_frame(model, state) / scene->rate;
     if (!status && look->show & SN_SHOW_BONES) status = show_bones(view, scene, time, error);

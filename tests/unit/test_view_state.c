@@ -16,7 +16,7 @@ static simulation dented(sn_scene *scene, sn_index *moved) {
 static sn_view draw(const simulation *s, sn_row_kind kind, double range, unsigned show) {
     sn_view view = {0};
     sn_error error = {0};
-    const sn_state_look look = {kind, range, show};
+    const sn_state_look look = {(sn_state_figure)kind, range, show};
     if (sn_view_add_state(&view, s->model, s->state, &look, &error) != SN_OK) fail_msg("%s", error.text);
     return view;
 }
