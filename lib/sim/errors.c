@@ -73,7 +73,8 @@ void sn_rest_longest(const sn_model_muscle *m, const sn_muscle_state *s, sn_long
 }
 
 void sn_row_errors(const sn_model *model, const sn_state *state, sn_index muscle, sn_row_kind kind, double *errors) {
-    sn_row_ops_of(kind)->errors(&model->muscles[muscle], &state->muscles[muscle], kind, 0, sn_row_count(model, muscle, kind), errors);
+    sn_index count = sn_row_count(model, muscle, kind);
+    if (count > 0) sn_row_ops_of(kind)->errors(&model->muscles[muscle], &state->muscles[muscle], kind, 0, count, errors);
 }
 
 void sn_volume_moves(const sn_model *model, const sn_state *state, sn_index muscle, sn_vec3 *gradients, double *moves) {

@@ -134,7 +134,7 @@ static void the_range_is_round_and_holds_most_rows(void **state) {
     simulation s = start(&scene);
     step_frames(&s, 4, NULL);
     double range;
-    assert_int_equal(sn_view_state_range(s.model, s.state, SN_ROWS_MESH, &range, NULL), SN_OK);
+    assert_int_equal(sn_view_state_range(s.model, s.state, (sn_state_figure)SN_ROWS_MESH, &range, NULL), SN_OK);
     sn_index count = sn_row_count(s.model, 0, SN_ROWS_MESH), below = 0, far_below = 0;
     double *errors = SN_NEW(double, count), digit = range / pow(10.0, floor(log10(range) + 1e-9));
     sn_row_errors(s.model, s.state, 0, SN_ROWS_MESH, errors);
