@@ -406,31 +406,43 @@ static void tell_of_draft(const job *j) {
 
 /* ---- what has come of it --------------------------------------------------------------------------------------------------------- */
 
-/* What is attached lies on its bone. Farther from it than this share of the muscle's diagonal, on average, the two are not of one place. */
-static const double FARTHEST = 0.05;
+/* What is attached lies on its bone. Farther from it than this share of the muscle's diagonal, on average, the two are not of one place;
+ * what was pinned may be off the bone, where an aponeurosis leaves it, but no farther than the muscle is long. */
+static const double FARTHEST = 0.05, FARTHEST_PINNED = 1.0;
 
-/* Mean distance, m, of the attached points from the surface of the bone, which is in metres. */
-static double mean_distance(const sn_muscle *rig, const sn_attachment *a, const sn_surface *surface) {
+static bool is_pinned(const sn_attachment *a, sn_index i) {
+    return a->reasons != NULL ? a->reasons[i] == SN_REASON_PIN : a->method != NULL && strcmp(a->method, "pin") == 0;
+}
+
+/* Mean distance, m, of those of the attached points that are pinned, or of those that are not, from the surface of the bone, in metres. */
+static double mean_distance(const sn_muscle *rig, const sn_attachment *a, bool pinned, const sn_surface *surface) {
     double sum = 0.0;
+    sn_index count = 0;
     for (sn_index i = 0; i < a->count; i++) {
+        if (is_pinned(a, i) != pinned) continue;
         sn_vec3 p = sn_scale(rig->mesh.positions[a->vertices[i]], rig->meters_per_unit);
         sum += sn_surface_closest(surface, p, INFINITY).distance;
+        count++;
     }
-    return a->count > 0 ? sum / a->count : 0.0;
+    return count > 0 ? sum / count : 0.0;
+}
+
+static void check_place(const job *j, const sn_scene_muscle *m, const sn_attachment *a, const sn_surface *surface, sn_index *count) {
+    double size = m->rig.meters_per_unit * sn_box_diagonal(sn_mesh_box(&m->rig.mesh));
+    for (int pinned = 0; pinned < 2; pinned++) {
+        double distance = mean_distance(&m->rig, a, pinned, surface);
+        if (!(distance > size * (pinned ? FARTHEST_PINNED : FARTHEST)) || (*count)++ >= NAMES_TOLD) continue;
+        cli_warn(&j->c, "muscle \"%s\": what is %s to %s lies %.3g m from it: another unit, or another rest pose?", m->name,
+                 pinned ? "pinned" : "attached", a->bone, distance);
+    }
 }
 
 /* The muscles on one bone. */
 static void check_places(const job *j, const char *name_of_bone, const sn_surface *surface, sn_index *count) {
     for (sn_index i = 0; i < j->scene.muscle_count; i++) {
-        const sn_muscle *rig = &j->scene.muscles[i].rig;
-        double farthest = FARTHEST * rig->meters_per_unit * sn_box_diagonal(sn_mesh_box(&rig->mesh));
-        for (sn_index a = 0; a < rig->attachment_count; a++) {
-            if (strcmp(rig->attachments[a].bone, name_of_bone) != 0) continue;
-            double distance = mean_distance(rig, &rig->attachments[a], surface);
-            if (!(distance > farthest) || (*count)++ >= NAMES_TOLD) continue;
-            cli_warn(&j->c, "muscle \"%s\": what is attached to %s lies %.3g m from it: another unit, or another rest pose?",
-                     j->scene.muscles[i].name, name_of_bone, distance);
-        }
+        const sn_scene_muscle *m = &j->scene.muscles[i];
+        for (sn_index a = 0; a < m->rig.attachment_count; a++)
+            if (strcmp(m->rig.attachments[a].bone, name_of_bone) == 0) check_place(j, m, &m->rig.attachments[a], surface, count);
     }
 }
 
