@@ -261,6 +261,8 @@ static void warn_of_areas(const cli *c, const outcome *o) {
     }
 }
 
+static const char *name_of(const outcome *o) { return o->muscle->name != NULL ? o->muscle->name : "(no name)"; }
+
 /* The names of all bones that the muscle seems to slide over, in one line. */
 static void warn_of_sliding(const cli *c, const outcome *o) {
     char names[512] = "";
@@ -271,9 +273,10 @@ static void warn_of_sliding(const cli *c, const outcome *o) {
             used += (size_t)snprintf(names + used, sizeof names - used, "%s%s", used > 0 ? ", " : "", o->bones.items[pair->bone].name);
     }
     if (used > 0)
-        cli_warn(
-            c, "what it holds looks like a tendon that slides over: %s%s; where it does, leave the bone out, or give its area by landmarks",
-            names, used >= sizeof names ? ", ..." : "");
+        cli_warn(c,
+                 "muscle \"%s\": what it holds looks like a tendon that slides over: %s%s; where it does, leave the bone out, or give its "
+                 "area by landmarks",
+                 name_of(o), names, used >= sizeof names ? ", ..." : "");
 }
 
 static double box_gap(sn_box a, sn_box b) {
@@ -300,24 +303,27 @@ static void warn_nothing(const cli *c, const outcome *o) {
         const sn_attach_pair *pair = &o->report.pairs[i];
         int unit = pair->culled ? fitting_unit(o, &o->bones.items[pair->bone]) : -1;
         if (unit >= 0) {
-            cli_warn(c, "nothing attached; the bones lie far from the muscle, but would meet it with --bone-units %s",
-                     cli_unit_names[unit]);
+            cli_warn(c, "muscle \"%s\": nothing attached; the bones lie far from the muscle, but would meet it with --bone-units %s",
+                     name_of(o), cli_unit_names[unit]);
             return;
         }
         if (nearest == NULL || pair->nearest < nearest->nearest) nearest = pair;
     }
     if (nearest == NULL) {
-        cli_warn(c, "nothing attached: no bone was looked at");
+        cli_warn(c, "muscle \"%s\": nothing attached: no bone was looked at", name_of(o));
         return;
     }
     double millimetres = nearest->nearest * o->muscle->meters_per_unit * 1e3;
     const char *bone_name = o->bones.items[nearest->bone].name;
     if (nearest->culled)
-        cli_warn(c, "nothing attached; the nearest bone, %s, is at least %.3g mm away: check --bone-units and --units, or raise --distance",
-                 bone_name, millimetres);
+        cli_warn(
+            c,
+            "muscle \"%s\": nothing attached; the nearest bone, %s, is at least %.3g mm away: check --bone-units and --units, or raise "
+            "--distance",
+            name_of(o), bone_name, millimetres);
     else
-        cli_warn(c, "nothing attached; the nearest bone, %s, is %.3g mm away: a larger --distance would reach it%s", bone_name, millimetres,
-                 nearest->nearby ? "" : ", with --pairs all");
+        cli_warn(c, "muscle \"%s\": nothing attached; the nearest bone, %s, is %.3g mm away: a larger --distance would reach it%s",
+                 name_of(o), bone_name, millimetres, nearest->nearby ? "" : ", with --pairs all");
 }
 
 static sn_status warn(const cli *c, const outcome *o, bool stopped, sn_error *error) {

@@ -279,6 +279,22 @@ typedef struct target {
     sn_mesh moved;     /* lends the envelope's triangles */
 } target;
 
+/* The number of the motion's first frame, of those that a scene counts from 0 s: below 0 where its keys begin earlier. */
+static double first_number(const job *j) {
+    double first = j->clip.begin * j->clip.rate, whole = round(first);
+    return fabs(first - whole) < 1e-6 ? whole : first; /* times are multiples of 1/rate only to rounding */
+}
+
+/* Of the frame at hand; a file's is whole. */
+static sn_index number_of(const job *j, sn_index frame) { return (sn_index)floor(first_number(j)) + frame; }
+
+static void warn_of_fractions(const job *j) {
+    double first = first_number(j);
+    if (first != floor(first))
+        cli_warn(&j->c, "%s begins at %g s, which is frame %g: files are numbered from %.0f on; a point cache (.pc2) tells the fraction",
+                 j->motion.name, j->clip.begin, first, floor(first));
+}
+
 static void pose_bones(job *j, sn_index frame) {
     for (sn_index b = 0; b < j->envelope.bone_count; b++) {
         sn_index joint = j->clip.bones[j->driver[b]].joint;
@@ -304,7 +320,8 @@ static sn_status open_target(const job *j, target *t, sn_error *error) {
                          .triangles = j->envelope.mesh.triangles,
                          .positions = SN_NEW(sn_vec3, j->envelope.mesh.vertex_count)};
     if (t->moved.positions == NULL) return sn_fail_memory(error, "the frames");
-    if (is_cache(frames_to)) return sn_pc2_create(frames_to, t->moved.vertex_count, 0.0, (double)every, &t->cache, error);
+    if (is_cache(frames_to)) return sn_pc2_create(frames_to, t->moved.vertex_count, first_number(j), (double)every, &t->cache, error);
+    warn_of_fractions(j);
     t->stem = (size_t)(strrchr(frames_to, '.') - frames_to);
     t->size = strlen(frames_to) + 16;
     t->path = sn_alloc(t->size, 1);
@@ -314,7 +331,7 @@ static sn_status open_target(const job *j, target *t, sn_error *error) {
 static sn_status write_frame(const job *j, target *t, sn_index frame, sn_error *error) {
     sn_envelope_deform(&j->envelope, j->poses, j->pool, t->moved.positions);
     if (t->cache != NULL) return sn_pc2_append(t->cache, t->moved.positions, error);
-    snprintf(t->path, t->size, "%.*s.%04d%s", (int)t->stem, frames_to, frame, frames_to + t->stem);
+    snprintf(t->path, t->size, "%.*s.%04d%s", (int)t->stem, frames_to, (int)number_of(j, frame), frames_to + t->stem);
     return write_mesh(&t->moved, t->path, error);
 }
 
@@ -360,7 +377,7 @@ static sn_status measure(job *j, sn_error *error) {
     for (int64_t f = 0; f < j->clip.frame_count && status == SN_OK; f += every) {
         pose_bones(j, (sn_index)f);
         status = sn_envelope_measure(&j->envelope, j->bound, j->poses, j->pool, &frame, error);
-        if (status == SN_OK) note(&j->course, &frame, (sn_index)f);
+        if (status == SN_OK) note(&j->course, &frame, number_of(j, (sn_index)f));
         cli_progress(&j->c, f, j->clip.frame_count, "frames");
     }
     return status;

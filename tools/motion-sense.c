@@ -105,12 +105,26 @@ static void range_of(const double *values, sn_index count, double *least, double
 /* Is the reading one and the same but for rounding? Nothing is wrong with what it does not do then. */
 static bool is_still(double least, double most) { return most - least <= 1e-9 * fmax(1.0, fmax(fabs(least), fabs(most))); }
 
+/* Times of a trigger that are longer than all of the motion (and than a second) have been told in milliseconds. */
+static void warn_of_times(const job *j, const char *kind, const char *called, const sn_trigger *trigger) {
+    const struct {
+        const char *name;
+        double value;
+    } times[] = {{"attack", trigger->attack}, {"hold", trigger->hold}, {"decay", trigger->decay}};
+    double motion = (j->clip.frame_count - 1) / j->clip.rate;
+    for (size_t i = 0; i < sizeof times / sizeof *times; i++)
+        if (times[i].value > fmax(motion, 1.0))
+            cli_warn(&j->c, "%s '%s': the %s of its trigger, %g s, is longer than the motion, %.4g s; times are in seconds", kind, called,
+                     times[i].name, times[i].value, motion);
+}
+
 static void warn_of_sensor(const job *j, sn_index i) {
     const sn_sensor *sensor = &j->sensors.sensors[i];
     double scale = sn_sensor_scale(sensor->kind), least, most, low, high;
     range_of(j->sense.readings[i], j->sense.sample_count, &least, &most);
     range_of(j->sense.sensed[i], j->sense.sample_count, &low, &high);
     const sn_firings *firings = &j->sense.sensor_firings[i];
+    if (sensor->has_trigger) warn_of_times(j, "sensor", sensor->name, &sensor->trigger);
     if (sensor->has_trigger && firings->count == 0)
         cli_warn(&j->c, "sensor '%s' never fires: it %s its threshold; it reads from %.4g to %.4g %s", sensor->name,
                  firings->from_start ? "starts beyond" : "never passes", least * scale, most * scale, sn_sensor_unit(sensor->kind));
@@ -123,7 +137,9 @@ static void warn_of_results(const job *j) {
     for (sn_index i = 0; i < j->sense.sensor_count; i++) warn_of_sensor(j, i);
     for (sn_index i = 0; i < j->sense.channel_count; i++) {
         const sn_firings *firings = &j->sense.channel_firings[i];
-        if (j->sensors.channels[i].has_trigger && firings->count == 0)
+        const sn_sense_channel *channel = &j->sensors.channels[i];
+        if (channel->has_trigger) warn_of_times(j, "channel", channel->name, &channel->trigger);
+        if (channel->has_trigger && firings->count == 0)
             cli_warn(&j->c, "the trigger of channel '%s' never fires: it %s its threshold", j->sensors.channels[i].name,
                      firings->from_start ? "starts beyond" : "never passes");
         if (j->sense.cut[i] > 0.0)

@@ -399,7 +399,8 @@ static void report_exploded(const outcome *o, sn_index muscle, sn_json *json) {
 void outcome_report(const outcome *o, sn_json *json) {
     double median, longest;
     size_t stepped = time_frames(o, &median, &longest);
-    sn_json_integer(json, "frames", (int64_t)stepped);
+    sn_json_integer(json, "frames", (int64_t)o->frame_count);
+    sn_json_integer(json, "steppedFrames", (int64_t)stepped);
     if (stepped > 0) {
         sn_json_number(json, "medianFrameSeconds", median);
         sn_json_number(json, "longestFrameSeconds", longest);

@@ -247,6 +247,7 @@ static sn_status add_envelopes(job *j, sn_error *error) {
     for (int i = 0; i < envelopes.count && status == SN_OK; i++) {
         const char *text = envelopes.items[i], *equals = strchr(text, '='), *slash = strchr(text, '/');
         bool named = equals != NULL && equals > text && (slash == NULL || equals < slash);
+        if ((named ? equals[1] : text[0]) == '\0') cli_usage_error(&j->c, "--envelope: '%s' names no file", text);
         char *called = named ? sn_strndup(text, (size_t)(equals - text)) : NULL;
         if (named && called == NULL) return sn_fail_memory(error, "a name");
         status = sn_draft_add_envelope(&j->draft, called, named ? equals + 1 : text, error);
@@ -406,31 +407,76 @@ static void tell_of_draft(const job *j) {
 
 /* ---- what has come of it --------------------------------------------------------------------------------------------------------- */
 
-/* What is attached lies on its bone. Farther from it than this share of the muscle's diagonal, on average, the two are not of one place. */
-static const double FARTHEST = 0.05;
+/* What is attached lies on its bone. Farther from it than this share of the muscle's diagonal, on average, the two are not of one place;
+ * what was pinned may be off the bone, where an aponeurosis leaves it, but no farther than the muscle is long. */
+static const double FARTHEST = 0.05, FARTHEST_PINNED = 1.0;
 
-/* Mean distance, m, of the attached points from the surface of the bone, which is in metres. */
-static double mean_distance(const sn_muscle *rig, const sn_attachment *a, const sn_surface *surface) {
+static bool is_pinned(const sn_attachment *a, sn_index i) {
+    return a->reasons != NULL ? a->reasons[i] == SN_REASON_PIN : a->method != NULL && strcmp(a->method, "pin") == 0;
+}
+
+/* Mean distance, m, of those of the attached points that are pinned, or of those that are not, from the surface of the bone, in metres. */
+static double mean_distance(const sn_muscle *rig, const sn_attachment *a, bool pinned, const sn_surface *surface) {
     double sum = 0.0;
+    sn_index count = 0;
     for (sn_index i = 0; i < a->count; i++) {
+        if (is_pinned(a, i) != pinned) continue;
         sn_vec3 p = sn_scale(rig->mesh.positions[a->vertices[i]], rig->meters_per_unit);
         sum += sn_surface_closest(surface, p, INFINITY).distance;
+        count++;
     }
-    return a->count > 0 ? sum / a->count : 0.0;
+    return count > 0 ? sum / count : 0.0;
+}
+
+static void check_place(const job *j, const sn_scene_muscle *m, const sn_attachment *a, const sn_surface *surface, sn_index *count) {
+    double size = m->rig.meters_per_unit * sn_box_diagonal(sn_mesh_box(&m->rig.mesh));
+    for (int pinned = 0; pinned < 2; pinned++) {
+        double distance = mean_distance(&m->rig, a, pinned, surface);
+        if (!(distance > size * (pinned ? FARTHEST_PINNED : FARTHEST)) || (*count)++ >= NAMES_TOLD) continue;
+        cli_warn(&j->c, "muscle \"%s\": what is %s to %s lies %.3g m from it: another unit, or another rest pose?", m->name,
+                 pinned ? "pinned" : "attached", a->bone, distance);
+    }
 }
 
 /* The muscles on one bone. */
 static void check_places(const job *j, const char *name_of_bone, const sn_surface *surface, sn_index *count) {
     for (sn_index i = 0; i < j->scene.muscle_count; i++) {
-        const sn_muscle *rig = &j->scene.muscles[i].rig;
-        double farthest = FARTHEST * rig->meters_per_unit * sn_box_diagonal(sn_mesh_box(&rig->mesh));
-        for (sn_index a = 0; a < rig->attachment_count; a++) {
-            if (strcmp(rig->attachments[a].bone, name_of_bone) != 0) continue;
-            double distance = mean_distance(rig, &rig->attachments[a], surface);
-            if (!(distance > farthest) || (*count)++ >= NAMES_TOLD) continue;
-            cli_warn(&j->c, "muscle \"%s\": what is attached to %s lies %.3g m from it: another unit, or another rest pose?",
-                     j->scene.muscles[i].name, name_of_bone, distance);
-        }
+        const sn_scene_muscle *m = &j->scene.muscles[i];
+        for (sn_index a = 0; a < m->rig.attachment_count; a++)
+            if (strcmp(m->rig.attachments[a].bone, name_of_bone) == 0) check_place(j, m, &m->rig.attachments[a], surface, count);
+    }
+}
+
+/* How far the vertices of an envelope are from the bones that carry them most, over those of the bones seen so far. */
+typedef struct envelope_place {
+    double sum; /* m */
+    sn_index count;
+} envelope_place;
+
+static void add_places(const sn_envelope *envelope, const char *name_of_bone, const sn_surface *surface, envelope_place *place) {
+    for (sn_index v = 0; v < envelope->mesh.vertex_count; v++) {
+        if (strcmp(envelope->bones[envelope->influences[v].bones[0]], name_of_bone) != 0) continue;
+        place->sum += sn_surface_closest(surface, envelope->mesh.positions[v], INFINITY).distance;
+        place->count++;
+    }
+}
+
+static bool carries_any(const job *j, const char *name_of_bone) {
+    for (sn_index i = 0; i < j->scene.surface_count; i++)
+        for (sn_index b = 0; b < j->scene.surfaces[i].envelope.bone_count; b++)
+            if (strcmp(j->scene.surfaces[i].envelope.bones[b], name_of_bone) == 0) return true;
+    return false;
+}
+
+static void warn_of_envelopes(const job *j, const envelope_place *places) {
+    for (sn_index i = 0; i < j->scene.surface_count; i++) {
+        const sn_scene_surface *surface = &j->scene.surfaces[i];
+        double distance = places[i].count > 0 ? places[i].sum / places[i].count : 0.0;
+        if (distance > FARTHEST * sn_box_diagonal(sn_mesh_box(&surface->envelope.mesh)))
+            cli_warn(
+                &j->c,
+                "envelope \"%s\": it lies %.3g m from the bones that carry it, on average: was it bound to bones of another rest pose?",
+                surface->name, distance);
     }
 }
 
@@ -441,19 +487,28 @@ static bool holds_any(const job *j, const char *name_of_bone) {
     return false;
 }
 
+static sn_status check_bone_place(job *j, sn_scene_bone *held, envelope_place *places, sn_index *count, sn_error *error) {
+    sn_surface *surface = NULL;
+    if (held->mesh.triangle_count == 0 || (!holds_any(j, held->name) && !carries_any(j, held->name))) return SN_OK;
+    sn_mesh_convert(&held->mesh, held->meters_per_unit, false);
+    sn_status status = sn_surface_create_plain(&held->mesh, &surface, error);
+    if (status != SN_OK) return status;
+    check_places(j, held->name, surface, count);
+    for (sn_index i = 0; i < j->scene.surface_count; i++)
+        if (j->scene.surfaces[i].kind == SN_SURFACE_ENVELOPE) add_places(&j->scene.surfaces[i].envelope, held->name, surface, &places[i]);
+    sn_surface_destroy(surface);
+    return SN_OK;
+}
+
 static sn_status check_bone_places(job *j, sn_error *error) {
-    sn_status status = SN_OK;
+    envelope_place *places = SN_NEW(envelope_place, j->scene.surface_count);
+    sn_status status = places != NULL ? SN_OK : sn_fail_memory(error, "the envelopes");
     sn_index count = 0;
-    for (sn_index b = 0; b < j->scene.bone_count && status == SN_OK; b++) {
-        sn_scene_bone *held = &j->scene.bones[b];
-        sn_surface *surface = NULL;
-        if (!holds_any(j, held->name) || held->mesh.triangle_count == 0) continue;
-        sn_mesh_convert(&held->mesh, held->meters_per_unit, false);
-        status = sn_surface_create_plain(&held->mesh, &surface, error);
-        if (status == SN_OK) check_places(j, held->name, surface, &count);
-        sn_surface_destroy(surface);
-    }
+    for (sn_index b = 0; b < j->scene.bone_count && status == SN_OK; b++)
+        status = check_bone_place(j, &j->scene.bones[b], places, &count, error);
     if (count > NAMES_TOLD) cli_warn(&j->c, "and %d more attachments lie far from their bones", count - NAMES_TOLD);
+    if (status == SN_OK) warn_of_envelopes(j, places);
+    free(places);
     return status;
 }
 
@@ -539,6 +594,17 @@ static sn_status save(job *j, sn_error *error) {
 
 /* ---- work ------------------------------------------------------------------------------------------------------------------------ */
 
+/* Paths in the scene are from there. */
+static sn_status check_folder(const job *j, sn_error *error) {
+    const char *slash = strrchr(j->c.output, '/');
+    if (list || slash == NULL || slash == j->c.output) return SN_OK;
+    char *folder = sn_strndup(j->c.output, (size_t)(slash - j->c.output));
+    if (folder == NULL) return sn_fail_memory(error, "a path");
+    bool there = folder_is(folder);
+    free(folder);
+    return there ? SN_OK : sn_fail_at(error, SN_ERROR_IO, j->c.output, 0, "its folder is not there; make that first");
+}
+
 static sn_status name_scene(job *j, sn_error *error) {
     bool standard = strcmp(j->c.output, "-") == 0;
     sn_draft_defaults(&j->draft);
@@ -553,6 +619,7 @@ static sn_status name_scene(job *j, sn_error *error) {
 
 static sn_status collect(job *j, sn_error *error) {
     sn_status status = name_scene(j, error);
+    if (status == SN_OK) status = check_folder(j, error);
     if (status == SN_OK) status = add_rigs(j, error);
     if (status == SN_OK && model_file != NULL)
         status = take_model(j, error);

@@ -285,6 +285,7 @@ static sn_status load_scene(job *j, sn_error *error) {
     if (status == SN_OK) status = choose_setting(j, &blob, error);
     if (status == SN_OK) {
         apply_options(j);
+        if (given.frames != NULL || cli_given(&j->c, "rate")) sn_scene_warn_of_times(&j->scene);
         j->first = j->scene.first_frame, j->last = j->scene.last_frame;
         if (given.from == NULL) check_stop(j, j->first, true);
         status = make_model(j, error);

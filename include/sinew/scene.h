@@ -153,6 +153,8 @@ typedef struct sn_carrier {
 sn_carrier sn_scene_carrier(const sn_scene *scene, const char *name); /* name is nullable */
 /* Is an enabled muscle attached to this surface? */
 bool sn_scene_surface_carries(const sn_scene *scene, sn_index surface);
+/* Warn of loaded surfaces whose frames do not reach from the scene's first to its last. */
+void sn_scene_warn_of_times(const sn_scene *scene);
 
 void sn_scene_free(sn_scene *scene);
 /* What a muscle's activation comes to at `time`, and how much its fibres shorten then, as a share of their length: 1 - rest_length (1 -

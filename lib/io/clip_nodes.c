@@ -32,7 +32,7 @@ static sn_index find_animation(const sn_nodes *nodes, const char *which) {
 static sn_status choose_animation(const sn_nodes *nodes, const sn_clip_source *source, sn_index *out, sn_error *error) {
     const char *which = source->options.animation;
     *out = nodes->animation_count > 0 ? 0 : SN_NONE;
-    if (which != NULL) *out = find_animation(nodes, which);
+    if (which != NULL) *out = *which != '\0' ? find_animation(nodes, which) : SN_NONE; /* one without a name has a number */
     if (which != NULL && *out == SN_NONE)
         return sn_fail(error, SN_ERROR_INPUT, "has no animation \"%.100s\"; it has %d, which --list lists", which,
                        (int)nodes->animation_count);

@@ -10,10 +10,16 @@ static const char *const up_names[] = {"y", "z", NULL};
 
 /* ---- reading: what the document says --------------------------------------------------------------------------------------------- */
 
+static sn_status get_file(const sn_json_value *value, char **out, sn_error *error) {
+    sn_status status = sn_json_get_text(value, out, error);
+    return status == SN_OK && *out != NULL && **out == '\0' ? sn_json_complain(value, error, "expected the name of a file, found none")
+                                                            : status;
+}
+
 static sn_status parse_envelope(const sn_json_value *value, sn_scene_surface *out, sn_error *error) {
     static const char *const known[] = {"name", "envelope", NULL};
     sn_json_value envelope = sn_json_member(value, "envelope");
-    sn_status status = sn_json_get_text(&envelope, &out->uri, error);
+    sn_status status = get_file(&envelope, &out->uri, error);
     if (status == SN_OK) sn_json_warn_unknown(value, known);
     return status;
 }
@@ -25,9 +31,9 @@ static sn_status parse_driven(const sn_json_value *value, sn_scene_surface *out,
     int axis = -1;
     out->kind = SN_SURFACE_DRIVEN;
     sn_status status = sn_json_require(&mesh, "the file of the mesh at rest, or of an envelope (\"envelope\")", error);
-    if (status == SN_OK) status = sn_json_get_text(&mesh, &out->uri, error);
+    if (status == SN_OK) status = get_file(&mesh, &out->uri, error);
     if (status == SN_OK) status = sn_json_require(&frames, "the file of the frames: a PC2 or MDD cache, or meshes numbered by '#'", error);
-    if (status == SN_OK) status = sn_json_get_text(&frames, &out->frames, error);
+    if (status == SN_OK) status = get_file(&frames, &out->frames, error);
     if (status == SN_OK) status = sn_units_parse(&units, &out->meters_per_unit, error);
     if (status == SN_OK) status = sn_json_get_choice(&up, up_names, &axis, error);
     if (status == SN_OK) status = sn_json_get_number(&rate, SN_JSON_POSITIVE, INFINITY, &out->rate, error);
@@ -85,29 +91,63 @@ static sn_status load_envelope(const char *path, const sn_scene *scene, sn_scene
     return status == SN_OK ? find_joints(scene, surface, error) : status;
 }
 
-/* Frames of another size than the mesh are most likely in another unit. */
+/* Frames of another size than the mesh are most likely in another unit; of longer edges alone, of another order of vertices. */
 static const double MOST_GROWN = 3.0;
 
-static void warn_of_size(const sn_scene_surface *surface) {
-    sn_vec3 corner = sn_vertex_track_at(&surface->track, surface->track.times[0], 0);
-    sn_box box = {corner, corner};
-    for (sn_index v = 1; v < surface->track.vertex_count; v++) {
-        sn_vec3 p = sn_vertex_track_at(&surface->track, surface->track.times[0], v);
-        box.low = sn_min3(box.low, p), box.high = sn_max3(box.high, p);
-    }
-    double rest = sn_box_diagonal(sn_mesh_box(&surface->envelope.mesh)), first = sn_box_diagonal(box);
-    if (first > MOST_GROWN * rest || rest > MOST_GROWN * first)
-        sn_log(SN_LOG_WARNING, "surface \"%s\": it is %.3g m across at rest and %.3g m in its first frame; are both in one unit?",
-               surface->name, rest, first);
+static void warn_of_size(const char *name, const sn_mesh *rest, const sn_mesh *first) {
+    double size = sn_box_diagonal(sn_mesh_box(rest)), now = sn_box_diagonal(sn_mesh_box(first));
+    double side = sn_mesh_mean_side(rest), side_now = sn_mesh_mean_side(first);
+    if (now > MOST_GROWN * size || size > MOST_GROWN * now)
+        sn_log(SN_LOG_WARNING, "surface \"%s\": it is %.3g m across at rest and %.3g m in its first frame; are both in one unit?", name,
+               size, now);
+    else if (side_now > MOST_GROWN * side)
+        sn_log(SN_LOG_WARNING,
+               "surface \"%s\": its edges are %.3g times as long in its first frame as at rest; are the vertices of both in one order?",
+               name, side_now / side);
 }
 
-static void warn_of_times(const sn_scene *scene, const sn_scene_surface *surface) {
+/* How far the vertices of a frame are from rest, on average, if they are turned by a quarter about x (+1, -1), or not (0). */
+static double mean_distance(const sn_mesh *rest, const sn_mesh *first, int turn) {
+    double sum = 0.0;
+    for (sn_index v = 0; v < rest->vertex_count; v++) {
+        sn_vec3 p = first->positions[v];
+        if (turn != 0) p = sn_v3(p.x, -turn * p.z, turn * p.y);
+        sum += sn_distance(p, rest->positions[v]);
+    }
+    return sum / rest->vertex_count;
+}
+
+/* Frames that would lie at the rest place if they were turned upright have been written with another axis up. */
+static void warn_of_axis(const char *name, const sn_mesh *rest, const sn_mesh *first) {
+    double away = mean_distance(rest, first, 0), turned = fmin(mean_distance(rest, first, 1), mean_distance(rest, first, -1));
+    if (away > 0.1 * sn_box_diagonal(sn_mesh_box(rest)) && turned < 0.1 * away)
+        sn_log(
+            SN_LOG_WARNING,
+            "surface \"%s\": its first frame is %.3g m away from rest, and %.3g m if y and z are exchanged; have mesh and frames the same "
+            "axis up?",
+            name, away, turned);
+}
+
+static sn_status warn_of_first_frame(const sn_scene_surface *surface, sn_error *error) {
+    const sn_mesh *rest = &surface->envelope.mesh;
+    sn_mesh first = *rest; /* lends all but its places */
+    if ((first.positions = SN_NEW(sn_vec3, rest->vertex_count)) == NULL) return sn_fail_memory(error, "a surface");
+    for (sn_index v = 0; v < rest->vertex_count; v++) first.positions[v] = sn_vertex_track_at(&surface->track, surface->track.times[0], v);
+    warn_of_size(surface->name, rest, &first);
+    warn_of_axis(surface->name, rest, &first);
+    free(first.positions);
+    return SN_OK;
+}
+
+/* Nobody keeps frames that are farther apart, s: they are numbers in the place of times. */
+static const double MOST_APART = 0.75;
+
+static void warn_of_spacing(const sn_scene_surface *surface) {
     const sn_vertex_track *track = &surface->track;
-    double first = scene->first_frame / scene->rate, last = scene->last_frame / scene->rate, slack = 1e-6;
-    if (first < track->times[0] - slack || last > track->times[track->sample_count - 1] + slack)
-        sn_log(SN_LOG_WARNING,
-               "surface \"%s\": its frames are from %g s to %g s, the scene's from %g s to %g s; outside of its own it stands still",
-               surface->name, track->times[0], track->times[track->sample_count - 1], first, last);
+    double apart = (track->times[track->sample_count - 1] - track->times[0]) / fmax(1.0, track->sample_count - 1.0);
+    if (track->sample_count > 2 && apart > MOST_APART)
+        sn_log(SN_LOG_WARNING, "surface \"%s\": its frames are %.3g s apart; \"rate\" tells how many there are in a second", surface->name,
+               apart);
 }
 
 static sn_status load_frames(const char *document, const sn_scene *scene, bool up_y, sn_scene_surface *surface, sn_error *error) {
@@ -121,9 +161,8 @@ static sn_status load_frames(const char *document, const sn_scene *scene, bool u
     sn_status status = sn_vertex_track_read(path, &options, &surface->track, error);
     free(path);
     if (status != SN_OK) return status;
-    warn_of_size(surface);
-    warn_of_times(scene, surface);
-    return SN_OK;
+    warn_of_spacing(surface);
+    return warn_of_first_frame(surface, error);
 }
 
 static sn_status load_driven(const char *document, const sn_scene *scene, const char *path, sn_scene_surface *surface, sn_error *error) {
@@ -153,6 +192,7 @@ sn_status sn_scene_surfaces_load(const char *document, bool all, sn_scene *scene
     sn_status status = SN_OK;
     for (sn_index i = 0; i < scene->surface_count && status == SN_OK; i++)
         if (all || sn_scene_surface_carries(scene, i)) status = load_surface(document, scene, &scene->surfaces[i], error);
+    if (status == SN_OK) sn_scene_warn_of_times(scene);
     return status;
 }
 

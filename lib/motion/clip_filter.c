@@ -10,8 +10,8 @@
 /* A filtered quaternion shorter than this says nothing of a direction: the frame keeps its own. */
 static const double SHORTEST_QUATERNION = 1e-3;
 /* What lies beyond an end must last until the start of the filter is forgotten: to 1e-6 of it after this many periods of the cutoff (its
- * slowest pole decays by exp(-0.383 w t)). A cutoff that asks for more samples than the limit leaves little but straight lines anyway. */
-static const double PERIODS_OF_PADDING = 6.0, MOST_PADDING = 1e5;
+ * slowest pole decays by exp(-0.383 w t)); 4 periods leave 1e-4 of it. A cutoff that asks for more samples than the limit is refused. */
+static const double PERIODS_OF_PADDING = 6.0, LEAST_PERIODS = 4.0, MOST_PADDING = 1e5;
 
 /* ---- continuity -------------------------------------------------------------------------------------------------------------- */
 
@@ -57,6 +57,9 @@ static biquad design_stage(double k, double pole) {
 /* Two passes have 1/(1 + (w/w_c)^8): 1/sqrt 2 at w where w_c is w / (sqrt 2 - 1)^(1/8). */
 static sn_status design(const sn_clip *clip, double cutoff, low_pass *out, sn_error *error) {
     double k = sn_tan(SN_PI * cutoff / clip->rate) / sqrt(sqrt(sqrt(sqrt(2.0) - 1.0)));
+    if (LEAST_PERIODS * clip->rate / cutoff > MOST_PADDING)
+        return sn_fail(error, SN_ERROR_INPUT, "a filter of %g Hz is too low for %g samples a second: choose %.2g Hz or more, or 0 for none",
+                       cutoff, clip->rate, 1.01 * LEAST_PERIODS * clip->rate / MOST_PADDING);
     double padding = fmin(PERIODS_OF_PADDING * clip->rate / cutoff, MOST_PADDING);
     *out = (low_pass){.stages = {design_stage(k, SN_PI / 8.0), design_stage(k, 3.0 * SN_PI / 8.0)}, .padding = (sn_index)ceil(padding)};
     out->buffer = SN_NEW(double, (size_t)clip->frame_count + 2 * (size_t)out->padding);

@@ -4,6 +4,7 @@
 #include "sinew/motion.h"
 
 #include <stdlib.h>
+#include <string.h>
 
 #include "interpolate.h"
 
@@ -76,6 +77,20 @@ static sn_status check_keys(const sn_joint *joint, sn_error *error) {
     return SN_OK;
 }
 
+static int compare_names(const void *a, const void *b) { return strcmp(*(const char *const *)a, *(const char *const *)b); }
+
+/* A table of them has a column for each. */
+static sn_status check_coordinate_names(const sn_motion *motion, sn_error *error) {
+    const char **names = SN_NEW(const char *, motion->coordinate_count), *twice = NULL;
+    if (names == NULL) return sn_fail_memory(error, "the coordinates");
+    for (sn_index c = 0; c < motion->coordinate_count; c++) names[c] = motion->coordinates[c].name;
+    qsort(names, (size_t)motion->coordinate_count, sizeof *names, compare_names);
+    for (sn_index c = 1; c < motion->coordinate_count && twice == NULL; c++)
+        if (strcmp(names[c], names[c - 1]) == 0) twice = names[c];
+    free(names);
+    return twice == NULL ? SN_OK : sn_fail(error, SN_ERROR_INPUT, "two coordinates have the name \"%.100s\"; give one another name", twice);
+}
+
 static sn_status check_coordinates(const sn_motion *motion, sn_error *error) {
     for (sn_index c = 0; c < motion->coordinate_count; c++) {
         const sn_coordinate *coordinate = &motion->coordinates[c];
@@ -85,7 +100,7 @@ static sn_status check_coordinates(const sn_motion *motion, sn_error *error) {
             if (!isfinite(coordinate->values[k]))
                 return sn_fail(error, SN_ERROR_INPUT, "coordinate \"%s\": sample %d is not finite", coordinate->name, k);
     }
-    return SN_OK;
+    return check_coordinate_names(motion, error);
 }
 
 static sn_status check_bones(const sn_motion *motion, sn_error *error) {

@@ -114,6 +114,19 @@ bool sn_scene_surface_carries(const sn_scene *scene, sn_index surface) {
     return false;
 }
 
+void sn_scene_warn_of_times(const sn_scene *scene) {
+    double first = scene->first_frame / scene->rate, last = scene->last_frame / scene->rate, slack = 1e-6;
+    for (sn_index i = 0; i < scene->surface_count; i++) {
+        const sn_scene_surface *surface = &scene->surfaces[i];
+        const sn_vertex_track *track = &surface->track;
+        if (!surface->loaded || surface->kind != SN_SURFACE_DRIVEN) continue;
+        if (first < track->times[0] - slack || last > track->times[track->sample_count - 1] + slack)
+            sn_log(SN_LOG_WARNING,
+                   "surface \"%s\": its frames are from %g s to %g s, the scene's from %g s to %g s; outside of its own it stands still",
+                   surface->name, track->times[0], track->times[track->sample_count - 1], first, last);
+    }
+}
+
 static void free_knots(sn_knots *knots) {
     free(knots->x);
     free(knots->y);

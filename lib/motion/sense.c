@@ -138,6 +138,14 @@ static sn_status activate(const sn_sensor *sensor, const run *r, double *reading
     return status;
 }
 
+static sn_status check_finite(const sn_sensor *sensor, const double *readings, sn_index count, sn_error *error) {
+    for (sn_index k = 0; k < count; k++)
+        if (!isfinite(readings[k]))
+            return sn_fail(error, SN_ERROR_INPUT, "sensor \"%s\": its reading is not a finite number; is its point too far away?",
+                           sensor->name);
+    return SN_OK;
+}
+
 static sn_status sense(run *r, sn_index i, sn_sense *out, sn_error *error) {
     const sn_sensor *sensor = &r->sensors->sensors[i];
     const sn_clip *fine = NULL;
@@ -149,6 +157,7 @@ static sn_status sense(run *r, sn_index i, sn_sense *out, sn_error *error) {
     sn_status status = sn_sense_bind(sensor, r->clip, &bound, error);
     if (status == SN_OK) status = motion_under(r, cutoff_of(r, sensor), &fine, error);
     if (status == SN_OK) status = sn_sense_read(&bound, fine, out->readings[i], error);
+    if (status == SN_OK) status = check_finite(sensor, out->readings[i], r->count, error);
     return status == SN_OK ? activate(sensor, r, out->readings[i], out->sensed[i], &out->sensor_firings[i], error) : status;
 }
 

@@ -39,12 +39,24 @@ static sn_status bind_place(const sn_sensor *sensor, const sn_sensor_place *plac
     return SN_OK;
 }
 
+/* What is fixed to that which it is measured from was meant to be something else. */
+static void warn_of_rest(const sn_sense_bound *b, const sn_clip *clip) {
+    const sn_sensor *sensor = b->sensor;
+    sn_index from = sensor->kind == SN_SENSOR_DISTANCE ? b->other.joint : b->reference;
+    if (b->place.joint == from)
+        sn_log(SN_LOG_WARNING,
+               "sensor \"%s\" reads the same all the time: what it measures and what that is measured from are both fixed to %s",
+               sensor->name, from != SN_NONE ? clip->joints[from].name : "the world");
+}
+
 sn_status sn_sense_bind(const sn_sensor *sensor, const sn_clip *clip, sn_sense_bound *out, sn_error *error) {
     *out = (sn_sense_bound){.sensor = sensor, .reference = SN_NONE, .other = {SN_NONE, {0, 0, 0}}};
     sn_status status = bind_place(sensor, &sensor->place, clip, &out->place, error);
     if (status == SN_OK && sensor->kind == SN_SENSOR_DISTANCE) status = bind_place(sensor, &sensor->other, clip, &out->other, error);
-    if (status == SN_OK && sensor->reference != NULL) return need_joint(sensor, clip, sensor->reference, &out->reference, error);
-    if (status == SN_OK && is_angular(sensor->kind) && !sensor->world && out->place.joint != SN_NONE)
+    if (status == SN_OK && sensor->reference != NULL)
+        status = need_joint(sensor, clip, sensor->reference, &out->reference, error);
+    else if (status == SN_OK && is_angular(sensor->kind) && !sensor->world && out->place.joint != SN_NONE)
         out->reference = clip->joints[out->place.joint].parent;
+    if (status == SN_OK) warn_of_rest(out, clip);
     return status;
 }

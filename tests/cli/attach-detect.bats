@@ -111,9 +111,9 @@ vertices() { tr -d ' \n' | grep -o "\"bone\":\"$1\",\"vertices\":\[[0-9,]*\]" | 
 @test "nothing attached is no error; the warning says what would help" {
     box 0 1 | awk 'NR > 2 && NF == 3 { $3 += 5000 } { print }' > sky.off
     attach --bone moon.off --bone sky.off strip.off --method contact -o out.json 2> err
-    grep -q 'warning: nothing attached; the bones lie far from the muscle, but would meet it with --bone-units cm' err
+    grep -q 'warning: muscle "strip": nothing attached; the bones lie far from the muscle, but would meet it with --bone-units cm' err
     attach --bone sky.off strip.off -o out.json 2> err
-    grep -q 'warning: nothing attached; the nearest bone, sky, is at least 5e+06 mm away: check --bone-units' err
+    grep -q 'warning: muscle "strip": nothing attached; the nearest bone, sky, is at least 5e+06 mm away: check --bone-units' err
     box 2000 3000 > mm.off
     attach --bone mm.off strip.off -o out.json 2> err
     grep -q 'would meet it with --bone-units mm' err

@@ -120,6 +120,9 @@ for kind, name in (("scene", "own.scene.json"), ("scene", "one.scene.json"), ("m
     edit body/arm.motion.json <<< 's["coordinates"].append({"name": "elbow_flexion", "unit": "rad", "values": [1]})'
     simulate one.scene.json --frames 0:0 --log log.jsonl --lengths l.tsv 2> err
     grep -Eq 'l.tsv: two columns have the name "elbow[ _]flexion.rad"' err
+    edit body/arm.motion.json <<< 's["coordinates"][-1]["name"] = "lift"' # a name that another has
+    run -1 simulate one.scene.json --frames 0:0
+    [[ "$output" == *'two coordinates have the name "lift"; give one another name'* ]]
 }
 
 @test "lengths have the coordinates as columns, with their units, at the frames' times" {

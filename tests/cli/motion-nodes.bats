@@ -192,6 +192,7 @@ assert d["history"][0]["args"] == ["--animation", "wave"], d["history"]'
     [ "$(grep -c ^animation list)" -eq 2 ]
     grep -qP '^animation\t2\twave\t2$' list
     refused 'two.glb: has no animation "3"; it has 2' "$import" two.glb --animation 3
+    refused 'two.glb: has no animation ""; it has 2' "$import" two.glb --animation ''
     printf 'sinew-nodes 1\nnode -1 a\n1 0 0 0 0 1 0 0 0 0 1 0\nbind 0\n1 0 0 0 0 1 0 0 0 0 1 0\nend\n' > bone.nodes
     refused 'bone.nodes: has no animation "1"; it has 0' "$import" bone.nodes --animation 1
 }

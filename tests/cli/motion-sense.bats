@@ -185,6 +185,8 @@ END
     refused "has two channels" 's/]}$/], "channels": [{"muscles": ["m", "m"], "sensors": "biceps"}]}/'
     refused "no muscles that it could match" 's/]}$/], "channels": [{"muscles": "m*", "sensors": "biceps"}]}/'
     refused "not greater than" 's/\[90, 0.9\]/[-90, 0.9]/'
+    refused "its reading is not a finite number" 's/"point": "end"/"point": [1e308,1e308,1e308]/'
+    refused "a filter of 0.001 Hz is too low for 240 samples a second: choose 0.0097 Hz or more" 's/"sensors"/"filter": 0.001, "sensors"/'
     printf ':FULLY-SPECIFIED\n:DEGREES\n1\nroot 0 0 0\n' > a.amc
     run -1 "$BIN/motion-sense" --sensors elbow.sensors.json a.amc
     [[ "$output" == "motion-sense: a.amc: is AMC; make a motion document of it with motion-import" ]]
@@ -208,6 +210,12 @@ END
     told "sensor 'biceps' activates by 0 throughout: it reads from [-e0-9.]* to 90 degrees, where its curve is level" \
         's/\[0, 0\], \[90, 0.9\]/[100, 0], [180, 0.9]/'
     told "no channel takes the sensor triceps" 's/]}$/], "channels": [{"muscles": "m", "sensors": "biceps"}]}/'
+    told "sensor 'triceps': the attack of its trigger, 50 s, is longer than the motion, 2 s; times are in seconds" 's/"attack": 0.05/"attack": 50/'
+    told "sensor 'triceps': the decay of its trigger, 200 s, is longer than the motion" 's/"decay": 0.2/"decay": 200/'
+    fixed='reads the same all the time: what it measures and what that is measured from are both fixed to'
+    told "sensor \"biceps\" $fixed ulna" 's/"axis": "-x"/"axis": "-x", "relativeTo": "ulna"/'
+    told "sensor \"speed\" $fixed ulna" 's/"velocity", "joint": "ulna", "point": "end"/"distance", "joint": "ulna", "point": "end", "to": "ulna"/'
+    told "sensor \"speed\" $fixed the world" 's/"velocity", "joint": "ulna", "point": "end"/"velocity", "joint": "world", "point": [0,0,1]/'
     told "sinew knows no member hold_ here" 's/"attack"/"hold_": 1, "attack"/'
     told "a filter of 70 Hz has nothing to take from 120 frames a second" 's/"sensors"/"filter": 70, "sensors"/'
     awk '/^-/ && n++ >= 100 { print $1 - 170; next } { print }' elbow.bvh > flip.bvh

@@ -170,6 +170,18 @@ assert joint("c")["humerus"] == "elbow"'
     "$build" . --motion elbow.motion.json -b scapula.ply -b humerus=moved.obj -b ulna.ply -b radius.ply --bind ulna=elbow -o a.scene.json 2> err
     [ "$(grep -c 'attached to humerus lies' err)" -eq 2 ]
     [ "$(grep -c 'lies' err)" -eq 2 ]
+    # pinned off its bone it is meant to be, unless it is farther off than the muscle is long
+    python3 -c 'import json
+for name in ("brachialis", "triceps"):
+    rig = json.load(open(name + ".muscle.json"))
+    for a in rig["attachments"]: a["reasons"] = [1] * len(a["vertices"])
+    json.dump(rig, open(name + ".muscle.json", "w"))'
+    "$build" . --motion elbow.motion.json -b scapula.ply -b humerus=moved.obj -b ulna.ply -b radius.ply --bind ulna=elbow -o a.scene.json 2> err
+    [ "$(grep -c 'lies' err)" -eq 0 ]
+    awk '$1 == "v" { $2 += 1 } { print }' h.obj > moved.obj
+    "$build" . --motion elbow.motion.json -b scapula.ply -b humerus=moved.obj -b ulna.ply -b radius.ply --bind ulna=elbow -o a.scene.json 2> err
+    [ "$(grep -c 'pinned to humerus lies .* m from it: another unit' err)" -eq 2 ]
+    [ "$(grep -c 'lies' err)" -eq 2 ]
 }
 
 @test "a motion that moves no bone, names that are nobody's, values that cannot be: refused, and nothing is written" {

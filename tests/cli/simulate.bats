@@ -494,7 +494,7 @@ samples() { python3 -c 'import struct, sys; print(struct.unpack("<i", open(sys.a
         [ "$(values log.jsonl frame | tr '\n' ' ')" = "0 1 2 3 4 5 6 " ]
         refute [ -e end.state ]
         python3 -c 'import json
-r = json.load(open("report.json")); assert r["frames"] == 5 and "points" in r["outcome"]["exploded"][0]["signs"], r["outcome"]'
+r = json.load(open("report.json")); assert r["frames"] == 6 and r["steppedFrames"] == 5 and "points" in r["outcome"]["exploded"][0]["signs"], r["outcome"]'
         simulate nan.scene.json --frames 0:4 $options -o whole.pc2 --log log.jsonl
         head -c $((32 + 5 * 12 * 521)) out.pc2 | tail -c +33 > a
         tail -c +33 whole.pc2 | cmp - a
@@ -584,6 +584,7 @@ END
 @test "--report holds timings and --plan measured costs; the log none" {
     simulate arm.scene.json --frames 0:3 --report report.json > log.jsonl
     grep -q '"medianFrameSeconds"' report.json
+    python3 -c 'import json; r = json.load(open("report.json")); assert (r["frames"], r["steppedFrames"]) == (4, 3), r' # the first is none
     simulate --plan arm.scene.json | python3 -c 'import json,sys
 for m in json.load(sys.stdin)["plan"]["muscles"]:
     for g in m["groups"]: assert ("millisecondsPerFrame" in g) == (g["rows"] > 0) and g.get("millisecondsPerFrame", 1) > 0'

@@ -163,6 +163,19 @@ for name in sys.argv[2:]: jsonschema.Draft202012Validator(schema).validate(json.
     grep -q '"envelope": *"./skin.envelope.json"\|"envelope": *"skin.envelope.json"' y.scene.json
 }
 
+@test "an envelope of other bones, or without a file, is told by scene-build" {
+    "$BIN/scene-build" rigs --motion elbow.motion.json --envelope skin.envelope.json -o a.scene.json 2> err
+    [ "$(grep -c 'warning: envelope' err)" -eq 0 ]
+    sed 's/"mesh":"\([a-z]*\).ply"/"mesh":"\1.ply","units":"mm"/g' elbow.motion.json > mm.motion.json
+    "$BIN/scene-build" rigs --motion mm.motion.json --envelope skin.envelope.json -o a.scene.json 2> err
+    grep -q 'warning: envelope "skin": it lies 0.[0-9]* m from the bones that carry it, on average: was it bound to bones of another rest pose' err
+    run -2 "$BIN/scene-build" rigs --motion elbow.motion.json --envelope '' -o a.scene.json
+    [[ "$output" == *"--envelope: '' names no file"* ]]
+    run -2 "$BIN/scene-build" rigs --motion elbow.motion.json --envelope skin= -o a.scene.json
+    run -1 "$BIN/scene-build" rigs --motion elbow.motion.json --envelope skin.envelope.json -o nowhere/a.scene.json
+    [[ "$output" == *"nowhere/a.scene.json: its folder is not there"* ]]
+}
+
 @test "wrong frames are refused in one sentence that names the file" {
     cp skin.pc2 whole.pc2
     head -c 5000 whole.pc2 > skin.pc2; driven cut skin.pc2
@@ -187,6 +200,8 @@ END
     driven bare whole.pc2
     sed -i 's/"frames": "whole.pc2"/"frame": "whole.pc2"/' bare.scene.json
     refused 'surfaces\[0\].*frames' "$BIN/simulate" bare.scene.json
+    driven empty ''
+    refused 'surfaces\[0\].frames: expected the name of a file' "$BIN/simulate" empty.scene.json
     sed 's/"skin.envelope.json"/"skin.ply"/' envelope.scene.json > ply.scene.json
     refused 'skin.ply' "$BIN/simulate" ply.scene.json
     sed 's/"name": *"radius"/"name": "other"/' elbow.motion.json > o.motion.json
@@ -211,4 +226,56 @@ END
     driven far skin.pc2 '{"units": 0.5}'
     "$BIN/simulate" far.scene.json --frames 0:0 -o f.pc2 2> err || true
     grep -q 'a vertex attached to the surface "skin" is .* mm away from it' err
+}
+
+@test "frames of another order of vertices, of another axis, of times that are numbers, and those that --frames leaves out, are told" {
+    /usr/bin/python3 - << END
+$cat_py
+frames = pc2("skin.pc2"); n = len(frames[0]); header = open("skin.pc2", "rb").read()[:32]
+def cache(name, of):
+    with open(name, "wb") as out: out.write(header + b"".join(struct.pack("<%df" % (3 * n), *(x for p in of(f) for x in p)) for f in frames))
+cache("order.pc2", lambda f: [f[(131 * i) % n] for i in range(n)])
+cache("axis.pc2", lambda f: [(x, z, -y) for x, y, z in f])
+cache("away.pc2", lambda f: [(x + 5, y, z) for x, y, z in f])
+with open("numbers.mdd", "wb") as out:
+    out.write(struct.pack(">ii", len(frames), n) + struct.pack(">%df" % len(frames), *range(len(frames))))
+    for f in frames: out.write(struct.pack(">%df" % (3 * n), *(x for p in f for x in p)))
+END
+    # told FILE PATTERN: what is said, besides nothing else
+    told() {
+        driven doubt "$1"
+        "$BIN/simulate" doubt.scene.json --frames 0:0 -o doubt.pc2 --log doubt.jsonl 2> err || true
+        [ "$(grep -c 'warning: surface' err)" -eq 1 ]
+        grep -q "warning: surface \"skin\": $2" err
+    }
+    told order.pc2 'its edges are .* times as long in its first frame as at rest; are the vertices of both in one order'
+    told axis.pc2 'its first frame is .* m away from rest, and .* m if y and z are exchanged'
+    told numbers.mdd 'its frames are 1 s apart; "rate" tells'
+    driven away away.pc2
+    "$BIN/simulate" away.scene.json --frames 0:0 -o doubt.pc2 --log doubt.jsonl 2> err || true # as when somebody walks
+    [ "$(grep -c 'warning: surface' err)" -eq 0 ]
+    driven whole skin.pc2
+    "$BIN/simulate" whole.scene.json --frames 40:48 -o w.pc2 --log w.jsonl 2> err || true
+    [ "$(grep -c 'stands still' err)" -eq 0 ]
+    "$BIN/simulate" whole.scene.json --frames 40:49 -o w.pc2 --log w.jsonl 2> err || true
+    grep -q 'its frames are from 0 s to 2 s, the scene.s from 1.66667 s to 2.04167 s; outside of its own it stands still' err
+}
+
+@test "a motion that begins before 0 s: frames of its envelope are at their times, in caches and files, as the envelope itself" {
+    sed 's/\[\[0.25,0\]/[[-0.5,0]/' elbow.motion.json > early.motion.json
+    "$BIN/envelope-bind" -q skin.envelope.json --bones early.motion.json --every 1 --frames early.pc2 -o early.envelope.json
+    "$BIN/envelope-bind" -q skin.envelope.json --bones early.motion.json --every 1 --frames early.ply -o early.envelope.json
+    [ -e early.-012.ply ] && [ -e early.0000.ply ] && [ -e early.0048.ply ] && [ ! -e early.0049.ply ]
+    "$BIN/scene-build" -q rigs --motion early.motion.json --envelope skin.envelope.json --frames=-12:20 -o envelope.scene.json
+    driven cache early.pc2
+    driven files 'early.#.ply'
+    for scene in envelope cache files; do "$BIN/simulate" -q $scene.scene.json -o $scene.pc2 --log $scene.jsonl; done
+    /usr/bin/python3 - << END
+$cat_py
+a = pc2("envelope.pc2"); assert away(a[:1], a[-1:], held) > 0.01
+assert same(a, pc2("cache.pc2")) and same(a, pc2("files.pc2"))
+END
+    sed 's/\[\[0.25,0\]/[[-0.51,0]/' elbow.motion.json > odd.motion.json
+    "$BIN/envelope-bind" skin.envelope.json --bones odd.motion.json --every 1 --frames odd.ply -o odd.envelope.json 2> err
+    grep -q 'warning: odd.motion.json begins at -0.51 s, which is frame -12.24: files are numbered from -13 on' err
 }
