@@ -15,6 +15,9 @@
 
 #include <string.h>
 
+/* Points in single precision are as near to where they were put as this share of the muscle's diagonal. */
+static const double ROUNDING = 1e-6;
+
 sn_status sn_contact_voxels_make(const sn_scene *scene, const sn_mesh *mesh, sn_voxels *out, sn_error *error) {
     const sn_contact_settings *contact = &scene->contact;
     sn_index size[3];
@@ -41,11 +44,6 @@ static bone_step bone_step_of(const sn_inputs *in, const sn_collider *collider, 
     return b;
 }
 
-/* Is the vertex one that the bone has moved onto? */
-static bool is_hit(const bone_step *b, sn_vec3 before, sn_vec3 now) {
-    return sn_voxels_at(b->voxels, sn_rigid_apply(b->inverse, now)) && sn_voxels_at(b->voxels, sn_rigid_apply(b->inverse, before));
-}
-
 /* Where the rules put a vertex. */
 static sn_vec3 put(const bone_step *b, sn_bone_hits hits, sn_vec3 before, sn_vec3 now) {
     sn_vec3 at = sn_rigid_apply(b->inverse, now), from, out;
@@ -69,6 +67,11 @@ void sn_contact_voxels_sweep(const sn_model_muscle *m, sn_muscle_state *s) {
     }
 }
 
+/* Has the bone moved onto the vertex, and carried it to where it is now? */
+static bool is_carried(const bone_step *b, sn_vec3 before, sn_vec3 now, double within) {
+    return sn_voxels_at(b->voxels, sn_rigid_apply(b->inverse, before)) && sn_distance(sn_rigid_apply(b->motion, before), now) <= within;
+}
+
 /* A vertex that ends where its step began has no velocity. */
 void sn_contact_voxels_finish(const sn_model_muscle *m, sn_muscle_state *s) {
     const sn_contacts *contacts = sn_contacts_of(m);
@@ -78,7 +81,7 @@ void sn_contact_voxels_finish(const sn_model_muscle *m, sn_muscle_state *s) {
         for (sn_index r = collider->begin; r < collider->end; r++) {
             sn_index v = contacts->rows[r].point[0];
             sn_vec3 now = sn_point_position(&s->points[v]);
-            if (is_hit(&b, s->previous[v], now)) s->previous[v] = now;
+            if (is_carried(&b, s->previous[v], now, ROUNDING * m->diagonal)) s->previous[v] = now;
         }
     }
 }
