@@ -5,14 +5,50 @@
 
 #include "sinew/distance_field.h"
 #include "sinew/io.h"
+#include "sinew/voxels.h"
+
+#include <string.h>
+
+/* What says nothing without contact. */
+static const char *const OF_CONTACT[] = {"margin",          "grid-cell", "grid-cache", "friction", "resolve",
+                                         "contact-samples", "collision", "voxels",     "bone-hits"};
+enum { OF_CONTACT_COUNT = sizeof OF_CONTACT / sizeof *OF_CONTACT };
 
 bool contacts_wanted(const cli *c, const contact_choices *given) {
-    static const char *const of_contact[] = {"margin", "grid-cell", "grid-cache", "friction", "resolve", "contact-samples"};
     if (given->on && given->off) cli_usage_error(c, "--contact and --no-contact exclude each other");
-    for (size_t i = 0; given->off && i < sizeof of_contact / sizeof *of_contact; i++)
-        if (cli_given(c, of_contact[i])) cli_usage_error(c, "--no-contact and --%s exclude each other", of_contact[i]);
+    for (int i = 0; given->off && i < OF_CONTACT_COUNT; i++)
+        if (cli_given(c, OF_CONTACT[i])) cli_usage_error(c, "--no-contact and --%s exclude each other", OF_CONTACT[i]);
     if (cli_given(c, "contact-samples") && given->samples == 2) cli_usage_error(c, "--contact-samples is 0, 1 or 3");
     return given->on;
+}
+
+/* "N" or "total:N". */
+static void apply_voxels(const cli *c, const contact_choices *given, sn_contact_settings *contact) {
+    static const char TOTAL[] = "total:";
+    if (!cli_given(c, "voxels")) return;
+    bool in_all = strncmp(given->voxels, TOTAL, sizeof TOTAL - 1) == 0;
+    const char *number = given->voxels + (in_all ? sizeof TOTAL - 1 : 0), *end = number + strlen(number);
+    int64_t value = 0, most = in_all ? SN_MOST_VOXELS : SN_MOST_VOXELS_ALONG;
+    if (!sn_scan_integer(number, end, &number, &value) || number != end || value < 1 || value > most)
+        cli_usage_error(c, "--voxels %s: write N, 1 to %d along each axis, or total:N, 1 to %d in all", given->voxels, SN_MOST_VOXELS_ALONG,
+                        SN_MOST_VOXELS);
+    contact->voxels = in_all ? 0 : (sn_index)value;
+    contact->voxels_total = in_all ? (sn_index)value : 0;
+}
+
+/* Options that another collision, or another scheme, has a use for. */
+static void warn_of_idle(const cli *c, const sn_scene *scene) {
+    static const char *const of_fields[] = {"margin", "friction", "resolve", "contact-samples"};
+    static const char *const of_voxels[] = {"voxels", "bone-hits"};
+    bool by_voxels = sn_scene_collision(scene) == SN_COLLISION_VOXEL;
+    for (size_t i = 0; by_voxels && i < sizeof of_fields / sizeof *of_fields; i++)
+        if (cli_given(c, of_fields[i]))
+            cli_warn(c, "--%s has no effect: the collision is by voxels (--collision field is not)", of_fields[i]);
+    for (size_t i = 0; !by_voxels && i < sizeof of_voxels / sizeof *of_voxels; i++)
+        if (cli_given(c, of_voxels[i]))
+            cli_warn(c, "--%s has no effect: the collision is by distance fields (--collision voxel is not)", of_voxels[i]);
+    if (scene->solver.method == SN_SOLVER_XPBD && scene->solver.scheme == SN_SCHEME_ROMEO)
+        cli_warn(c, "the scheme romeo has no contact: muscles enter bones as they do without");
 }
 
 void contacts_apply(const cli *c, const contact_choices *given, sn_scene *scene) {
@@ -24,9 +60,12 @@ void contacts_apply(const cli *c, const contact_choices *given, sn_scene *scene)
     if (cli_given(c, "friction")) contact->friction = given->friction;
     if (cli_given(c, "resolve")) contact->resolve = given->resolve;
     if (cli_given(c, "contact-samples")) contact->samples = (sn_index)given->samples;
-    static const char *const idle[] = {"margin", "grid-cell", "grid-cache", "friction", "resolve", "contact-samples"};
-    for (size_t i = 0; !contact->enabled && i < sizeof idle / sizeof *idle; i++)
-        if (cli_given(c, idle[i])) cli_warn(c, "--%s has no effect: contact is off (--contact turns it on)", idle[i]);
+    if (cli_given(c, "collision")) contact->collision = (sn_collision)given->collision;
+    if (cli_given(c, "bone-hits")) contact->bone_hits = (sn_bone_hits)given->bone_hits;
+    apply_voxels(c, given, contact);
+    for (int i = 0; !contact->enabled && i < OF_CONTACT_COUNT; i++)
+        if (cli_given(c, OF_CONTACT[i])) cli_warn(c, "--%s has no effect: contact is off (--contact turns it on)", OF_CONTACT[i]);
+    if (contact->enabled) warn_of_idle(c, scene);
     if (contact->enabled && contact->friction > 0.0 && scene->solver.method != SN_SOLVER_XPBD)
         cli_warn(c, "friction is felt under the solver xpbd alone");
 }
@@ -37,7 +76,7 @@ void contacts_apply(const cli *c, const contact_choices *given, sn_scene *scene)
 static void tell_of_bone(const contact_run *run, const sn_scene_bone *bone, const sn_distance_field *field) {
     const sn_solid_report *r = &field->report;
     if (r->inside_out) cli_tell(run->c, "bone \"%s\" is inside out: it is taken the other way round", bone->name);
-    if (r->volume == 0.0)
+    if (r->volume == 0.0 && !run->by_voxels)
         cli_warn(run->c, "bone \"%s\" encloses nothing: muscles keep its margin, but nothing is inside of it", bone->name);
 }
 
@@ -56,7 +95,14 @@ static sn_status take_field(void *user, const sn_scene_bone *bone, const sn_mesh
 
 sn_status contacts_model(contact_run *run, const sn_scene *scene, sn_pool *pool, sn_model **out, sn_error *error) {
     const sn_model_options options = {.pool = pool, .fields = take_field, .user = run};
-    return sn_model_create_with(scene, &options, out, error);
+    run->by_voxels = sn_scene_collision(scene) == SN_COLLISION_VOXEL;
+    sn_status status = sn_model_create_with(scene, &options, out, error);
+    for (sn_index b = 0; status == SN_OK && b < scene->bone_count; b++) {
+        const sn_voxels *voxels = sn_model_voxels(*out, b);
+        if (voxels != NULL && voxels->inside == 0)
+            cli_warn(run->c, "bone \"%s\" encloses no voxel: only those that its surface runs through stop muscles", scene->bones[b].name);
+    }
+    return status;
 }
 
 /* ---- what is said ------------------------------------------------------------------------------------------------------------------ */
@@ -78,10 +124,32 @@ void contacts_plan_muscle(const sn_model *model, const sn_plan_muscle *plan, sn_
     sn_json_integer(json, "bonesLeftOut", model->scene->bone_count - plan->bone_count);
 }
 
+/* What a program with a byte for each cell takes, as [K21] fig. 3 counts, stands beside what they take here. */
+static void plan_voxels(const sn_model *model, sn_json *json) {
+    const sn_scene *scene = model->scene;
+    if (sn_scene_collision(scene) != SN_COLLISION_VOXEL) return;
+    sn_json_array(json, "voxels");
+    for (sn_index b = 0; b < scene->bone_count; b++) {
+        const sn_voxels *voxels = sn_model_voxels(model, b);
+        if (voxels == NULL) continue;
+        sn_json_object(json, NULL);
+        sn_json_text(json, "bone", scene->bones[b].name);
+        sn_json_indices(json, "size", voxels->size, 3);
+        sn_json_integer(json, "cells", sn_voxels_count(voxels));
+        sn_json_integer(json, "boundary", voxels->boundary);
+        sn_json_integer(json, "inside", voxels->inside);
+        sn_json_integer(json, "bytes", (int64_t)sn_voxels_bytes(voxels));
+        sn_json_integer(json, "bytesPublished", sn_voxels_count(voxels));
+        sn_json_close(json);
+    }
+    sn_json_close(json);
+}
+
 void contacts_plan(const contact_run *run, const sn_model *model, sn_json *json) {
     const sn_scene *scene = model->scene;
     if (!scene->contact.enabled) return;
     sn_json_object(json, "contact");
+    sn_json_text(json, "collision", sn_collision_names[sn_scene_collision(scene)]);
     sn_json_integer(json, "fieldsBuilt", run->built);
     sn_json_integer(json, "fieldsRead", run->read);
     sn_json_number(json, "fieldSeconds", run->seconds);
@@ -96,5 +164,6 @@ void contacts_plan(const contact_run *run, const sn_model *model, sn_json *json)
         sn_json_close(json);
     }
     sn_json_close(json);
+    plan_voxels(model, json);
     sn_json_close(json);
 }

@@ -13,6 +13,8 @@ typedef struct contact_choices {
     double friction, resolve;
     int64_t samples;
     const char *cache;
+    int collision, bone_hits;
+    const char *voxels; /* "N" or "total:N" */
 } contact_choices;
 
 /* How the fields of bones were come by. */
@@ -21,6 +23,7 @@ typedef struct contact_run {
     const char *cache;
     double seconds; /* that they took */
     sn_index built, read;
+    bool by_voxels;
 } contact_run;
 
 /* Do options ask for contact? Wrong usage exits. */

@@ -19,6 +19,8 @@ extern const char *const sn_scheme_names[];          /* "guarded", "romeo", "koh
 extern const char *const sn_hinge_rule_names[];      /* "scheme", "published", "printed" */
 extern const char *const sn_preconditioning_names[]; /* "scalar", "corotated", "two-level" */
 extern const char *const sn_precision_names[];       /* "double", "single" */
+extern const char *const sn_collision_names[];       /* "scheme", "field", "voxel" */
+extern const char *const sn_bone_hits_names[];       /* "follow", "stop", "ignore" */
 
 typedef struct sn_scene_bone {
     char *name;
@@ -30,6 +32,16 @@ typedef struct sn_scene_bone {
     bool passable;          /* no muscle feels it; default false */
 } sn_scene_bone;
 
+/* How muscles are kept out of bones. FIELD: rows on distance fields. VOXEL: the voxels of [K21] and its two rules, under `xpbd` only.
+ * SCHEME: VOXEL under the scheme `kohout`, else FIELD. */
+typedef enum sn_collision { SN_COLLISION_SCHEME, SN_COLLISION_FIELD, SN_COLLISION_VOXEL } sn_collision;
+
+/* VOXEL: what becomes of a vertex onto which a bone has moved. FOLLOW: it goes along with the bone, as [K21] 3.2 has it; STOP: it does, and
+ * has no velocity then (5); IGNORE: nothing (fig. 10). */
+typedef enum sn_bone_hits { SN_BONE_HITS_FOLLOW, SN_BONE_HITS_STOP, SN_BONE_HITS_IGNORE } sn_bone_hits;
+
+#define SN_DEFAULT_VOXELS 64 /* along each axis: [K21] fig. 3 */
+
 /* Contact of muscles with bones (bodies.md 2); off by default. */
 typedef struct sn_contact_settings {
     bool enabled;
@@ -38,6 +50,10 @@ typedef struct sn_contact_settings {
     double friction;  /* Coulomb's, under `xpbd`; default 0 */
     double resolve;   /* s, in which margins grow to what is asked where muscles overlap bones at rest; default 0: they stay */
     sn_index samples; /* points inside of each triangle that are held out, too: 0 (default), 1 or 3 */
+    sn_collision collision;
+    sn_bone_hits bone_hits;
+    sn_index voxels;       /* of each bone's box, along each axis; 0 = SN_DEFAULT_VOXELS */
+    sn_index voxels_total; /* or about so many in all, as near to cubes as that goes: n_max of [K21] 3.2; 0 = by `voxels` */
 } sn_contact_settings;
 
 /* How a fibre shortens its edges with activation: the goal lengths of sn_goal_length (sim.h). */
@@ -164,6 +180,8 @@ double sn_muscle_contraction(const sn_scene_muscle *muscle, double activation);
 void sn_scene_muscle_defaults(sn_scene_muscle *muscle); /* fills every default of an otherwise zeroed muscle */
 void sn_scene_defaults(sn_scene *scene);
 sn_solver_settings sn_solver_defaults(sn_solver_method method);
+/* FIELD or VOXEL. */
+sn_collision sn_scene_collision(const sn_scene *scene);
 /* Does the pre-roll begin at rest and move bones? Not where the first frame is the rest pose, to the bit. */
 bool sn_scene_runs_in(const sn_scene *scene);
 sn_index sn_solver_substeps(const sn_solver_settings *settings); /* per frame, before any is halved */

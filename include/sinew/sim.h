@@ -225,6 +225,7 @@ typedef struct sn_model {
 /* Makes the distance field of a bone (sn_distance_field_create), or takes it from somewhere: mesh in metres. */
 struct sn_distance_field;
 struct sn_distance_field_params;
+struct sn_voxels;
 typedef sn_status sn_field_source(void *user, const sn_scene_bone *bone, const sn_mesh *mesh, const struct sn_distance_field_params *params,
                                   struct sn_distance_field *out, sn_error *error);
 
@@ -239,6 +240,8 @@ SN_MUST_CHECK sn_status sn_model_create(const sn_scene *scene, sn_model **out, s
 SN_MUST_CHECK sn_status sn_model_create_with(const sn_scene *scene, const sn_model_options *options, sn_model **out, sn_error *error);
 /* The distance field of a bone of the scene; NULL = contact is off, or no muscle comes near it. */
 const struct sn_distance_field *sn_model_field(const sn_model *model, sn_index bone);
+/* The voxels of a bone; NULL = the same, or the collision is not by voxels. */
+const struct sn_voxels *sn_model_voxels(const sn_model *model, sn_index bone);
 void sn_model_destroy(sn_model *model); /* NULL is fine */
 
 /* ---- statistics: numbers, not text -------------------------------------------------------------------------------------- */

@@ -1,8 +1,9 @@
 /*
- * scene_contact.c -- the contact of a scene document: true, or { "margin", "cell", "friction", "resolve", "samples" }; false of a bone or a
- * muscle leaves it out.
+ * scene_contact.c -- the contact of a scene document: true, or { "margin", "cell", "friction", "resolve", "samples", "collision", "voxels",
+ * "voxelsTotal", "boneHits" }; false of a bone or a muscle leaves it out.
  */
 #include "scene_contact.h"
+#include "sinew/voxels.h"
 
 static sn_status parse_samples(const sn_json_value *value, sn_index *out, sn_error *error) {
     sn_index count = *out;
@@ -12,8 +13,22 @@ static sn_status parse_samples(const sn_json_value *value, sn_index *out, sn_err
     return status;
 }
 
+static sn_status parse_voxels(const sn_json_value *object, sn_contact_settings *out, sn_error *error) {
+    sn_json_value collision_name = sn_json_member(object, "collision"), hits_name = sn_json_member(object, "boneHits"),
+                  voxels = sn_json_member(object, "voxels"), total = sn_json_member(object, "voxelsTotal");
+    int collision = (int)out->collision, hits = (int)out->bone_hits;
+    sn_status status = sn_json_get_choice(&collision_name, sn_collision_names, &collision, error);
+    if (status == SN_OK) status = sn_json_get_choice(&hits_name, sn_bone_hits_names, &hits, error);
+    if (status == SN_OK) status = sn_json_get_index(&voxels, 1, SN_MOST_VOXELS_ALONG, &out->voxels, error);
+    if (status == SN_OK) status = sn_json_get_index(&total, 1, SN_MOST_VOXELS, &out->voxels_total, error);
+    out->collision = (sn_collision)collision;
+    out->bone_hits = (sn_bone_hits)hits;
+    return status;
+}
+
 sn_status sn_contact_parse(const sn_json_value *value, sn_contact_settings *out, sn_error *error) {
-    static const char *const known[] = {"enabled", "margin", "cell", "friction", "resolve", "samples", NULL};
+    static const char *const known[] = {"enabled",   "margin", "cell",        "friction", "resolve", "samples",
+                                        "collision", "voxels", "voxelsTotal", "boneHits", NULL};
     if (!sn_json_has(value)) return SN_OK;
     if (sn_json_is_bool(value)) return sn_json_get_bool(value, &out->enabled, error);
     sn_json_value enabled = sn_json_member(value, "enabled"), margin = sn_json_member(value, "margin"),
@@ -27,6 +42,7 @@ sn_status sn_contact_parse(const sn_json_value *value, sn_contact_settings *out,
     if (status == SN_OK) status = sn_json_get_number(&friction, 0.0, INFINITY, &out->friction, error);
     if (status == SN_OK) status = sn_json_get_number(&resolve, 0.0, INFINITY, &out->resolve, error);
     if (status == SN_OK) status = parse_samples(&samples, &out->samples, error);
+    if (status == SN_OK) status = parse_voxels(value, out, error);
     if (status == SN_OK) sn_json_warn_unknown(value, known);
     return status;
 }
@@ -39,7 +55,17 @@ sn_status sn_contact_left_out_parse(const sn_json_value *object, bool *left_out,
     return status;
 }
 
-void sn_contact_write(const sn_contact_settings *contact, sn_json *json) {
+static void write_voxels(const sn_contact_settings *contact, sn_json *json) {
+    if (contact->voxels_total > 0)
+        sn_json_integer(json, "voxelsTotal", contact->voxels_total);
+    else
+        sn_json_integer(json, "voxels", contact->voxels > 0 ? contact->voxels : SN_DEFAULT_VOXELS);
+    sn_json_text(json, "boneHits", sn_bone_hits_names[contact->bone_hits]);
+}
+
+void sn_contact_write(const sn_scene *scene, sn_json *json) {
+    const sn_contact_settings *contact = &scene->contact;
+    sn_collision collision = sn_scene_collision(scene);
     if (!contact->enabled) {
         sn_json_bool(json, "contact", false);
         return;
@@ -50,5 +76,7 @@ void sn_contact_write(const sn_contact_settings *contact, sn_json *json) {
     sn_json_number(json, "friction", contact->friction);
     sn_json_number(json, "resolve", contact->resolve);
     sn_json_integer(json, "samples", contact->samples);
+    sn_json_text(json, "collision", sn_collision_names[collision]);
+    if (collision == SN_COLLISION_VOXEL) write_voxels(contact, json);
     sn_json_close(json);
 }

@@ -499,7 +499,7 @@ void sn_scene_write(const sn_scene *scene, sn_json *json) {
     sn_json_number(json, "preroll", scene->preroll);
     sn_json_number(json, "runIn", scene->run_in);
     sn_json_vec3(json, "gravity", scene->gravity);
-    sn_contact_write(&scene->contact, json);
+    sn_contact_write(scene, json);
     write_solver(&scene->solver, json);
     sn_motion_write(&scene->motion, scene->meters_per_unit, json);
     sn_json_array(json, "bones");

@@ -1,5 +1,6 @@
 /* scene.c -- the scene as data: its defaults, whether it can run, and its end. */
 #include "sinew/scene.h"
+#include "sinew/voxels.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -10,6 +11,8 @@ const char *const sn_stretch_names[] = {"springs", "membrane", NULL};
 const char *const sn_solver_method_names[] = {"xpbd", "qn", NULL};
 const char *const sn_scheme_names[] = {"guarded", "romeo", "kohout", NULL};
 const char *const sn_hinge_rule_names[] = {"scheme", "published", "printed", NULL};
+const char *const sn_collision_names[] = {"scheme", "field", "voxel", NULL};
+const char *const sn_bone_hits_names[] = {"follow", "stop", "ignore", NULL};
 const char *const sn_preconditioning_names[] = {"scalar", "corotated", "two-level", NULL};
 const char *const sn_precision_names[] = {"double", "single", NULL};
 
@@ -342,6 +345,27 @@ static sn_status check_muscle(const sn_scene *scene, sn_index i, sn_error *error
     return status == SN_OK && muscle->enabled ? check_rig(scene, muscle, error) : status;
 }
 
+sn_collision sn_scene_collision(const sn_scene *scene) {
+    if (scene->contact.collision != SN_COLLISION_SCHEME) return scene->contact.collision;
+    return scene->solver.scheme == SN_SCHEME_KOHOUT ? SN_COLLISION_VOXEL : SN_COLLISION_FIELD;
+}
+
+static sn_status check_voxels(const sn_scene *scene, sn_error *error) {
+    const sn_contact_settings *contact = &scene->contact;
+    if (contact->voxels < 0 || contact->voxels > SN_MOST_VOXELS_ALONG)
+        return sn_fail(error, SN_ERROR_INPUT, "contact: voxels is %ld; there may be 1 to %d along an axis", (long)contact->voxels,
+                       SN_MOST_VOXELS_ALONG);
+    if (contact->voxels_total < 0 || contact->voxels_total > SN_MOST_VOXELS)
+        return sn_fail(error, SN_ERROR_INPUT, "contact: voxelsTotal is %ld; there may be 1 to %d", (long)contact->voxels_total,
+                       SN_MOST_VOXELS);
+    if (contact->voxels > 0 && contact->voxels_total > 0)
+        return sn_fail(error, SN_ERROR_INPUT, "contact: voxels and voxelsTotal exclude each other; leave one of them out");
+    if (contact->enabled && contact->collision == SN_COLLISION_VOXEL && scene->solver.method != SN_SOLVER_XPBD)
+        return sn_fail(error, SN_ERROR_INPUT,
+                       "contact: the collision voxel is for the method xpbd; choose that method, or the collision field");
+    return SN_OK;
+}
+
 static sn_status check_clock(const sn_scene *scene, sn_error *error) {
     const sn_solver_settings *solver = &scene->solver;
     if (!isfinite(scene->meters_per_unit) || scene->meters_per_unit <= 0.0)
@@ -388,6 +412,7 @@ static sn_status check_clock(const sn_scene *scene, sn_error *error) {
 
 sn_status sn_scene_validate(const sn_scene *scene, sn_error *error) {
     sn_status status = check_clock(scene, error);
+    if (status == SN_OK) status = check_voxels(scene, error);
     if (status == SN_OK) status = sn_motion_validate(&scene->motion, error);
     for (sn_index i = 0; i < scene->bone_count && status == SN_OK; i++) status = check_bone(scene, i, error);
     for (sn_index i = 0; i < scene->surface_count && status == SN_OK; i++) status = check_surface(scene, i, error);

@@ -273,7 +273,7 @@ static void offer(detection *d, sn_index v, sn_index bone, sn_attach_reason reas
 static int reason_for(const detection *d, sn_index v, const sn_voxels *voxels) {
     double distance = d->candidate[v];
     if ((d->params->methods & SN_ATTACH_CONTACT) && distance <= 0.0) return SN_REASON_CONTACT;
-    if ((d->params->methods & SN_ATTACH_CONTACT) && sn_voxels_on_boundary(voxels, d->muscle->mesh.positions[v])) return SN_REASON_VOXEL;
+    if ((d->params->methods & SN_ATTACH_CONTACT) && sn_voxels_at(voxels, d->muscle->mesh.positions[v])) return SN_REASON_VOXEL;
     if ((d->params->methods & SN_ATTACH_PROXIMITY) && distance < d->reach) return SN_REASON_PROXIMITY;
     return 0;
 }
@@ -296,11 +296,18 @@ static void offer_nearest(detection *d, sn_index bone, double nearest) {
         if (d->candidate[v] <= limit) offer(d, v, bone, SN_REASON_NEAREST);
 }
 
+/* The cells that the bone's surface runs through, as [K21] 3.2 sees it. */
+static sn_status make_voxels(const detection *d, const sn_mesh *bone, sn_voxels *out, sn_error *error) {
+    sn_index size[3];
+    sn_voxels_in_all(sn_mesh_box(bone), d->params->voxels, size);
+    return sn_voxels_create(bone, size, out, error);
+}
+
 static sn_status hold_bone(detection *d, const sn_bone_search *search, const sn_attach_pair *pair, sn_error *error) {
     sn_voxels voxels = {0};
     if (!holds_by_distance(d, pair->bone)) return SN_OK;
     if (d->params->voxels > 0 && (d->params->methods & SN_ATTACH_CONTACT)) {
-        sn_status status = sn_voxels_build(search->bone, d->params->voxels, &voxels, error);
+        sn_status status = make_voxels(d, search->bone, &voxels, error);
         if (status != SN_OK) return status;
     }
     bool both = (d->params->methods & SN_ATTACH_CONTACT) && (d->params->methods & SN_ATTACH_PROXIMITY);

@@ -3,6 +3,7 @@
 #define SINEW_RIG_ATTACH_H
 
 #include "sinew/rig.h"
+#include "sinew/voxels.h"
 
 /* One bone under search. */
 typedef struct sn_bone_search {
@@ -28,19 +29,6 @@ typedef struct sn_pair_probe {
 
 /* Dense samples of the muscle's surface against the bone; `area` is that of the muscle. */
 SN_MUST_CHECK sn_status sn_probe_pair(const sn_bone_search *search, double distance, double area, sn_pair_probe *out, sn_error *error);
-
-/* ---- attach_voxels.c: the bone as [K21] 3.2 sees it ------------------------------------------------------------------- */
-
-typedef struct sn_voxels {
-    sn_box box;              /* of the bone */
-    sn_index size[3];        /* cells along each axis */
-    unsigned char *boundary; /* a bit a cell: some triangle touches it */
-} sn_voxels;
-
-/* About `cells` cells in all, as near to cubes as whole numbers allow. */
-SN_MUST_CHECK sn_status sn_voxels_build(const sn_mesh *bone, sn_index cells, sn_voxels *out, sn_error *error);
-void sn_voxels_free(sn_voxels *voxels);
-bool sn_voxels_on_boundary(const sn_voxels *voxels, sn_vec3 point); /* the point's cell is one of the boundary */
 
 /* ---- attach_area.c: patches with landmarks around them ------------------------------------------------------------------ */
 

@@ -137,6 +137,10 @@ static void sweep(const sn_model_muscle *m, sn_muscle_state *s, sn_row_kind kind
     const sn_contacts *contacts = m->own[kind];
     const sn_collider *collider = contacts->colliders;
     (void)how;
+    if (contacts->by_voxels) {
+        sn_contact_voxels_sweep(m, s);
+        return;
+    }
     for (sn_index i = 0; i < s->inputs->near_count; i++) {
         collider = collider_at(collider, s->inputs->near[i]);
         sn_contact_project(m, s, collider, s->inputs->near[i], true);
@@ -201,7 +205,10 @@ void sn_contacts_measure(const sn_model_muscle *m, const sn_muscle_state *s, sn_
             const sn_contact_row *row = &contacts->rows[r];
             double value = value_of(contacts, s, collider, row, s->points, NULL), margin = sn_contact_margin(contacts, s, row);
             double depth = fmin(0.0, (double)row->margin) - (value + margin);
-            out->contacts += m->quasi_newton ? s->inputs->multipliers[r] > 0.0 : value <= 1e-9 * m->diagonal;
+            if (contacts->by_voxels)
+                out->contacts += sn_contact_voxels_touch(collider, &s->inputs->collider_poses[c], sn_contact_point(row, s->points));
+            else
+                out->contacts += m->quasi_newton ? s->inputs->multipliers[r] > 0.0 : value <= 1e-9 * m->diagonal;
             if (!(depth > out->penetration)) continue;
             out->penetration = depth;
             out->penetration_vertex = row->point[0];

@@ -9,6 +9,7 @@
 
 #include "rows.h"
 #include "sinew/distance_field.h"
+#include "sinew/voxels.h"
 
 /* ---- contact_reach.c: before any muscle is built ------------------------------------------------------------------------------------ */
 
@@ -18,6 +19,7 @@ struct sn_contact_plan {
     bool *reach;                       /* (muscle_count x bone_count) */
     sn_distance_field *fields;         /* (bone_count) empty where no muscle comes near */
     double *thickness;                 /* (bone_count) m */
+    sn_voxels *voxels;                 /* (bone_count) the same, where the collision is by voxels; else NULL */
 };
 
 /* *out stays NULL where contact is off. */
@@ -30,8 +32,9 @@ void sn_contact_plan_destroy(struct sn_contact_plan *plan); /* NULL is fine */
 typedef struct sn_collider {
     sn_index bone, joint; /* of the scene; joint SN_NONE = it never moves */
     const sn_distance_field *field;
-    double limit;        /* m: a surface that passes by farther in a step could pass through */
-    sn_index begin, end; /* its rows */
+    const sn_voxels *voxels; /* NULL = it is kept out by its field; else that only tells how deep it is (contact_voxels.c) */
+    double limit;            /* m: a surface that passes by farther in a step could pass through */
+    sn_index begin, end;     /* its rows */
 } sn_collider;
 
 /* A vertex (weight 1, 0, 0) or a point of a triangle. */
@@ -47,6 +50,8 @@ typedef struct sn_contacts {
     double margin;          /* m: asked for */
     double friction;
     double begin, resolve; /* s: margins grow to what is asked from `begin` on, in `resolve`; 0 = never */
+    bool by_voxels;        /* of all colliders */
+    sn_bone_hits bone_hits;
 } sn_contacts;
 
 static inline const sn_contacts *sn_contacts_of(const sn_model_muscle *m) { return m->own[SN_ROWS_CONTACT]; }
@@ -62,6 +67,17 @@ double sn_contact_margin(const sn_contacts *contacts, const sn_muscle_state *s, 
 sn_vec3 sn_contact_point(const sn_contact_row *row, const sn_point *points);
 /* Move its points so that C >= 0, by its own gradient; `rubs`: with friction. false: it was, or there is no way out. */
 bool sn_contact_project(const sn_model_muscle *m, sn_muscle_state *s, const sn_collider *collider, sn_index r, bool rubs);
+
+/* ---- by voxels (contact_voxels.c); the others hand over to these where the muscle's contacts are by voxels --------------------------- */
+
+/* Those of one bone, whose mesh is in metres. */
+SN_MUST_CHECK sn_status sn_contact_voxels_make(const sn_scene *scene, const sn_mesh *mesh, sn_voxels *out, sn_error *error);
+/* One pass over the rows, by the two rules of [K21] 3.2. */
+void sn_contact_voxels_sweep(const sn_model_muscle *m, sn_muscle_state *s);
+/* After the iterations, before velocities are taken: vertices that stop. */
+void sn_contact_voxels_finish(const sn_model_muscle *m, sn_muscle_state *s);
+/* Is the vertex of a row in touch with the bone, as far as voxels tell? */
+bool sn_contact_voxels_touch(const sn_collider *collider, const sn_rigid *pose, sn_vec3 at);
 
 /* ---- a step (contact_step.c); each does nothing for a muscle without contacts ------------------------------------------------------- */
 

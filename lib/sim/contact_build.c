@@ -114,13 +114,14 @@ static void add_collider(contact_work *w, sn_index bone) {
     const sn_distance_field *field = &plan->fields[bone];
     double thinner = fmin(thickness_of(m), plan->thickness[bone] > 0.0 ? plan->thickness[bone] : INFINITY);
     sn_index begin = m->contact_count;
-    find_excluded(w, bone);
+    if (!w->contacts->by_voxels) find_excluded(w, bone); /* [K21] spares fixed points alone, and it has no samples */
     add_vertices(w, field);
-    add_samples(w, field);
+    if (!w->contacts->by_voxels) add_samples(w, field);
     if (m->contact_count == begin) return;
     w->contacts->colliders[m->collider_count++] = (sn_collider){.bone = bone,
                                                                 .joint = w->build->scene->bones[bone].joint,
                                                                 .field = field,
+                                                                .voxels = plan->voxels != NULL ? &plan->voxels[bone] : NULL,
                                                                 .limit = SAFE_WAY * thinner,
                                                                 .begin = begin,
                                                                 .end = m->contact_count};
@@ -158,6 +159,13 @@ static void settle(contact_work *w) {
     for (sn_index i = 0; i < m->collider_count; i++) plan->bones[plan->bone_count++] = w->contacts->colliders[i].bone;
 }
 
+/* Voxels know no margin: rows tell how much deeper than at rest a vertex is. */
+static void use_voxels(const sn_contact_settings *asked, sn_contacts *contacts) {
+    contacts->by_voxels = true;
+    contacts->bone_hits = asked->bone_hits;
+    contacts->margin = contacts->friction = contacts->resolve = 0.0;
+}
+
 sn_status sn_contacts_build(const sn_build *build, sn_row_kind kind, sn_error *error) {
     sn_model_muscle *m = build->model;
     const sn_contact_settings *asked = &build->scene->contact;
@@ -168,6 +176,7 @@ sn_status sn_contacts_build(const sn_build *build, sn_row_kind kind, sn_error *e
     w.contacts->friction = asked->friction;
     w.contacts->begin = build->scene->first_frame / build->scene->rate;
     w.contacts->resolve = asked->resolve;
+    if (build->contact->voxels != NULL) use_voxels(asked, w.contacts);
     bool made = make_room(&w, count_bones(build));
     for (sn_index b = 0; made && b < build->contact->bone_count; b++)
         if (reach_of(build)[b]) add_collider(&w, b);

@@ -180,6 +180,7 @@ static sn_status make_field(const reach_work *w, const sn_model_options *options
     if (status == SN_OK)
         status = options->fields != NULL ? options->fields(options->user, source, &mesh, &params, &w->plan->fields[bone], error)
                                          : sn_distance_field_create(&mesh, &params, &w->plan->fields[bone], error);
+    if (status == SN_OK && w->plan->voxels != NULL) status = sn_contact_voxels_make(w->scene, &mesh, &w->plan->voxels[bone], error);
     sn_mesh_free(&mesh);
     if (status == SN_OK || error == NULL) return status;
     sn_error why = *error;
@@ -212,6 +213,7 @@ static bool make_room(reach_work *w) {
     plan->bone_count = w->scene->bone_count;
     return (plan->reach = SN_NEW(bool, (size_t)plan->muscle_count *(size_t)plan->bone_count)) &&
            (plan->fields = SN_NEW(sn_distance_field, plan->bone_count)) && (plan->thickness = SN_NEW(double, plan->bone_count)) &&
+           (sn_scene_collision(w->scene) != SN_COLLISION_VOXEL || (plan->voxels = SN_NEW(sn_voxels, plan->bone_count))) &&
            (w->bones = SN_NEW(sn_box, plan->bone_count)) && (w->muscles = SN_NEW(sn_box, plan->muscle_count)) &&
            (w->edges = SN_NEW(double, plan->muscle_count)) && (w->poses = SN_NEW(sn_rigid, w->scene->motion.joint_count));
 }
@@ -253,10 +255,17 @@ const sn_distance_field *sn_model_field(const sn_model *model, sn_index bone) {
     return plan != NULL && plan->fields[bone].values != NULL ? &plan->fields[bone] : NULL;
 }
 
+const sn_voxels *sn_model_voxels(const sn_model *model, sn_index bone) {
+    const struct sn_contact_plan *plan = model->contact;
+    return plan != NULL && plan->voxels != NULL && plan->voxels[bone].marked != NULL ? &plan->voxels[bone] : NULL;
+}
+
 void sn_contact_plan_destroy(struct sn_contact_plan *plan) {
     if (plan == NULL) return;
     for (sn_index b = 0; plan->fields != NULL && b < plan->bone_count; b++) sn_distance_field_free(&plan->fields[b]);
+    for (sn_index b = 0; plan->voxels != NULL && b < plan->bone_count; b++) sn_voxels_free(&plan->voxels[b]);
     free(plan->fields);
+    free(plan->voxels);
     free(plan->reach);
     free(plan->thickness);
     free(plan);

@@ -145,7 +145,7 @@ static bool passes_too_far(const sn_contacts *contacts, const sn_muscle_state *s
 
 bool sn_contacts_too_far(const sn_model_muscle *m, const sn_muscle_state *s) {
     const sn_contacts *contacts = sn_contacts_of(m);
-    if (m->collider_count == 0) return false;
+    if (m->collider_count == 0 || contacts->by_voxels) return false; /* [K21] looks at the end of the step alone */
     whole w = see_whole(m, s, NULL);
     for (sn_index c = 0; c < m->collider_count; c++)
         if (passes_too_far(contacts, s, c, &w)) return true;
@@ -174,6 +174,8 @@ void sn_contacts_gather(const sn_model_muscle *m, sn_muscle_state *s) {
     const sn_contacts *contacts = sn_contacts_of(m);
     s->inputs->near_count = 0;
     if (m->collider_count == 0) return;
+    for (sn_index r = 0; contacts->by_voxels && r < m->contact_count; r++) s->inputs->near[s->inputs->near_count++] = r;
+    if (contacts->by_voxels) return;
     whole w = see_whole(m, s, s->previous);
     for (sn_index c = 0; c < m->collider_count; c++) gather_from(contacts, m, s, c, &w);
 }
@@ -194,6 +196,11 @@ static bool project_collider(const sn_model_muscle *m, sn_muscle_state *s, sn_in
 
 void sn_contacts_finish(const sn_model_muscle *m, sn_muscle_state *s) {
     if (m->collider_count == 0) return;
+    if (sn_contacts_of(m)->by_voxels) {
+        sn_contact_voxels_finish(m, s);
+        keep_poses(m, s);
+        return;
+    }
     whole w = see_whole(m, s, NULL);
     bool moved = true;
     for (int i = 0; i < LAST_SWEEPS && moved; i++) {

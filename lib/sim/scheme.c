@@ -6,7 +6,8 @@
  *             no hinge moves a point by more than two edges: one whose arms are stretched 50 times would throw it 15
  *   romeo     the rows of [R18]: no dihedral angles, no least area; one projection of the volume
  *   kohout    [K21]: the surface only; plain position based dynamics, so no stiffness but a factor on each correction; points of 1 kg;
- *             velocities times 0.99 in each step; no contraction. Its hinges by one of two rules (dihedral.c):
+ *             velocities times 0.99 in each step; no contraction. Where contact is on, bones come last in each iteration, by the paper's
+ *             voxels unless the scene wants distance fields (contact_voxels.c). Its hinges by one of two rules (dihedral.c):
  *     published   that of the authors' program, which leaves out what its limits exclude
  *     printed     eqs 1, 6 and 7, the angle by arc tangent: eq. 6 as printed gives pi for a flat pair, and its gradient is singular there.
  *                 No hinge moves a point by more than 0.2 mean edges, as a regular one that is off by a radian does. Without a limit they
@@ -19,8 +20,8 @@
 /* [K21] but for its hinges: those of SN_SCHEME_KOHOUT are as published, those of the entry behind all schemes as printed. */
 enum { KOHOUT_PRINTED = SN_SCHEME_KOHOUT + 1 };
 #define KOHOUT_RULES                                                                                                                       \
-    .count = 3, .order = {SN_ROWS_MESH, SN_ROWS_VOLUME, SN_ROWS_DIHEDRAL}, .gain = {[SN_ROWS_DIHEDRAL] = 0.9}, .volume_projections = 1,    \
-    .keep = 0.99, .damps_all = true, .plain = true, .unit_mass = true, .yields = true
+    .count = 4, .order = {SN_ROWS_MESH, SN_ROWS_VOLUME, SN_ROWS_DIHEDRAL, SN_ROWS_CONTACT}, .gain = {[SN_ROWS_DIHEDRAL] = 0.9},            \
+    .volume_projections = 1, .keep = 0.99, .damps_all = true, .plain = true, .unit_mass = true, .yields = true
 
 static const sn_scheme_rules RULES[] = {
     [SN_SCHEME_GUARDED] =

@@ -18,15 +18,17 @@ typedef struct state_model {
     sn_preconditioning preconditioner;
     sn_stretch stretch;
     sn_index substeps, iterations;
+    sn_index voxels; /* contact, by so many along each axis of a bone; 0 = none */
 } state_model;
 
 static const state_model MODELS[] = {
-    {"xpbd", SN_SOLVER_XPBD, SN_PRECISION_DOUBLE, SN_PRECONDITION_SCALAR, SN_STRETCH_SPRINGS, 4, 3},
-    {"xpbd, single", SN_SOLVER_XPBD, SN_PRECISION_SINGLE, SN_PRECONDITION_SCALAR, SN_STRETCH_SPRINGS, 4, 3},
-    {"qn, scalar", SN_SOLVER_QN, SN_PRECISION_DOUBLE, SN_PRECONDITION_SCALAR, SN_STRETCH_SPRINGS, 2, 6},
-    {"qn, scalar, membrane", SN_SOLVER_QN, SN_PRECISION_DOUBLE, SN_PRECONDITION_SCALAR, SN_STRETCH_MEMBRANE, 2, 6},
-    {"qn, corotated", SN_SOLVER_QN, SN_PRECISION_DOUBLE, SN_PRECONDITION_COROTATED, SN_STRETCH_SPRINGS, 2, 6},
-    {"qn, two-level", SN_SOLVER_QN, SN_PRECISION_DOUBLE, SN_PRECONDITION_TWO_LEVEL, SN_STRETCH_SPRINGS, 2, 6},
+    {"xpbd", SN_SOLVER_XPBD, SN_PRECISION_DOUBLE, SN_PRECONDITION_SCALAR, SN_STRETCH_SPRINGS, 4, 3, 0},
+    {"xpbd, single", SN_SOLVER_XPBD, SN_PRECISION_SINGLE, SN_PRECONDITION_SCALAR, SN_STRETCH_SPRINGS, 4, 3, 0},
+    {"xpbd, voxels", SN_SOLVER_XPBD, SN_PRECISION_DOUBLE, SN_PRECONDITION_SCALAR, SN_STRETCH_SPRINGS, 4, 3, 8},
+    {"qn, scalar", SN_SOLVER_QN, SN_PRECISION_DOUBLE, SN_PRECONDITION_SCALAR, SN_STRETCH_SPRINGS, 2, 6, 0},
+    {"qn, scalar, membrane", SN_SOLVER_QN, SN_PRECISION_DOUBLE, SN_PRECONDITION_SCALAR, SN_STRETCH_MEMBRANE, 2, 6, 0},
+    {"qn, corotated", SN_SOLVER_QN, SN_PRECISION_DOUBLE, SN_PRECONDITION_COROTATED, SN_STRETCH_SPRINGS, 2, 6, 0},
+    {"qn, two-level", SN_SOLVER_QN, SN_PRECISION_DOUBLE, SN_PRECONDITION_TWO_LEVEL, SN_STRETCH_SPRINGS, 2, 6, 0},
 };
 enum { MODEL_COUNT = sizeof MODELS / sizeof *MODELS };
 
@@ -48,6 +50,13 @@ static void make_model(const state_model *from, sn_scene *scene, simulation *out
     for (sn_index i = 0; i < scene->muscle_count; i++) scene->muscles[i].stretch = from->stretch;
     set_keys(&scene->muscles[0].activation, 0.0, 0.0, 0.3, 1.0);
     set_keys(&scene->motion.joints[0].angle, 0.0, 0.0, 0.3, 0.5);
+    if (from->voxels > 0) {
+        scene->solver.scheme = SN_SCHEME_KOHOUT;
+        scene->contact.enabled = true;
+        scene->contact.voxels = from->voxels;
+        scene->bones[0].passable = true;
+        give_bone_cube(&scene->bones[1], sn_v3(0, 0.03, 0.08), 0.02);
+    }
     *out = start(scene);
 }
 

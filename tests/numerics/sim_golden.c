@@ -22,16 +22,26 @@ static const struct {
     sn_precision precision;
     sn_scheme scheme;
     sn_hinge_rule hinges;
+    sn_index voxels; /* contact, by so many along each axis of a bone; 0 = none */
 } SOLVERS[] = {{.name = "xpbd", .method = SN_SOLVER_XPBD},
                {.name = "xpbd-single", .method = SN_SOLVER_XPBD, .precision = SN_PRECISION_SINGLE},
                {.name = "xpbd-kohout", .method = SN_SOLVER_XPBD, .scheme = SN_SCHEME_KOHOUT},
                {.name = "xpbd-kohout-printed", .method = SN_SOLVER_XPBD, .scheme = SN_SCHEME_KOHOUT, .hinges = SN_HINGES_PRINTED},
                {.name = "xpbd-kohout-single", .method = SN_SOLVER_XPBD, .scheme = SN_SCHEME_KOHOUT, .precision = SN_PRECISION_SINGLE},
+               {.name = "xpbd-kohout-voxels", .method = SN_SOLVER_XPBD, .scheme = SN_SCHEME_KOHOUT, .voxels = 16},
                {.name = "qn-scalar", .method = SN_SOLVER_QN},
                {.name = "qn-corotated", .method = SN_SOLVER_QN, .preconditioner = SN_PRECONDITION_COROTATED},
                {.name = "qn-two-level", .method = SN_SOLVER_QN, .preconditioner = SN_PRECONDITION_TWO_LEVEL},
                {.name = "qn-membrane", .method = SN_SOLVER_QN, .stretch = SN_STRETCH_MEMBRANE}};
 static int solver; /* index of SOLVERS */
+
+/* The lower bone is a cube that lies in the muscles at rest, and is swung through them. */
+static void collide(sn_scene *scene) {
+    scene->contact.enabled = true;
+    scene->contact.voxels = SOLVERS[solver].voxels;
+    scene->bones[0].passable = true;
+    give_bone_cube(&scene->bones[1], sn_v3(0, 0.04, 0.08), 0.02);
+}
 
 /* Three muscles that use every kind of row, every law, and every factor on a row. */
 static void make_everything(sn_scene *scene) {
@@ -44,6 +54,7 @@ static void make_everything(sn_scene *scene) {
     scene->solver.scheme = SOLVERS[solver].scheme;
     scene->solver.hinges = SOLVERS[solver].hinges;
     if (SOLVERS[solver].method == SN_SOLVER_QN) scene->solver.substeps = 2;
+    if (SOLVERS[solver].voxels > 0) collide(scene);
     add_muscle(scene, "isochoric", &small);
     add_muscle(scene, "paper", &FUSIFORM);
     scene->muscles[0].anisotropy = SOLVERS[solver].method == SN_SOLVER_XPBD ? SN_ANISOTROPY_PBD : SN_ANISOTROPY_XPBD;

@@ -119,6 +119,19 @@ static void make_muscle(const fusiform *f, sn_muscle *muscle) {
     if (f->pinned > 0.0) attach_end(f, muscle, "lower", false);
 }
 
+/* A cube of 12 triangles in place of what mesh the bone has, and its half width, m. */
+static inline void give_bone_cube(sn_scene_bone *bone, sn_vec3 middle, double half) {
+    static const sn_index faces[12][3] = {{0, 2, 1}, {1, 2, 3}, {4, 5, 6}, {5, 7, 6}, {0, 1, 4}, {1, 5, 4},
+                                          {2, 6, 3}, {3, 6, 7}, {0, 4, 2}, {2, 4, 6}, {1, 3, 5}, {3, 7, 5}};
+    sn_mesh_free(&bone->mesh);
+    assert_int_equal(sn_mesh_alloc(&bone->mesh, 8, 12, NULL), SN_OK);
+    for (int i = 0; i < 8; i++) {
+        sn_vec3 corner = sn_add(middle, sn_v3(i & 1 ? half : -half, i & 2 ? half : -half, i & 4 ? half : -half));
+        bone->mesh.positions[i] = sn_scale(corner, 1.0 / bone->meters_per_unit);
+    }
+    for (int i = 0; i < 12; i++) bone->mesh.triangles[i] = (sn_triangle){{faces[i][0], faces[i][1], faces[i][2]}};
+}
+
 static void add_muscle(sn_scene *scene, const char *name, const fusiform *f) {
     scene->muscles = sn_realloc(scene->muscles, (size_t)scene->muscle_count + 1, sizeof *scene->muscles);
     sn_scene_muscle *m = &scene->muscles[scene->muscle_count++];
