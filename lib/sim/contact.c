@@ -91,6 +91,12 @@ double sn_contacts_update(const sn_model_muscle *m, sn_muscle_state *s, double k
 /* ---- projection
  * -------------------------------------------------------------------------------------------------------------------------- */
 
+typedef struct push {
+    const sn_contacts *contacts;
+    const sn_muscle_state *s;
+    const sn_collider *collider;
+} push;
+
 /* How a row moves its points: by `way` x weight x inverse mass. */
 static void move_points(sn_point *points, const sn_contact_row *row, sn_vec3 way) {
     for (int i = 0; i < 3 && row->weight[i] > 0.0f; i++) {
@@ -120,17 +126,39 @@ static void rub(const sn_contacts *contacts, const sn_muscle_state *s, const sn_
     move_points(s->points, row, sn_scale(slip, -fmin(1.0, contacts->friction * push / length) / mobility));
 }
 
+/* Out by the way along the gradient; *normal is its unit vector. How far beyond its margin it was; 0: it was not, or there is no way out.
+ */
+static double push_out(const push *at, const sn_contact_row *row, sn_point *points, sn_vec3 *normal) {
+    sn_vec3 gradient;
+    double c = value_of(at->contacts, at->s, at->collider, row, points, &gradient);
+    if (!(c < 0.0)) return 0.0;
+    double mobility = mobility_of(points, row), steep = sn_norm2(gradient);
+    if (!(steep > LEAST_GRADIENT * LEAST_GRADIENT) || !(mobility > 0.0)) return 0.0;
+    move_points(points, row, sn_scale(gradient, -c / (steep * mobility)));
+    *normal = sn_scale(gradient, 1.0 / sqrt(steep));
+    return -c;
+}
+
 bool sn_contact_project(const sn_model_muscle *m, sn_muscle_state *s, const sn_collider *collider, sn_index r, bool rubs) {
     const sn_contacts *contacts = sn_contacts_of(m);
     const sn_contact_row *row = &contacts->rows[r];
-    sn_vec3 gradient;
-    double c = value_of(contacts, s, collider, row, s->points, &gradient);
-    if (!(c < 0.0)) return false;
-    double mobility = mobility_of(s->points, row), steep = sn_norm2(gradient);
-    if (!(steep > LEAST_GRADIENT * LEAST_GRADIENT) || !(mobility > 0.0)) return false;
-    move_points(s->points, row, sn_scale(gradient, -c / (steep * mobility)));
-    if (rubs && contacts->friction > 0.0) rub(contacts, s, collider, row, sn_scale(gradient, 1.0 / sqrt(steep)), -c);
-    return true;
+    sn_vec3 normal;
+    double deep = push_out(&(push){contacts, s, collider}, row, s->points, &normal);
+    if (deep > 0.0 && rubs && contacts->friction > 0.0) rub(contacts, s, collider, row, normal, deep);
+    return deep > 0.0;
+}
+
+bool sn_contacts_clear(const sn_model_muscle *m, const sn_muscle_state *s, sn_point *points) {
+    const sn_contacts *contacts = sn_contacts_of(m);
+    push at = {.contacts = contacts, .s = s, .collider = m->contact_count > 0 ? contacts->colliders : NULL};
+    bool moved = false;
+    for (sn_index i = 0; i < s->inputs->near_count; i++) {
+        sn_index r = s->inputs->near[i];
+        sn_vec3 normal;
+        at.collider = collider_at(at.collider, r);
+        moved = push_out(&at, &contacts->rows[r], points, &normal) > 0.0 || moved;
+    }
+    return moved;
 }
 
 static void sweep(const sn_model_muscle *m, sn_muscle_state *s, sn_row_kind kind, const sn_sweep *how) {

@@ -7,6 +7,7 @@
 #ifndef SN_SIM_CONTACT_H
 #define SN_SIM_CONTACT_H
 
+#include "backend.h"
 #include "rows.h"
 #include "sinew/distance_field.h"
 #include "sinew/voxels.h"
@@ -89,10 +90,13 @@ void sn_contacts_reset(const sn_model_muscle *m, sn_muscle_state *s);
 bool sn_contacts_moved(const sn_model_muscle *m, const sn_muscle_state *s);
 /* A group that slept through a step: the colliders have come this far. */
 void sn_contacts_sleep(const sn_model_muscle *m, sn_muscle_state *s);
-/* Would a bone pass by a point that it may hit farther than is safe? The points are those before the step, the attached ones too. */
-bool sn_contacts_too_far(const sn_model_muscle *m, const sn_muscle_state *s);
+/* Would a bone pass by a point that it may hit, or fly into it, farther than is safe? The points are those before the step, the attached
+ * ones too. */
+bool sn_contacts_too_far(const sn_model_muscle *m, const sn_muscle_state *s, const sn_substep *substep);
 /* The rows that may act in the step, whose `previous` points are set and whose attached points are placed. */
-void sn_contacts_gather(const sn_model_muscle *m, sn_muscle_state *s);
+void sn_contacts_gather(const sn_model_muscle *m, sn_muscle_state *s, const sn_substep *substep);
+/* Move near points (point_count) that are beyond their margins out of the bones, one row after the other; false: there were none. */
+bool sn_contacts_clear(const sn_model_muscle *m, const sn_muscle_state *s, sn_point *points);
 /* qn: multipliers for the next step, from stiffness k, N/m. The share of the acting rows that have begun or ceased to act. */
 double sn_contacts_update(const sn_model_muscle *m, sn_muscle_state *s, double k);
 /* No vertex is left beyond its margin, also one that nobody thought near; the colliders have come this far. */

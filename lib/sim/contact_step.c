@@ -1,16 +1,17 @@
 /*
  * contact_step.c -- what a step does with contacts beside projecting them: where bones are, which rows may act, what passes by too far.
  *
- * A row is near where its point could reach the bone in the step. Both are looked at in the bone's frame, before the step and after it with
- * the muscle's mean motion: phi changes no faster than a point moves, so that along the way between the two phi is at least their mean less
- * half of the way. Everything here depends on what a state keeps, so that a run that goes on in the middle of a step finds the same rows.
+ * A row is near where its point could reach the bone in the step. Both are looked at in the bone's frame, before the step and after it,
+ * once with the muscle's mean motion and once where the point's own velocity takes it: phi changes no faster than a point moves, so that
+ * along the way between the two phi is at least their mean less half of the way. Everything here depends on what a state keeps, so that a
+ * run that goes on in the middle of a step finds the same rows.
  */
 #include "contact.h"
 
 #include <string.h>
 
-/* Points move beside the muscle's mean motion in a step, by so many mean edges. */
-static const double SLACK = 2.0;
+/* Points move beside where they are looked for, by so many mean edges, or such a share of the muscle's diagonal: whichever is more. */
+static const double SLACK_EDGES = 2.0, SLACK_SHARE = 0.025;
 /* The last look: bones close to each other push a point to and fro. */
 enum { LAST_SWEEPS = 4 };
 
@@ -49,6 +50,9 @@ typedef struct whole {
     sn_box box;   /* of its points before the step */
     sn_vec3 way;  /* mean way of its attached points in the step */
     double reach; /* how far beside that way a point may come, m */
+    sn_vec3 pull; /* what the weight adds to the way of a point that flies, m */
+    double h;     /* s */
+    double flies; /* the longest way of a point that does, m */
 } whole;
 
 static void extend(sn_box *box, sn_vec3 p) {
@@ -58,7 +62,8 @@ static void extend(sn_box *box, sn_vec3 p) {
 
 /* before (point_count): the points before the step; targets: those of the attached ones after it, by sn_kinematics_target. */
 static whole see_whole(const sn_model_muscle *m, const sn_muscle_state *s, const sn_vec3 *before) {
-    whole w = {.box = {{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}}, .reach = SLACK * m->mean_edge};
+    whole w = {.box = {{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}},
+               .reach = fmax(SLACK_EDGES * m->mean_edge, SLACK_SHARE * m->diagonal)};
     for (sn_index i = 0; i < m->vertex_count; i++) extend(&w.box, before != NULL ? before[i] : sn_point_position(&s->points[i]));
     sn_index k = 0;
     for (sn_index site = 0; site < m->site_count; site++)
@@ -67,6 +72,17 @@ static whole see_whole(const sn_model_muscle *m, const sn_muscle_state *s, const
             sn_vec3 from = before != NULL ? before[v] : sn_point_position(&s->points[v]);
             w.way = sn_add_scaled(w.way, sn_sub(sn_kinematics_target(m, s, site, k), from), 1.0 / m->kinematic_count);
         }
+    return w;
+}
+
+/* What it does in a step in which its points may fly; a back end that has put the weight into the velocities gives none. */
+static whole see_flying(const sn_model_muscle *m, const sn_muscle_state *s, const sn_vec3 *before, double h, sn_vec3 gravity) {
+    whole w = see_whole(m, s, before);
+    double fastest = 0.0;
+    for (sn_index i = 0; i < m->vertex_count; i++) fastest = fmax(fastest, sn_norm2(s->velocities[i]));
+    w.h = h;
+    w.pull = sn_scale(gravity, h * h);
+    w.flies = h * sqrt(fastest) + sn_norm(w.pull);
     return w;
 }
 
@@ -90,9 +106,10 @@ static bool whole_comes_near(const sn_collider *collider, const whole *w, const 
     sn_vec3 middle = sn_scale(sn_add(w->box.low, w->box.high), 0.5);
     double radius = 0.5 * sn_box_diagonal(w->box);
     sn_vec3 before = sn_rigid_apply(f->before, middle), after = sn_rigid_apply(f->after, sn_add(middle, w->way));
-    double way = sn_distance(before, after), turn = 2.0 * radius; /* a turning bone's way at the ball's rim is at most twice its radius */
+    sn_quat by = sn_rigid_compose(f->after, sn_rigid_inverse(f->before)).rotation;
+    double way = sn_distance(before, after), turn = 2.0 * radius * sn_norm(sn_v3(by.x, by.y, by.z)); /* at the ball's rim */
     double nearest = fmin(distance_from(&collider->field->box, before), distance_from(&collider->field->box, after));
-    return nearest <= radius + margin + w->reach + way + turn;
+    return nearest <= radius + margin + w->reach + w->flies + way + turn;
 }
 
 /* What a row's point does in the frame of its bone. */
@@ -109,15 +126,40 @@ static passage passage_of(const sn_collider *collider, const frames *f, sn_vec3 
     return way;
 }
 
-static sn_vec3 vertex_of(const sn_contact_row *row, const sn_muscle_state *s, const sn_vec3 *before) {
-    if (before == NULL) return sn_contact_point(row, s->points);
-    sn_vec3 at = sn_v3(0, 0, 0);
-    for (int i = 0; i < 3 && row->weight[i] > 0.0f; i++) at = sn_add_scaled(at, before[row->point[i]], (double)row->weight[i]);
-    return at;
+static sn_vec3 mean_of(const sn_contact_row *row, const sn_vec3 *of_points) {
+    sn_vec3 sum = sn_v3(0, 0, 0);
+    for (int i = 0; i < 3 && row->weight[i] > 0.0f; i++) sum = sn_add_scaled(sum, of_points[row->point[i]], (double)row->weight[i]);
+    return sum;
+}
+
+/* Where a row's point starts and the two ways that it may take: along with the muscle, and where it flies. */
+typedef struct start {
+    sn_vec3 from, along, flying;
+} start;
+
+/* before (point_count): the points before the step, NULL: the state's are. pull: what the weight adds to the way, m. */
+static start start_of(const sn_contact_row *row, const sn_muscle_state *s, const sn_vec3 *before, const whole *w) {
+    sn_vec3 from = before == NULL ? sn_contact_point(row, s->points) : mean_of(row, before);
+    return (start){from, sn_add(from, w->way), sn_add_scaled(sn_add(from, w->pull), mean_of(row, s->velocities), w->h)};
+}
+
+/* Could a row's point come to its bone? */
+static bool comes_near(const sn_collider *collider, const frames *f, const start *at, double reach) {
+    return passage_of(collider, f, at->from, at->along).least < reach || passage_of(collider, f, at->from, at->flying).least < reach;
 }
 
 /* ---- before a step
  * -------------------------------------------------------------------------------------------------------------------------- */
+
+static bool any_comes_near(const sn_contacts *contacts, const sn_muscle_state *s, const sn_collider *collider, const frames *f,
+                           const whole *w) {
+    if (!whole_comes_near(collider, w, f, contacts->margin)) return false;
+    for (sn_index r = collider->begin; r < collider->end; r++) {
+        start at = start_of(&contacts->rows[r], s, NULL, w);
+        if (comes_near(collider, f, &at, contacts->margin + w->reach)) return true;
+    }
+    return false;
+}
 
 bool sn_contacts_moved(const sn_model_muscle *m, const sn_muscle_state *s) {
     const sn_contacts *contacts = sn_contacts_of(m);
@@ -126,9 +168,14 @@ bool sn_contacts_moved(const sn_model_muscle *m, const sn_muscle_state *s) {
     for (sn_index c = 0; c < m->collider_count; c++) {
         frames f = frames_of(s, c);
         bool still = memcmp(&s->inputs->collider_poses[c], &s->inputs->collider_placed[c], sizeof *s->inputs->collider_poses) == 0;
-        if (!still && whole_comes_near(&contacts->colliders[c], &w, &f, contacts->margin)) return true;
+        if (!still && any_comes_near(contacts, s, &contacts->colliders[c], &f, &w)) return true;
     }
     return s->inputs->resolved > 0.0 && s->inputs->resolved < 1.0;
+}
+
+static bool passes(const sn_collider *collider, const frames *f, sn_vec3 from, sn_vec3 to, double margin) {
+    passage way = passage_of(collider, f, from, to);
+    return way.way > collider->limit && way.least < margin;
 }
 
 static bool passes_too_far(const sn_contacts *contacts, const sn_muscle_state *s, sn_index c, const whole *w) {
@@ -136,17 +183,17 @@ static bool passes_too_far(const sn_contacts *contacts, const sn_muscle_state *s
     frames f = frames_of(s, c);
     if (!whole_comes_near(collider, w, &f, contacts->margin)) return false;
     for (sn_index r = collider->begin; r < collider->end; r++) {
-        sn_vec3 from = vertex_of(&contacts->rows[r], s, NULL);
-        passage way = passage_of(collider, &f, from, sn_add(from, w->way));
-        if (way.way > collider->limit && way.least < contacts->margin) return true;
+        start at = start_of(&contacts->rows[r], s, NULL, w);
+        if (passes(collider, &f, at.from, at.along, contacts->margin) || passes(collider, &f, at.from, at.flying, contacts->margin))
+            return true;
     }
     return false;
 }
 
-bool sn_contacts_too_far(const sn_model_muscle *m, const sn_muscle_state *s) {
+bool sn_contacts_too_far(const sn_model_muscle *m, const sn_muscle_state *s, const sn_substep *substep) {
     const sn_contacts *contacts = sn_contacts_of(m);
     if (m->collider_count == 0 || contacts->by_voxels) return false; /* [K21] looks at the end of the step alone */
-    whole w = see_whole(m, s, NULL);
+    whole w = see_flying(m, s, NULL, substep->h, substep->gravity);
     for (sn_index c = 0; c < m->collider_count; c++)
         if (passes_too_far(contacts, s, c, &w)) return true;
     return false;
@@ -160,8 +207,8 @@ static void gather_from(const sn_contacts *contacts, const sn_model_muscle *m, s
     for (sn_index r = collider->begin; r < collider->end; r++) {
         bool near = comes;
         if (near) {
-            sn_vec3 from = vertex_of(&contacts->rows[r], s, s->previous);
-            near = passage_of(collider, &f, from, sn_add(from, w->way)).least < contacts->margin + w->reach;
+            start at = start_of(&contacts->rows[r], s, s->previous, w);
+            near = comes_near(collider, &f, &at, contacts->margin + w->reach);
         }
         if (near)
             in->near[in->near_count++] = r;
@@ -170,13 +217,13 @@ static void gather_from(const sn_contacts *contacts, const sn_model_muscle *m, s
     }
 }
 
-void sn_contacts_gather(const sn_model_muscle *m, sn_muscle_state *s) {
+void sn_contacts_gather(const sn_model_muscle *m, sn_muscle_state *s, const sn_substep *substep) {
     const sn_contacts *contacts = sn_contacts_of(m);
     s->inputs->near_count = 0;
     if (m->collider_count == 0) return;
     for (sn_index r = 0; contacts->by_voxels && r < m->contact_count; r++) s->inputs->near[s->inputs->near_count++] = r;
     if (contacts->by_voxels) return;
-    whole w = see_whole(m, s, s->previous);
+    whole w = see_flying(m, s, s->previous, substep->h, m->quasi_newton ? substep->gravity : sn_v3(0, 0, 0));
     for (sn_index c = 0; c < m->collider_count; c++) gather_from(contacts, m, s, c, &w);
 }
 

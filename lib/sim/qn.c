@@ -234,7 +234,7 @@ static sn_verdict start(const sn_group *g, sn_group_state *s, const sn_substep *
     return SN_STEP_REFUSED;
 }
 
-static void resume(const sn_group *g, sn_group_state *s, const sn_substep *substep) { sn_qn_resume(g, s, substep->h); }
+static void resume(const sn_group *g, sn_group_state *s, const sn_substep *substep) { sn_qn_resume(g, s, substep); }
 
 /* |dPhi/dx| / (k L) of each member. */
 static void leave_residuals(const sn_group *g, sn_group_state *s) {

@@ -126,7 +126,7 @@ double sn_qn_double_area(const sn_point *points, const sn_index *v);
  * too long. */
 bool sn_qn_start(const sn_group *g, sn_group_state *s, const sn_substep *substep);
 /* In the middle of a step: what the start has left, made again from the state. */
-void sn_qn_resume(const sn_group *g, sn_group_state *s, double h);
+void sn_qn_resume(const sn_group *g, sn_group_state *s, const sn_substep *substep);
 
 /* ---- qn_fallback.c: when a muscle, or the step, is beyond what the method is for ---- */
 

@@ -75,7 +75,8 @@ typedef struct bone_way {
     bool carries; /* points are attached to them */
     bool smooth;  /* they go on as in the last step, to within an edge */
     bool fast, abrupt, jumped;
-    bool far; /* by more than a muscle's diagonal */
+    bool meets; /* one may be touched: also where they have just stopped, inertia alone would throw the muscle on it, or off it */
+    bool far;   /* by more than a muscle's diagonal */
 } bone_way;
 
 static void add_way(const sn_model_muscle *m, sn_muscle_state *s, sn_vec3 *jump, double h, bone_way *way) {
@@ -95,7 +96,8 @@ static bone_way aim(const sn_group *g, sn_group_state *s, const sn_substep *subs
     for (sn_index i = 0; i < g->count; i++) {
         aim_member(g->members[i], s->members[i], qn->target + g->first[i], substep);
         add_way(g->members[i], s->members[i], qn->jump + g->first[i], substep->h, &way);
-        sn_contacts_gather(g->members[i], s->members[i]);
+        sn_contacts_gather(g->members[i], s->members[i], substep);
+        way.meets = way.meets || s->members[i]->inputs->near_count > 0;
     }
     qn->abrupt = way.abrupt;
     return way;
@@ -147,6 +149,16 @@ static bool predict(const sn_group *g, sn_group_state *s, double h, sn_vec3 weig
 
 /* ---- the points to begin with ----------------------------------------------------------------------------------------------------- */
 
+/* Points that inertia or a bone has put inside a bone start at its surface, if that is better: a matrix that knows nothing of bones would
+ * throw the muscle off them. */
+static void clear_start(const sn_group *g, sn_group_state *s, double h) {
+    sn_point *trial = sn_qn_of(s)->trial;
+    bool moved = false;
+    memcpy(trial, s->points, (size_t)g->point_count * sizeof *trial);
+    for (sn_index i = 0; i < g->count; i++) moved = sn_contacts_clear(g->members[i], s->members[i], trial + g->first[i]) || moved;
+    if (moved) sn_qn_prefer_trial(g, s, h);
+}
+
 /* Where inertia takes the points, or the predictor (in trial). */
 static void choose_start(const sn_group *g, sn_group_state *s, double h, bool predicted) {
     sn_qn *qn = sn_qn_of(s);
@@ -154,6 +166,7 @@ static void choose_start(const sn_group *g, sn_group_state *s, double h, bool pr
         if (s->points[i].w > 0.0) sn_put(&s->points[i], qn->target[i]);
     qn->energy = sn_objective_evaluate(&(sn_objective){g, s, h}, s->points, qn->gradient);
     if (predicted) sn_qn_prefer_trial(g, s, h);
+    clear_start(g, s, h);
 }
 
 /* The coarse space of the two-level matrix, at these points from here to the end of the step. */
@@ -183,7 +196,7 @@ bool sn_qn_start(const sn_group *g, sn_group_state *s, const sn_substep *substep
     look_around(g, s, h);
     bone_way way = aim(g, s, substep);
     take_matrix(g, s, h);
-    bool pushed = way.moves || (way.carries && sn_norm2(weight) > 0.0);
+    bool pushed = way.moves || way.meets || (way.carries && sn_norm2(weight) > 0.0);
     bool predicted = pushed && qn->stopped != SN_STOP_FAILED && predict(g, s, h, weight, way.smooth);
     choose_start(g, s, h, predicted);
     qn->torn = sn_qn_mend_start(g, s, h, way.jumped, way.fast);
@@ -193,10 +206,11 @@ bool sn_qn_start(const sn_group *g, sn_group_state *s, const sn_substep *substep
     return true;
 }
 
-void sn_qn_resume(const sn_group *g, sn_group_state *s, double h) {
+void sn_qn_resume(const sn_group *g, sn_group_state *s, const sn_substep *substep) {
+    double h = substep->h;
     sn_qn *qn = sn_qn_of(s);
     bool changed;
-    for (sn_index i = 0; i < g->count; i++) sn_contacts_gather(g->members[i], s->members[i]);
+    for (sn_index i = 0; i < g->count; i++) sn_contacts_gather(g->members[i], s->members[i], substep);
     sn_qn_take_stiffness(g, s);
     qn->energy = sn_objective_evaluate(&(sn_objective){g, s, h}, s->points, qn->gradient); /* the residual needs it, iterations or not */
     if (qn->stopped != SN_STOP_ITERATIONS) return;

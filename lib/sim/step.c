@@ -142,7 +142,7 @@ static sn_verdict stage_inputs(const step *at) {
 static sn_verdict stage_sweep(const step *at) {
     if (at->part.begin > 0 || at->s->progress.size == 1) return SN_STEP_HOLDS;
     for (sn_index i = 0; i < at->g->count; i++)
-        if (sn_contacts_too_far(at->g->members[i], at->s->members[i])) return SN_STEP_REFUSED;
+        if (sn_contacts_too_far(at->g->members[i], at->s->members[i], &at->part)) return SN_STEP_REFUSED;
     return SN_STEP_HOLDS;
 }
 

@@ -30,15 +30,14 @@ static sn_verdict start(const sn_group *g, sn_group_state *s, const sn_substep *
         const sn_model_muscle *m = g->members[i];
         predict(m, s->members[i], substep);
         sn_kinematics_place(m, s->members[i]);
-        sn_contacts_gather(m, s->members[i]);
+        sn_contacts_gather(m, s->members[i], substep);
         if (m->single) sn_single_enter(m, s->members[i]);
     }
     return SN_STEP_HOLDS;
 }
 
 static void resume(const sn_group *g, sn_group_state *s, const sn_substep *substep) {
-    (void)substep;
-    for (sn_index i = 0; i < g->count; i++) sn_contacts_gather(g->members[i], s->members[i]);
+    for (sn_index i = 0; i < g->count; i++) sn_contacts_gather(g->members[i], s->members[i], substep);
 }
 
 static void project_kind(const sn_model_muscle *m, sn_muscle_state *s, sn_row_kind kind, const sn_scheme_rules *rules, double h,

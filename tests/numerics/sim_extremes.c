@@ -1,7 +1,7 @@
 /*
- * sim_extremes.c -- the table of numerics.md 5, both columns, the rows without bones in the way.
+ * sim_extremes.c -- the table of numerics.md 5, both columns; the rows with bones in the way are in extremes_contact.h.
  * Usage: sim_extremes [--all] [--solver xpbd|qn] [--group NAME] [MUSCLE-DOCUMENT ...]; groups: stiffness activation contraction motion
- * starts models meshes place steps cycle
+ * starts models meshes place steps cycle contact
  *
  * On the generated fusiform muscle, or on the documents: the last of their attachments moves, the others stay. Without --all a short form,
  * for every day. In every case the muscle stays finite and within 2 L of where its bones have been; and besides, under
@@ -687,6 +687,8 @@ static void halved_steps(void) {
         line("h halved four times", "reported", 0.0, changes[HALVINGS - 1], remark);
 }
 
+#include "extremes_contact.h"
+
 static void cycles(void) { cyclic(all_of_it ? 10000 : 300); }
 
 static const struct {
@@ -702,7 +704,8 @@ static const struct {
               {"meshes", ugly_meshes, false},
               {"place", a_kilometre_away, false},
               {"steps", halved_steps, true},
-              {"cycle", cycles, false}};
+              {"cycle", cycles, false},
+              {"contact", contacts, false}};
 
 static const char *wanted_group; /* NULL: all of them */
 
