@@ -40,6 +40,10 @@ static double value_of(const sn_contacts *contacts, const sn_muscle_state *s, co
     return phi - sn_contact_margin(contacts, s, row);
 }
 
+static sn_rigid into_frame(const sn_contacts *contacts, const sn_muscle_state *s, const sn_collider *collider) {
+    return sn_rigid_inverse(s->inputs->collider_poses[collider - contacts->colliders]);
+}
+
 /* ---- near rows, one collider after the other -------------------------------------------------------------------------------------------
  */
 
@@ -216,10 +220,32 @@ static const sn_index *points_of(const sn_model_muscle *m, sn_row_kind kind, sn_
 static void errors(const sn_model_muscle *m, const sn_muscle_state *s, sn_row_kind kind, sn_index begin, sn_index end, double *out) {
     const sn_contacts *contacts = m->own[kind];
     const sn_collider *collider = contacts->colliders;
-    for (sn_index r = begin; r < end; r++) {
+    for (sn_index r = begin; r < end;) {
         collider = collider_at(collider, r);
-        out[r - begin] = fmax(0.0, -value_of(contacts, s, collider, &contacts->rows[r], s->points, NULL)) / m->mean_edge;
+        sn_contact_block b = sn_contact_block_at(contacts, collider, r, s->points, NULL);
+        bool near = sn_contact_block_is_near(collider, into_frame(contacts, s, collider), &b, contacts->margin);
+        for (; r < b.end && r < end; r++)
+            out[r - begin] = near ? fmax(0.0, -value_of(contacts, s, collider, &contacts->rows[r], s->points, NULL)) / m->mean_edge : 0.0;
     }
+}
+
+/* Margins are floats: a vertex is not deeper than at rest by less than this share of the diagonal. */
+static const double DEPTH_NOISE = 1e-7;
+
+static void measure_row(const sn_model_muscle *m, const sn_muscle_state *s, const sn_collider *collider, sn_index r, sn_statistics *out) {
+    const sn_contacts *contacts = sn_contacts_of(m);
+    const sn_contact_row *row = &contacts->rows[r];
+    double value = value_of(contacts, s, collider, row, s->points, NULL), margin = sn_contact_margin(contacts, s, row);
+    double depth = fmin(0.0, (double)row->margin) - (value + margin);
+    if (contacts->by_voxels)
+        out->contacts +=
+            sn_contact_voxels_touch(collider, &s->inputs->collider_poses[collider - contacts->colliders], sn_contact_point(row, s->points));
+    else
+        out->contacts += m->quasi_newton ? s->inputs->multipliers[r] > 0.0 : value <= 1e-9 * m->diagonal;
+    if (!(depth > out->penetration) || !(depth > DEPTH_NOISE * m->diagonal)) return;
+    out->penetration = depth;
+    out->penetration_vertex = row->point[0];
+    out->penetration_bone = collider->bone;
 }
 
 void sn_contacts_measure(const sn_model_muscle *m, const sn_muscle_state *s, sn_statistics *out) {
@@ -229,18 +255,11 @@ void sn_contacts_measure(const sn_model_muscle *m, const sn_muscle_state *s, sn_
     out->penetration_vertex = out->penetration_bone = SN_NONE;
     for (sn_index c = 0; c < m->collider_count; c++) {
         const sn_collider *collider = &contacts->colliders[c];
-        for (sn_index r = collider->begin; r < collider->end; r++) {
-            const sn_contact_row *row = &contacts->rows[r];
-            double value = value_of(contacts, s, collider, row, s->points, NULL), margin = sn_contact_margin(contacts, s, row);
-            double depth = fmin(0.0, (double)row->margin) - (value + margin);
-            if (contacts->by_voxels)
-                out->contacts += sn_contact_voxels_touch(collider, &s->inputs->collider_poses[c], sn_contact_point(row, s->points));
-            else
-                out->contacts += m->quasi_newton ? s->inputs->multipliers[r] > 0.0 : value <= 1e-9 * m->diagonal;
-            if (!(depth > out->penetration)) continue;
-            out->penetration = depth;
-            out->penetration_vertex = row->point[0];
-            out->penetration_bone = collider->bone;
+        sn_rigid into = into_frame(contacts, s, collider);
+        for (sn_index begin = collider->begin; begin < collider->end; begin += SN_CONTACT_BLOCK) {
+            sn_contact_block b = sn_contact_block_at(contacts, collider, begin, s->points, NULL);
+            bool near = contacts->by_voxels || sn_contact_block_is_near(collider, into, &b, contacts->margin + 1e-9 * m->diagonal);
+            for (sn_index r = b.begin; near && r < b.end; r++) measure_row(m, s, collider, r, out);
         }
     }
 }

@@ -69,6 +69,27 @@ sn_vec3 sn_contact_point(const sn_contact_row *row, const sn_point *points);
 /* Move its points so that C >= 0, by its own gradient; `rubs`: with friction. false: it was, or there is no way out. */
 bool sn_contact_project(const sn_model_muscle *m, sn_muscle_state *s, const sn_collider *collider, sn_index r, bool rubs);
 
+/* ---- rows that stand together, passed over at once (contact_block.c) ------------------------------------------------------------------
+ */
+
+enum { SN_CONTACT_BLOCK = 32 };
+
+/* Rows begin to end - 1 of a collider, their points in a ball. */
+typedef struct sn_contact_block {
+    sn_index begin, end;
+    sn_vec3 middle;
+    double radius;
+} sn_contact_block;
+
+/* That of row `begin` and those after it, where `before` (point_count) has the points, or, NULL, the state's `points`. */
+sn_contact_block sn_contact_block_at(const sn_contacts *contacts, const sn_collider *collider, sn_index begin, const sn_point *points,
+                                     const sn_vec3 *before);
+/* May any of its points be nearer to the bone than `reach`? into: from the world into the bone's frame. Phi at a point differs from that at
+ * the middle by no more than the radius. */
+bool sn_contact_block_is_near(const sn_collider *collider, sn_rigid into, const sn_contact_block *block, double reach);
+/* A row's mean of one vector of each point. */
+sn_vec3 sn_contact_mean(const sn_contact_row *row, const sn_vec3 *of_points);
+
 /* ---- by voxels (contact_voxels.c); the others hand over to these where the muscle's contacts are by voxels --------------------------- */
 
 /* Those of one bone, whose mesh is in metres. */

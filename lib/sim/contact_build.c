@@ -101,6 +101,50 @@ static void add_samples(contact_work *w, const sn_distance_field *field) {
     }
 }
 
+/* ---- their order: what is near to each other stands together, so that blocks of rows can be passed over -------------------------------
+ */
+
+typedef struct placed_row {
+    uint32_t place; /* along a space-filling curve */
+    sn_index number;
+    sn_contact_row row;
+} placed_row;
+
+static int compare_places(const void *a, const void *b) {
+    const placed_row *p = a, *q = b;
+    if (p->place != q->place) return p->place < q->place ? -1 : 1;
+    return (p->number > q->number) - (p->number < q->number);
+}
+
+/* The bits of x, y and z in turn (Morton 1966), ten of each: where in the box a point is. */
+static uint32_t place_of(const sn_box *box, sn_vec3 p) {
+    enum { BITS = 10 };
+    sn_vec3 size = sn_sub(box->high, box->low), away = sn_sub(p, box->low);
+    const double shares[3] = {away.x / fmax(size.x, 1e-30), away.y / fmax(size.y, 1e-30), away.z / fmax(size.z, 1e-30)};
+    uint32_t place = 0;
+    for (int bit = BITS; bit-- > 0;)
+        for (int i = 0; i < 3; i++) {
+            uint32_t cell = (uint32_t)(fmin(fmax(shares[i], 0.0), 1.0) * ((1 << BITS) - 1));
+            place = place << 1 | (cell >> bit & 1u);
+        }
+    return place;
+}
+
+static bool sort_rows(const contact_work *w, sn_index begin) {
+    const sn_model_muscle *m = w->build->model;
+    sn_contact_row *rows = w->contacts->rows + begin;
+    sn_index count = m->contact_count - begin;
+    placed_row *sorted = SN_NEW(placed_row, count);
+    sn_box box = {{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
+    if (sorted == NULL) return false;
+    for (sn_index v = 0; v < m->vertex_count; v++) box.low = sn_min3(box.low, m->rest[v]), box.high = sn_max3(box.high, m->rest[v]);
+    for (sn_index i = 0; i < count; i++) sorted[i] = (placed_row){place_of(&box, m->rest[rows[i].point[0]]), i, rows[i]};
+    qsort(sorted, (size_t)count, sizeof *sorted, compare_places);
+    for (sn_index i = 0; i < count; i++) rows[i] = sorted[i].row;
+    free(sorted);
+    return true;
+}
+
 static double thickness_of(const sn_model_muscle *m) {
     double area = 0.0;
     for (sn_index t = 0; t < m->triangle_count; t++) area += m->rest_area[t];
@@ -108,7 +152,7 @@ static double thickness_of(const sn_model_muscle *m) {
     return thickness > 0.0 ? thickness : m->mean_edge; /* an open sheet has no volume */
 }
 
-static void add_collider(contact_work *w, sn_index bone) {
+static bool add_collider(contact_work *w, sn_index bone) {
     const struct sn_contact_plan *plan = w->build->contact;
     sn_model_muscle *m = w->build->model;
     const sn_distance_field *field = &plan->fields[bone];
@@ -117,7 +161,8 @@ static void add_collider(contact_work *w, sn_index bone) {
     if (!w->contacts->by_voxels) find_excluded(w, bone); /* [K21] spares fixed points alone, and it has no samples */
     add_vertices(w, field);
     if (!w->contacts->by_voxels) add_samples(w, field);
-    if (m->contact_count == begin) return;
+    if (m->contact_count == begin) return true;
+    if (!w->contacts->by_voxels && !sort_rows(w, begin)) return false;
     w->contacts->colliders[m->collider_count++] = (sn_collider){.bone = bone,
                                                                 .joint = w->build->scene->bones[bone].joint,
                                                                 .field = field,
@@ -125,6 +170,7 @@ static void add_collider(contact_work *w, sn_index bone) {
                                                                 .limit = SAFE_WAY * thinner,
                                                                 .begin = begin,
                                                                 .end = m->contact_count};
+    return true;
 }
 
 /* ---- the whole --------------------------------------------------------------------------------------------------------------------- */
@@ -179,7 +225,7 @@ sn_status sn_contacts_build(const sn_build *build, sn_row_kind kind, sn_error *e
     if (build->contact->voxels != NULL) use_voxels(asked, w.contacts);
     bool made = make_room(&w, count_bones(build));
     for (sn_index b = 0; made && b < build->contact->bone_count; b++)
-        if (reach_of(build)[b]) add_collider(&w, b);
+        if (reach_of(build)[b]) made = add_collider(&w, b);
     if (made) settle(&w);
     free(w.excluded);
     free(w.front);

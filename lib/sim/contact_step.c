@@ -52,7 +52,7 @@ typedef struct whole {
     double reach; /* how far beside that way a point may come, m */
     sn_vec3 pull; /* what the weight adds to the way of a point that flies, m */
     double h;     /* s */
-    double flies; /* the longest way of a point that does, m */
+    double flies; /* how far beside the mean way a point comes that does, at most, m */
 } whole;
 
 static void extend(sn_box *box, sn_vec3 p) {
@@ -78,11 +78,12 @@ static whole see_whole(const sn_model_muscle *m, const sn_muscle_state *s, const
 /* What it does in a step in which its points may fly; a back end that has put the weight into the velocities gives none. */
 static whole see_flying(const sn_model_muscle *m, const sn_muscle_state *s, const sn_vec3 *before, double h, sn_vec3 gravity) {
     whole w = see_whole(m, s, before);
-    double fastest = 0.0;
-    for (sn_index i = 0; i < m->vertex_count; i++) fastest = fmax(fastest, sn_norm2(s->velocities[i]));
+    double farthest = 0.0;
     w.h = h;
     w.pull = sn_scale(gravity, h * h);
-    w.flies = h * sqrt(fastest) + sn_norm(w.pull);
+    sn_vec3 beside = sn_sub(w.pull, w.way);
+    for (sn_index i = 0; i < m->vertex_count; i++) farthest = fmax(farthest, sn_norm2(sn_add_scaled(beside, s->velocities[i], h)));
+    w.flies = sqrt(farthest);
     return w;
 }
 
@@ -126,12 +127,6 @@ static passage passage_of(const sn_collider *collider, const frames *f, sn_vec3 
     return way;
 }
 
-static sn_vec3 mean_of(const sn_contact_row *row, const sn_vec3 *of_points) {
-    sn_vec3 sum = sn_v3(0, 0, 0);
-    for (int i = 0; i < 3 && row->weight[i] > 0.0f; i++) sum = sn_add_scaled(sum, of_points[row->point[i]], (double)row->weight[i]);
-    return sum;
-}
-
 /* Where a row's point starts and the two ways that it may take: along with the muscle, and where it flies. */
 typedef struct start {
     sn_vec3 from, along, flying;
@@ -139,8 +134,8 @@ typedef struct start {
 
 /* before (point_count): the points before the step, NULL: the state's are. pull: what the weight adds to the way, m. */
 static start start_of(const sn_contact_row *row, const sn_muscle_state *s, const sn_vec3 *before, const whole *w) {
-    sn_vec3 from = before == NULL ? sn_contact_point(row, s->points) : mean_of(row, before);
-    return (start){from, sn_add(from, w->way), sn_add_scaled(sn_add(from, w->pull), mean_of(row, s->velocities), w->h)};
+    sn_vec3 from = before == NULL ? sn_contact_point(row, s->points) : sn_contact_mean(row, before);
+    return (start){from, sn_add(from, w->way), sn_add_scaled(sn_add(from, w->pull), sn_contact_mean(row, s->velocities), w->h)};
 }
 
 /* Could a row's point come to its bone? */
@@ -148,15 +143,31 @@ static bool comes_near(const sn_collider *collider, const frames *f, const start
     return passage_of(collider, f, at->from, at->along).least < reach || passage_of(collider, f, at->from, at->flying).least < reach;
 }
 
+/* ---- blocks of rows that stand together ------------------------------------------------------------------------------------------------
+ */
+
+/* Could any of its points come as near to the bone as `reach`, on one of the two ways? Phi at each is at most the radius from that at the
+ * middle, and a turn carries them by so much more. */
+static bool block_comes_near(const sn_collider *collider, const frames *f, const sn_contact_block *b, const whole *w, double reach) {
+    sn_quat by = sn_rigid_compose(f->after, sn_rigid_inverse(f->before)).rotation;
+    double turn = 2.0 * b->radius * sn_norm(sn_v3(by.x, by.y, by.z));
+    passage middle = passage_of(collider, f, b->middle, sn_add(b->middle, w->way));
+    return middle.least - b->radius - 0.5 * turn - w->flies < reach;
+}
+
 /* ---- before a step
  * -------------------------------------------------------------------------------------------------------------------------- */
 
 static bool any_comes_near(const sn_contacts *contacts, const sn_muscle_state *s, const sn_collider *collider, const frames *f,
                            const whole *w) {
+    double reach = contacts->margin + w->reach;
     if (!whole_comes_near(collider, w, f, contacts->margin)) return false;
-    for (sn_index r = collider->begin; r < collider->end; r++) {
-        start at = start_of(&contacts->rows[r], s, NULL, w);
-        if (comes_near(collider, f, &at, contacts->margin + w->reach)) return true;
+    for (sn_index begin = collider->begin; begin < collider->end; begin += SN_CONTACT_BLOCK) {
+        sn_contact_block b = sn_contact_block_at(contacts, collider, begin, s->points, NULL);
+        for (sn_index r = b.begin; r < b.end && block_comes_near(collider, f, &b, w, reach); r++) {
+            start at = start_of(&contacts->rows[r], s, NULL, w);
+            if (comes_near(collider, f, &at, reach)) return true;
+        }
     }
     return false;
 }
@@ -182,10 +193,14 @@ static bool passes_too_far(const sn_contacts *contacts, const sn_muscle_state *s
     const sn_collider *collider = &contacts->colliders[c];
     frames f = frames_of(s, c);
     if (!whole_comes_near(collider, w, &f, contacts->margin)) return false;
-    for (sn_index r = collider->begin; r < collider->end; r++) {
-        start at = start_of(&contacts->rows[r], s, NULL, w);
-        if (passes(collider, &f, at.from, at.along, contacts->margin) || passes(collider, &f, at.from, at.flying, contacts->margin))
-            return true;
+    for (sn_index begin = collider->begin; begin < collider->end; begin += SN_CONTACT_BLOCK) {
+        sn_contact_block b = sn_contact_block_at(contacts, collider, begin, s->points, NULL);
+        if (!block_comes_near(collider, &f, &b, w, contacts->margin)) continue;
+        for (sn_index r = b.begin; r < b.end; r++) {
+            start at = start_of(&contacts->rows[r], s, NULL, w);
+            if (passes(collider, &f, at.from, at.along, contacts->margin) || passes(collider, &f, at.from, at.flying, contacts->margin))
+                return true;
+        }
     }
     return false;
 }
@@ -203,17 +218,22 @@ static void gather_from(const sn_contacts *contacts, const sn_model_muscle *m, s
     const sn_collider *collider = &contacts->colliders[c];
     sn_inputs *in = s->inputs;
     frames f = frames_of(s, c);
+    double reach = contacts->margin + w->reach;
     bool comes = whole_comes_near(collider, w, &f, contacts->margin);
-    for (sn_index r = collider->begin; r < collider->end; r++) {
-        bool near = comes;
-        if (near) {
-            start at = start_of(&contacts->rows[r], s, s->previous, w);
-            near = comes_near(collider, &f, &at, contacts->margin + w->reach);
+    for (sn_index begin = collider->begin; begin < collider->end; begin += SN_CONTACT_BLOCK) {
+        sn_contact_block b = sn_contact_block_at(contacts, collider, begin, s->points, s->previous);
+        bool block_comes = comes && block_comes_near(collider, &f, &b, w, reach);
+        for (sn_index r = b.begin; r < b.end; r++) {
+            bool near = block_comes;
+            if (near) {
+                start at = start_of(&contacts->rows[r], s, s->previous, w);
+                near = comes_near(collider, &f, &at, reach);
+            }
+            if (near)
+                in->near[in->near_count++] = r;
+            else if (m->quasi_newton)
+                in->multipliers[r] = 0.0;
         }
-        if (near)
-            in->near[in->near_count++] = r;
-        else if (m->quasi_newton)
-            in->multipliers[r] = 0.0;
     }
 }
 
@@ -237,7 +257,11 @@ static bool project_collider(const sn_model_muscle *m, sn_muscle_state *s, sn_in
     frames f = frames_of(s, c);
     bool moved = false;
     if (!whole_comes_near(collider, w, &f, contacts->margin)) return false;
-    for (sn_index r = collider->begin; r < collider->end; r++) moved = sn_contact_project(m, s, collider, r, false) || moved;
+    for (sn_index begin = collider->begin; begin < collider->end; begin += SN_CONTACT_BLOCK) {
+        sn_contact_block b = sn_contact_block_at(contacts, collider, begin, s->points, NULL);
+        if (!sn_contact_block_is_near(collider, f.after, &b, contacts->margin)) continue;
+        for (sn_index r = b.begin; r < b.end; r++) moved = sn_contact_project(m, s, collider, r, false) || moved;
+    }
     return moved;
 }
 
