@@ -4,7 +4,7 @@
 #ifndef FUZZ_STATES_H
 #define FUZZ_STATES_H
 
-#include "../unit/sim_scene.h"
+#include "../unit/contact_scene.h"
 
 #include <stdio.h>
 
@@ -18,15 +18,19 @@ typedef struct state_model {
     sn_preconditioning preconditioner;
     sn_stretch stretch;
     sn_index substeps, iterations;
+    bool contact;
 } state_model;
 
 static const state_model MODELS[] = {
-    {"xpbd", SN_SOLVER_XPBD, SN_PRECISION_DOUBLE, SN_PRECONDITION_SCALAR, SN_STRETCH_SPRINGS, 4, 3},
-    {"xpbd, single", SN_SOLVER_XPBD, SN_PRECISION_SINGLE, SN_PRECONDITION_SCALAR, SN_STRETCH_SPRINGS, 4, 3},
-    {"qn, scalar", SN_SOLVER_QN, SN_PRECISION_DOUBLE, SN_PRECONDITION_SCALAR, SN_STRETCH_SPRINGS, 2, 6},
-    {"qn, scalar, membrane", SN_SOLVER_QN, SN_PRECISION_DOUBLE, SN_PRECONDITION_SCALAR, SN_STRETCH_MEMBRANE, 2, 6},
-    {"qn, corotated", SN_SOLVER_QN, SN_PRECISION_DOUBLE, SN_PRECONDITION_COROTATED, SN_STRETCH_SPRINGS, 2, 6},
-    {"qn, two-level", SN_SOLVER_QN, SN_PRECISION_DOUBLE, SN_PRECONDITION_TWO_LEVEL, SN_STRETCH_SPRINGS, 2, 6},
+    {"xpbd", SN_SOLVER_XPBD, SN_PRECISION_DOUBLE, SN_PRECONDITION_SCALAR, SN_STRETCH_SPRINGS, 4, 3, false},
+    {"xpbd, single", SN_SOLVER_XPBD, SN_PRECISION_SINGLE, SN_PRECONDITION_SCALAR, SN_STRETCH_SPRINGS, 4, 3, false},
+    {"qn, scalar", SN_SOLVER_QN, SN_PRECISION_DOUBLE, SN_PRECONDITION_SCALAR, SN_STRETCH_SPRINGS, 2, 6, false},
+    {"qn, scalar, membrane", SN_SOLVER_QN, SN_PRECISION_DOUBLE, SN_PRECONDITION_SCALAR, SN_STRETCH_MEMBRANE, 2, 6, false},
+    {"qn, corotated", SN_SOLVER_QN, SN_PRECISION_DOUBLE, SN_PRECONDITION_COROTATED, SN_STRETCH_SPRINGS, 2, 6, false},
+    {"qn, two-level", SN_SOLVER_QN, SN_PRECISION_DOUBLE, SN_PRECONDITION_TWO_LEVEL, SN_STRETCH_SPRINGS, 2, 6, false},
+    {"xpbd, contact", SN_SOLVER_XPBD, SN_PRECISION_DOUBLE, SN_PRECONDITION_SCALAR, SN_STRETCH_SPRINGS, 4, 3, true},
+    {"xpbd, single, contact", SN_SOLVER_XPBD, SN_PRECISION_SINGLE, SN_PRECONDITION_SCALAR, SN_STRETCH_SPRINGS, 4, 3, true},
+    {"qn, contact", SN_SOLVER_QN, SN_PRECISION_DOUBLE, SN_PRECONDITION_SCALAR, SN_STRETCH_SPRINGS, 2, 6, true},
 };
 enum { MODEL_COUNT = sizeof MODELS / sizeof *MODELS };
 
@@ -48,6 +52,12 @@ static void make_model(const state_model *from, sn_scene *scene, simulation *out
     for (sn_index i = 0; i < scene->muscle_count; i++) scene->muscles[i].stretch = from->stretch;
     set_keys(&scene->muscles[0].activation, 0.0, 0.0, 0.3, 1.0);
     set_keys(&scene->motion.joints[0].angle, 0.0, 0.0, 0.3, 0.5);
+    if (from->contact) {
+        capsule rod = {{{0.055, -0.08, 0.1}, {0.055, 0.08, 0.1}}, 0.02};
+        turn_contact_on(scene);
+        scene->contact.resolve = 0.2;
+        make_capsule(&rod, 4, add_solid(scene, "rod", keys_to(0.0, 0.2, shifted(sn_v3(-0.02, 0, 0))), 2));
+    }
     *out = start(scene);
 }
 
