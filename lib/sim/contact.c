@@ -95,11 +95,12 @@ double sn_contacts_update(const sn_model_muscle *m, sn_muscle_state *s, double k
 /* ---- projection
  * -------------------------------------------------------------------------------------------------------------------------- */
 
-typedef struct push {
+/* What a row is looked at with. */
+typedef struct pressed {
     const sn_contacts *contacts;
     const sn_muscle_state *s;
     const sn_collider *collider;
-} push;
+} pressed;
 
 /* How a row moves its points: by `way` x weight x inverse mass. */
 static void move_points(sn_point *points, const sn_contact_row *row, sn_vec3 way) {
@@ -132,7 +133,7 @@ static void rub(const sn_contacts *contacts, const sn_muscle_state *s, const sn_
 
 /* Out by the way along the gradient; *normal is its unit vector. How far beyond its margin it was; 0: it was not, or there is no way out.
  */
-static double push_out(const push *at, const sn_contact_row *row, sn_point *points, sn_vec3 *normal) {
+static double push_out(const pressed *at, const sn_contact_row *row, sn_point *points, sn_vec3 *normal) {
     sn_vec3 gradient;
     double c = value_of(at->contacts, at->s, at->collider, row, points, &gradient);
     if (!(c < 0.0)) return 0.0;
@@ -147,14 +148,14 @@ bool sn_contact_project(const sn_model_muscle *m, sn_muscle_state *s, const sn_c
     const sn_contacts *contacts = sn_contacts_of(m);
     const sn_contact_row *row = &contacts->rows[r];
     sn_vec3 normal;
-    double deep = push_out(&(push){contacts, s, collider}, row, s->points, &normal);
+    double deep = push_out(&(pressed){contacts, s, collider}, row, s->points, &normal);
     if (deep > 0.0 && rubs && contacts->friction > 0.0) rub(contacts, s, collider, row, normal, deep);
     return deep > 0.0;
 }
 
 bool sn_contacts_clear(const sn_model_muscle *m, const sn_muscle_state *s, sn_point *points) {
     const sn_contacts *contacts = sn_contacts_of(m);
-    push at = {.contacts = contacts, .s = s, .collider = m->contact_count > 0 ? contacts->colliders : NULL};
+    pressed at = {.contacts = contacts, .s = s, .collider = m->contact_count > 0 ? contacts->colliders : NULL};
     bool moved = false;
     for (sn_index i = 0; i < s->inputs->near_count; i++) {
         sn_index r = s->inputs->near[i];

@@ -4,7 +4,7 @@
 #ifndef FUZZ_STATES_H
 #define FUZZ_STATES_H
 
-#include "../unit/sim_scene.h"
+#include "../unit/contact_scene.h"
 
 #include <stdio.h>
 
@@ -18,17 +18,21 @@ typedef struct state_model {
     sn_preconditioning preconditioner;
     sn_stretch stretch;
     sn_index substeps, iterations;
-    sn_index voxels; /* contact, by so many along each axis of a bone; 0 = none */
+    bool contact;    /* with distance fields */
+    sn_index voxels; /* with voxels, so many along each axis of a bone; 0 = none */
 } state_model;
 
 static const state_model MODELS[] = {
-    {"xpbd", SN_SOLVER_XPBD, SN_PRECISION_DOUBLE, SN_PRECONDITION_SCALAR, SN_STRETCH_SPRINGS, 4, 3, 0},
-    {"xpbd, single", SN_SOLVER_XPBD, SN_PRECISION_SINGLE, SN_PRECONDITION_SCALAR, SN_STRETCH_SPRINGS, 4, 3, 0},
-    {"xpbd, voxels", SN_SOLVER_XPBD, SN_PRECISION_DOUBLE, SN_PRECONDITION_SCALAR, SN_STRETCH_SPRINGS, 4, 3, 8},
-    {"qn, scalar", SN_SOLVER_QN, SN_PRECISION_DOUBLE, SN_PRECONDITION_SCALAR, SN_STRETCH_SPRINGS, 2, 6, 0},
-    {"qn, scalar, membrane", SN_SOLVER_QN, SN_PRECISION_DOUBLE, SN_PRECONDITION_SCALAR, SN_STRETCH_MEMBRANE, 2, 6, 0},
-    {"qn, corotated", SN_SOLVER_QN, SN_PRECISION_DOUBLE, SN_PRECONDITION_COROTATED, SN_STRETCH_SPRINGS, 2, 6, 0},
-    {"qn, two-level", SN_SOLVER_QN, SN_PRECISION_DOUBLE, SN_PRECONDITION_TWO_LEVEL, SN_STRETCH_SPRINGS, 2, 6, 0},
+    {"xpbd", SN_SOLVER_XPBD, SN_PRECISION_DOUBLE, SN_PRECONDITION_SCALAR, SN_STRETCH_SPRINGS, 4, 3, false, 0},
+    {"xpbd, single", SN_SOLVER_XPBD, SN_PRECISION_SINGLE, SN_PRECONDITION_SCALAR, SN_STRETCH_SPRINGS, 4, 3, false, 0},
+    {"xpbd, voxels", SN_SOLVER_XPBD, SN_PRECISION_DOUBLE, SN_PRECONDITION_SCALAR, SN_STRETCH_SPRINGS, 4, 3, false, 8},
+    {"qn, scalar", SN_SOLVER_QN, SN_PRECISION_DOUBLE, SN_PRECONDITION_SCALAR, SN_STRETCH_SPRINGS, 2, 6, false, 0},
+    {"qn, scalar, membrane", SN_SOLVER_QN, SN_PRECISION_DOUBLE, SN_PRECONDITION_SCALAR, SN_STRETCH_MEMBRANE, 2, 6, false, 0},
+    {"qn, corotated", SN_SOLVER_QN, SN_PRECISION_DOUBLE, SN_PRECONDITION_COROTATED, SN_STRETCH_SPRINGS, 2, 6, false, 0},
+    {"qn, two-level", SN_SOLVER_QN, SN_PRECISION_DOUBLE, SN_PRECONDITION_TWO_LEVEL, SN_STRETCH_SPRINGS, 2, 6, false, 0},
+    {"xpbd, contact", SN_SOLVER_XPBD, SN_PRECISION_DOUBLE, SN_PRECONDITION_SCALAR, SN_STRETCH_SPRINGS, 4, 3, true, 0},
+    {"xpbd, single, contact", SN_SOLVER_XPBD, SN_PRECISION_SINGLE, SN_PRECONDITION_SCALAR, SN_STRETCH_SPRINGS, 4, 3, true, 0},
+    {"qn, contact", SN_SOLVER_QN, SN_PRECISION_DOUBLE, SN_PRECONDITION_SCALAR, SN_STRETCH_SPRINGS, 2, 6, true, 0},
 };
 enum { MODEL_COUNT = sizeof MODELS / sizeof *MODELS };
 
@@ -56,6 +60,12 @@ static void make_model(const state_model *from, sn_scene *scene, simulation *out
         scene->contact.voxels = from->voxels;
         scene->bones[0].passable = true;
         give_bone_cube(&scene->bones[1], sn_v3(0, 0.03, 0.08), 0.02);
+    }
+    if (from->contact) {
+        capsule rod = {{{0.055, -0.08, 0.1}, {0.055, 0.08, 0.1}}, 0.02};
+        turn_contact_on(scene);
+        scene->contact.resolve = 0.2;
+        make_capsule(&rod, 4, add_solid(scene, "rod", keys_to(0.0, 0.2, shifted(sn_v3(-0.02, 0, 0))), 2));
     }
     *out = start(scene);
 }

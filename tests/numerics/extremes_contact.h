@@ -243,7 +243,7 @@ static void each_setting(void) {
             sn_scene scene;
             char name[100];
             make_pressed(&scene);
-            scene.solver.substeps = substeps * (qn ? 2 : 16); /* 0: auto */
+            scene.solver.substeps = qn ? 2 * substeps : 8 << substeps; /* 0: auto */
             if (qn)
                 scene.solver.preconditioner = (sn_preconditioning)kind;
             else

@@ -6,7 +6,7 @@
  *   sim_golden [FILE]              compare with FILE instead
  *   sim_golden --hashes THREADS    print the hashes of that many threads and do nothing else: tests/golden, `make golden-accept`
  */
-#include "../unit/sim_scene.h"
+#include "../unit/contact_scene.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -22,7 +22,8 @@ static const struct {
     sn_precision precision;
     sn_scheme scheme;
     sn_hinge_rule hinges;
-    sn_index voxels; /* contact, by so many along each axis of a bone; 0 = none */
+    bool contact;    /* with distance fields */
+    sn_index voxels; /* with voxels, so many along each axis of a bone; 0 = none */
 } SOLVERS[] = {{.name = "xpbd", .method = SN_SOLVER_XPBD},
                {.name = "xpbd-single", .method = SN_SOLVER_XPBD, .precision = SN_PRECISION_SINGLE},
                {.name = "xpbd-kohout", .method = SN_SOLVER_XPBD, .scheme = SN_SCHEME_KOHOUT},
@@ -32,7 +33,12 @@ static const struct {
                {.name = "qn-scalar", .method = SN_SOLVER_QN},
                {.name = "qn-corotated", .method = SN_SOLVER_QN, .preconditioner = SN_PRECONDITION_COROTATED},
                {.name = "qn-two-level", .method = SN_SOLVER_QN, .preconditioner = SN_PRECONDITION_TWO_LEVEL},
-               {.name = "qn-membrane", .method = SN_SOLVER_QN, .stretch = SN_STRETCH_MEMBRANE}};
+               {.name = "qn-membrane", .method = SN_SOLVER_QN, .stretch = SN_STRETCH_MEMBRANE},
+               {.name = "xpbd-contact", .method = SN_SOLVER_XPBD, .contact = true},
+               {.name = "xpbd-single-contact", .method = SN_SOLVER_XPBD, .precision = SN_PRECISION_SINGLE, .contact = true},
+               {.name = "qn-scalar-contact", .method = SN_SOLVER_QN, .contact = true},
+               {.name = "qn-corotated-contact", .method = SN_SOLVER_QN, .preconditioner = SN_PRECONDITION_COROTATED, .contact = true},
+               {.name = "qn-two-level-contact", .method = SN_SOLVER_QN, .preconditioner = SN_PRECONDITION_TWO_LEVEL, .contact = true}};
 static int solver; /* index of SOLVERS */
 
 /* The lower bone is a cube that lies in the muscles at rest, and is swung through them. */
@@ -41,6 +47,18 @@ static void collide(sn_scene *scene) {
     scene->contact.voxels = SOLVERS[solver].voxels;
     scene->bones[0].passable = true;
     give_bone_cube(&scene->bones[1], sn_v3(0, 0.04, 0.08), 0.02);
+}
+
+/* A rod that comes into the muscles and turns, and a ball in them at rest: margins that grow, samples, friction under xpbd. */
+static void add_bones(sn_scene *scene) {
+    capsule rod = {{{0.055, -0.08, 0.1}, {0.055, 0.08, 0.1}}, 0.02}, ball = {{{-0.04, 0, 0.1}, {-0.04, 0, 0.1}}, 0.02};
+    sn_quat turn = sn_quat_axis_angle(sn_v3(0, 0, 1), 0.3);
+    turn_contact_on(scene);
+    scene->contact.friction = SOLVERS[solver].method == SN_SOLVER_XPBD ? 0.3 : 0.0;
+    scene->contact.resolve = 0.3;
+    scene->contact.samples = 1;
+    make_capsule(&rod, 6, add_solid(scene, "rod", keys_to(0.0, 0.4, (sn_rigid){turn, {-0.02, 0, 0}}), 2));
+    make_capsule(&ball, 6, add_solid(scene, "ball", NULL, 0));
 }
 
 /* Three muscles that use every kind of row, every law, and every factor on a row. */
@@ -66,6 +84,7 @@ static void make_everything(sn_scene *scene) {
     for (int i = 0; i < 3; i++) set_keys(&scene->muscles[i].activation, 0.0, 0.0, 0.5, 0.6 + 0.2 * i);
     set_keys(&scene->motion.joints[0].angle, 0.0, 0.0, 0.5, -1.0);
     scene->gravity = sn_v3(0, -9.81, 0);
+    if (SOLVERS[solver].contact) add_bones(scene);
 }
 
 static void ignore(void *user, int64_t number, const char *stage, const sn_trace_value *values, int value_count) {
