@@ -230,6 +230,25 @@ static sn_status find_drivers(job *j, sn_error *error) {
     return SN_OK;
 }
 
+/* Distances of the vertices of an envelope that was bound before from the bones that carry them most: is it over these bones? */
+static sn_status measure_bone(job *j, sn_index b, sn_error *error) {
+    sn_surface *surface = NULL;
+    if (j->bound[b].mesh->triangle_count == 0) return SN_OK;
+    sn_status status = sn_surface_create_plain(j->bound[b].mesh, &surface, error);
+    for (sn_index v = 0; v < j->envelope.mesh.vertex_count && status == SN_OK; v++)
+        if (j->envelope.influences[v].bones[0] == b)
+            j->clearance[v] = sn_surface_closest(surface, j->envelope.mesh.positions[v], INFINITY).distance;
+    sn_surface_destroy(surface);
+    return status;
+}
+
+static sn_status measure_clearance(job *j, sn_error *error) {
+    if ((j->clearance = SN_NEW(double, j->envelope.mesh.vertex_count)) == NULL) return sn_fail_memory(error, "an envelope");
+    sn_status status = SN_OK;
+    for (sn_index b = 0; b < j->envelope.bone_count && status == SN_OK; b++) status = measure_bone(j, b, error);
+    return status;
+}
+
 /* ---- what is odd about it -------------------------------------------------------------------------------------------------------- */
 
 static bool carries(const job *j, sn_index wanted) {
@@ -265,8 +284,9 @@ static void warn_of_far_vertices(const job *j) {
         if (j->clearance[v] > j->clearance[farthest]) farthest = v;
     }
     if (count > 0)
-        cli_warn(&j->c, "%d vertices are farther than %g m from every bone, vertex %d by %.4g m: are units and places those of the bones?",
-                 count, sn_length_meters(far_from, 1.0), farthest, j->clearance[farthest]);
+        cli_warn(&j->c, "%d vertices are farther than %g m from %s, vertex %d by %.4g m: are units and places those of the bones?", count,
+                 sn_length_meters(far_from, 1.0), j->given ? "the bone that carries them most" : "every bone", farthest,
+                 j->clearance[farthest]);
 }
 
 /* ---- the motion ------------------------------------------------------------------------------------------------------------------ */
@@ -309,6 +329,9 @@ static bool is_cache(const char *path) {
 
 /* Before anything is written. */
 static void check_frames(const job *j) {
+    const char *slash = bones_to != NULL ? strrchr(bones_to, '/') : NULL, *name = slash != NULL ? slash + 1 : bones_to;
+    if (name != NULL && strchr(name, '.') != NULL && sn_mesh_format_from_name(name) == SN_MESH_UNKNOWN)
+        cli_usage_error(&j->c, "--write-bones %s: no mesh format has this ending; name a file .ply, .obj, .stl, .off or .vtp", bones_to);
     if (frames_to == NULL || is_cache(frames_to)) return;
     sn_mesh_format format = sn_mesh_format_from_name(frames_to);
     if (format != SN_MESH_PLY && format != SN_MESH_VTP) cli_usage_error(&j->c, "--frames %s: name a file .pc2, .ply or .vtp", frames_to);
@@ -510,6 +533,7 @@ static sn_status bind_envelope(job *j, sn_error *error) {
     else
         status = bind(j, error);
     if (status == SN_OK) status = find_drivers(j, error);
+    if (status == SN_OK && j->given) status = measure_clearance(j, error);
     if (status != SN_OK) return status;
     warn_of_idle_bones(j);
     warn_of_far_vertices(j);

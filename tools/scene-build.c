@@ -8,6 +8,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 
 /* More names than this are counted in a message, not told. */
 enum { NAMES_TOLD = 8 };
@@ -605,6 +606,24 @@ static sn_status check_folder(const job *j, sn_error *error) {
     return there ? SN_OK : sn_fail_at(error, SN_ERROR_IO, j->c.output, 0, "its folder is not there; make that first");
 }
 
+/* A scene in the place of a file that it names would be gone with what it needs. */
+static void refuse_input(const job *j, const char *path) {
+    struct stat output, input;
+    if (path == NULL || stat(j->c.output, &output) != 0 || !S_ISREG(output.st_mode) || stat(path, &input) != 0) return;
+    if (output.st_dev == input.st_dev && output.st_ino == input.st_ino)
+        cli_usage_error(&j->c, "--output %s: the scene names this file, and would take its place", j->c.output);
+}
+
+static void check_output(const job *j) {
+    if (list) return;
+    refuse_input(j, motion_file);
+    refuse_input(j, model_file);
+    refuse_input(j, activation_file);
+    for (sn_index i = 0; i < j->draft.muscle_count; i++) refuse_input(j, j->draft.muscles[i].path);
+    for (sn_index i = 0; i < j->draft.bone_count; i++) refuse_input(j, j->draft.bones[i].bone.path);
+    for (sn_index i = 0; i < j->draft.envelope_count; i++) refuse_input(j, j->draft.envelopes[i].path);
+}
+
 static sn_status name_scene(job *j, sn_error *error) {
     bool standard = strcmp(j->c.output, "-") == 0;
     sn_draft_defaults(&j->draft);
@@ -637,6 +656,7 @@ static sn_status collect(job *j, sn_error *error) {
 static sn_status build(job *j, sn_error *error) {
     sn_status status = collect(j, error);
     if (status != SN_OK) return status;
+    check_output(j);
     if (list) {
         tell_of_draft(j);
         return scene_list_print(&j->draft, error);

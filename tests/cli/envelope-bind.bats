@@ -119,12 +119,24 @@ END
     sed 's/^v \([^ ]*\)/v 5/' skin.obj > far.obj
     "$BIN/envelope-bind" --units m far.obj --bones bend.motion.json -o a.envelope.json 2> err
     grep -q 'vertices are farther than 0.1 m from every bone' err
+    # one that was bound before, over other bones than those
+    "$BIN/envelope-bind" --units m skin.obj --bones bend.motion.json -o a.envelope.json
+    "$BIN/envelope-bind" a.envelope.json --bones bend.motion.json --report r.json -o b.envelope.json 2> err
+    [ "$(grep -c 'farther than' err)" -eq 0 ]
+    [ "$(member r.json '[d["clearance"]["farVertices"], 0.009 < d["clearance"]["mean"] < 0.011]')" = '[0, true]' ]
+    sed 's/"units":"mm"/"units":"m"/' bend.motion.json > units.motion.json
+    "$BIN/envelope-bind" a.envelope.json --bones units.motion.json -o b.envelope.json 2> err
+    grep -Eq 'warning: [0-9]+ vertices are farther than 0.1 m from the bone that carries them most, vertex [0-9]+ by ' err
 }
 
 @test "what makes no sense is refused by name" {
     run -2 "$BIN/envelope-bind" skin.obj
     [[ "$output" == *--bones* ]]
     run -2 "$BIN/envelope-bind" skin.obj --bones bend.motion.json --reach 0mm
+    run -2 "$BIN/envelope-bind" --bones bend.motion.json --write-bones bones.xyz
+    [[ "$output" == *"--write-bones bones.xyz: no mesh format has this ending"* ]]
+    [ ! -e bones.xyz ]
+    run -0 "$BIN/envelope-bind" --bones bend.motion.json --write-bones ./bones
     for name in x.stl x folder.ply/x .; do
         run -2 "$BIN/envelope-bind" --units m skin.obj --bones bend.motion.json --frames "$name" -o kept.envelope.json
         [[ "$output" == *"--frames $name:"* ]]

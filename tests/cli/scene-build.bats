@@ -212,6 +212,20 @@ for name in ("brachialis", "triceps"):
     refused 2 '--bones-dir and --bone-path are for --model' "$build" . $arm --bones-dir x
 }
 
+@test "a scene does not take the place of a file that it names" {
+    for name in biceps.muscle.json ./elbow.motion.json ulna.ply; do
+        cp $name kept
+        run -2 "$build" . $arm -o $name
+        [[ "$output" == "scene-build: --output $name: the scene names this file"* ]]
+        cmp $name kept
+    done
+    ln -s biceps.muscle.json linked.json
+    run -2 "$build" . $arm -o linked.json
+    "$build" . $arm -o a.scene.json
+    "$build" . $arm -o a.scene.json # again is no mistake
+    "$build" . $arm -o /dev/null
+}
+
 @test "--list tells what would be in it and writes nothing" {
     "$build" . $arm --set 'b*.tone=0.1' --list -o a.scene.json > list 2> err
     [ ! -e a.scene.json ]

@@ -46,6 +46,12 @@ book() { awk -v d="$1" 'BEGIN { a = d * 3.14159265358979 / 180
     run -2 "$ARM/tone.sh" out
 }
 
+@test "tone.sh without the program that measures says so before it runs anything" {
+    FOLDS=./nowhere run -1 sh "$ARM/tone.sh" out rig.muscle.json --motion a.motion.json
+    [ "$output" = "tone.sh: there is no program './nowhere', which measures folds; name it by FOLDS" ]
+    [ ! -e out ]
+}
+
 @test "the arm's passive biceps folds at 120 degrees under xpbd, with tone by less than half; under qn it bows and does not fold" {
     make -s -f "$ARM/Makefile" TOOLS="$BIN" ARM="$EXAMPLES/arm/arm" TRIANGLES=1000 tone > out 2> err
     tail -n 12 out | cmp - <(tail -n 12 tone/tone.tsv)

@@ -14,6 +14,7 @@ if [ $# -lt 3 ]; then
     exit 2
 fi
 folds=${FOLDS:-$(cd "$(dirname "$0")" && pwd)/../../../../libexec/sinew/folds}
+command -v "$folds" > /dev/null || { echo "tone.sh: there is no program '$folds', which measures folds; name it by FOLDS" >&2; exit 1; }
 out=$1 rig=$2
 shift
 
@@ -57,7 +58,8 @@ done
 for solver in qn xpbd; do
     for setting in $settings; do "$folds" "$rig" "$out/$setting.$solver.ply" | sed -n "2s/^[^\t]*/$solver\t$setting/p"; done
 done | awk -F '\t' -v OFS='\t' 'BEGIN { print "solver", "setting", "largest", "p99", "rms", "over passive" }
-    $2 == "passive" { passive = $3 } { print $1, $2, $3, $4, $5, (passive > 0 ? sprintf("%.2f", $3 / passive) : "-") }' > "$out/tone.tsv"
+    $2 == "passive" { passive = $3 } { print $1, $2, $3, $4, $5, (passive > 0 ? sprintf("%.2f", $3 / passive) : "-") }
+    END { exit NR != 12 }' > "$out/tone.tsv" || { echo "tone.sh: not every shape could be measured" >&2; exit 1; }
 cat "$out/tone.tsv"
 (last "$out/bones") > "$out/last"
 mv "$out/last" "$out/bones/last.txt"
