@@ -154,39 +154,45 @@ static sn_status fingerprint(const sn_model *model, char out[SN_HASH_LENGTH], sn
     return SN_OK;
 }
 
-static void pass_state(sn_cursor *c, const sn_model *model, sn_state *state, char hash[SN_HASH_LENGTH], sn_index *muscles) {
+/* What a state says of itself beside its groups. */
+typedef struct head {
+    char hash[SN_HASH_LENGTH]; /* of the model that it fits */
+    sn_index muscles;
+    double rate; /* frames a second of the scene */
+} head;
+
+static void pass_state(sn_cursor *c, const sn_model *model, sn_state *state, head *h) {
     const sn_backend *backend = sn_backend_of(model->scene);
-    sn_cursor_pass(c, hash, SN_HASH_LENGTH);
+    sn_cursor_pass(c, h->hash, SN_HASH_LENGTH);
     sn_cursor_pass(c, &state->frame, sizeof state->frame);
     sn_cursor_pass(c, &state->substep, sizeof state->substep);
     sn_cursor_pass(c, &state->iteration, sizeof state->iteration);
-    sn_cursor_pass(c, muscles, sizeof *muscles);
+    sn_cursor_pass(c, &h->muscles, sizeof h->muscles);
     for (sn_index i = 0; i < model->group_count; i++) pass_group(c, backend, &model->groups[i], &state->groups[i]);
+    sn_cursor_pass(c, &h->rate, sizeof h->rate);
 }
 
 /* Bytes of a packed state of this model; `state` is any of its, and only looked at. */
 static size_t packed_size(const sn_model *model, const sn_state *state) {
-    char hash[SN_HASH_LENGTH];
-    sn_index muscles = model->muscle_count;
+    head h;
     sn_state copy = *state;
     sn_cursor count = {.at = HEADER};
-    pass_state(&count, model, &copy, hash, &muscles);
+    pass_state(&count, model, &copy, &h);
     return count.at;
 }
 
 /* ---- out -------------------------------------------------------------------------------------------------------------------- */
 
 sn_status sn_state_pack(const sn_model *model, const sn_state *state, char **bytes, size_t *size, sn_error *error) {
-    char hash[SN_HASH_LENGTH];
     sn_state copy = *state; /* the cursor only reads from it here */
-    sn_index muscles = model->muscle_count;
+    head h = {.muscles = model->muscle_count, .rate = model->scene->rate};
     int32_t version = VERSION;
-    sn_status status = fingerprint(model, hash, error);
+    sn_status status = fingerprint(model, h.hash, error);
     if (status != SN_OK) return status;
     *size = packed_size(model, state);
     if ((*bytes = sn_alloc(*size, 1)) == NULL) return sn_fail_memory(error, "the state");
     sn_cursor write = {.to = *bytes, .at = HEADER, .size = *size};
-    pass_state(&write, model, &copy, hash, &muscles);
+    pass_state(&write, model, &copy, &h);
     memcpy(*bytes, MAGIC, sizeof MAGIC);
     memcpy(*bytes + sizeof MAGIC, &version, sizeof version);
     sn_hash(*bytes + HEADER, *size - HEADER, *bytes + sizeof MAGIC + sizeof version);
@@ -229,11 +235,14 @@ static bool has_iteration(const sn_model *model, sn_index iteration) {
     return has;
 }
 
-static sn_status check_moment(const sn_model *model, const sn_state *read, sn_index muscles, sn_error *error) {
+static sn_status check_moment(const sn_model *model, const sn_state *read, const head *h, sn_error *error) {
     sn_index substeps = sn_most_substeps(model);
-    if (muscles != model->muscle_count)
-        return sn_fail(error, SN_ERROR_INPUT, "this state says that it has %ld muscles, and holds %ld; write it anew", (long)muscles,
+    if (h->muscles != model->muscle_count)
+        return sn_fail(error, SN_ERROR_INPUT, "this state says that it has %ld muscles, and holds %ld; write it anew", (long)h->muscles,
                        (long)model->muscle_count);
+    if (h->rate != model->scene->rate)
+        return sn_fail(error, SN_ERROR_INPUT, "this state was made at %g frames a second, and the scene has %g; go on with --rate %g",
+                       h->rate, model->scene->rate, h->rate);
     if (read->frame < -SN_FRAME_LIMIT || read->frame > SN_FRAME_LIMIT)
         return sn_fail(error, SN_ERROR_INPUT, "this state is of frame %ld, and frames go from %d to %d; write it anew", (long)read->frame,
                        -SN_FRAME_LIMIT, SN_FRAME_LIMIT);
@@ -268,11 +277,10 @@ static sn_status check_numbers(const sn_model *model, const sn_state *read, sn_e
 
 /* All of the bytes, checked. */
 static sn_status read_state(const sn_model *model, const char *bytes, size_t size, sn_state *read, sn_error *error) {
-    char hash[SN_HASH_LENGTH];
-    sn_index muscles = 0;
+    head h = {.muscles = 0};
     sn_cursor c = {.from = bytes, .at = HEADER, .size = size};
-    pass_state(&c, model, read, hash, &muscles);
-    sn_status status = check_moment(model, read, muscles, error);
+    pass_state(&c, model, read, &h);
+    sn_status status = check_moment(model, read, &h, error);
     return status == SN_OK ? check_numbers(model, read, error) : status;
 }
 

@@ -335,7 +335,7 @@ END
     told torn 442,B,200
     told points 443,d,nan
     told points 467,d,12345
-    told factor_stiffness -8,d,inf
+    told factor_stiffness -16,d,inf
     refute [ -e forged.png ]
     for far in 1e3 1e38 1e160 1e300; do # a place that no muscle comes to, and still a place
         forge good.state forged.state "$(((443 + 32 * 200))),d,$far"
@@ -761,4 +761,13 @@ s["muscles"][0].update(rig="bare.muscle.json", tone=0); json.dump(s, open("bare.
     [ "$(values log.jsonl frame | tr '\n' ' ')" = "-3 -2 " ]
     run -2 simulate one.scene.json --frames 0:2 --stop-after=-1 --log log.jsonl
     [[ "$output" == *"--stop-after -1: the run starts at frame 0"* ]]
+}
+
+@test "a state of another rate is refused, and says which" {
+    one_muscle
+    simulate -q one.scene.json --frames 0:2 --state s.state > /dev/null
+    run -1 simulate -q one.scene.json --rate 48 --frames 3:4 --from s.state
+    [[ "$output" == *"made at 24 frames a second, and the scene has 48"* ]]
+    simulate -q one.scene.json --rate 48 --frames 0:2 --state t.state > /dev/null
+    simulate -q one.scene.json --rate 48 --frames 3:4 --from t.state > /dev/null
 }
