@@ -52,7 +52,7 @@ static const sn_collider *collider_at(const sn_collider *from, sn_index row) {
 static double energy(const sn_model_muscle *m, const sn_muscle_state *s, sn_row_kind kind, const sn_point *points, double k,
                      sn_forces gradient) {
     const sn_contacts *contacts = m->own[kind];
-    const sn_collider *collider = contacts->colliders;
+    const sn_collider *collider = contacts != NULL ? contacts->colliders : NULL;
     double sum = 0.0;
     for (sn_index i = 0; i < s->inputs->near_count && k > 0.0; i++) {
         sn_index r = s->inputs->near[i];
@@ -164,7 +164,7 @@ bool sn_contacts_clear(const sn_model_muscle *m, const sn_muscle_state *s, sn_po
 
 static void sweep(const sn_model_muscle *m, sn_muscle_state *s, sn_row_kind kind, const sn_sweep *how) {
     const sn_contacts *contacts = m->own[kind];
-    const sn_collider *collider = contacts->colliders;
+    const sn_collider *collider = contacts != NULL ? contacts->colliders : NULL;
     (void)how;
     for (sn_index i = 0; i < s->inputs->near_count; i++) {
         collider = collider_at(collider, s->inputs->near[i]);
@@ -212,7 +212,7 @@ static const sn_index *points_of(const sn_model_muscle *m, sn_row_kind kind, sn_
 /* How far beyond its margin, mean edges. */
 static void errors(const sn_model_muscle *m, const sn_muscle_state *s, sn_row_kind kind, sn_index begin, sn_index end, double *out) {
     const sn_contacts *contacts = m->own[kind];
-    const sn_collider *collider = contacts->colliders;
+    const sn_collider *collider = contacts != NULL ? contacts->colliders : NULL;
     for (sn_index r = begin; r < end; r++) {
         collider = collider_at(collider, r);
         out[r - begin] = fmax(0.0, -value_of(contacts, s, collider, &contacts->rows[r], s->points, NULL)) / m->mean_edge;
