@@ -112,18 +112,12 @@ static bool whole_comes_near(const sn_collider *collider, const whole *w, const 
     return nearest <= radius + margin + w->reach + w->flies + way + turn;
 }
 
-/* What a row's point does in the frame of its bone. */
-typedef struct passage {
-    double way;   /* how far it is carried, m */
-    double least; /* phi is at least this on the way */
-} passage;
-
-static passage passage_of(const sn_collider *collider, const frames *f, sn_vec3 from, sn_vec3 to) {
-    sn_vec3 p = sn_rigid_apply(f->before, from), q = sn_rigid_apply(f->after, to);
-    passage way = {.way = sn_distance(p, q)};
-    double a = sn_distance_field_at(collider->field, p, NULL), b = sn_distance_field_at(collider->field, q, NULL);
-    way.least = 0.5 * (a + b - way.way);
-    return way;
+/* Is phi sure to stay above `reach` on a point's way from `from` before the step to `to` after it? phi: at `from`, in the bone's frame at
+ * p. */
+static bool passes_by(const sn_collider *collider, const frames *f, sn_vec3 p, double phi, sn_vec3 to, double reach) {
+    sn_vec3 q = sn_rigid_apply(f->after, to);
+    double way = sn_distance(p, q);
+    return phi - way >= reach || phi + sn_distance_field_at(collider->field, q, NULL) - way >= 2.0 * reach;
 }
 
 static sn_vec3 mean_of(const sn_contact_row *row, const sn_vec3 *of_points) {
@@ -145,7 +139,9 @@ static start start_of(const sn_contact_row *row, const sn_muscle_state *s, const
 
 /* Could a row's point come to its bone? */
 static bool comes_near(const sn_collider *collider, const frames *f, const start *at, double reach) {
-    return passage_of(collider, f, at->from, at->along).least < reach || passage_of(collider, f, at->from, at->flying).least < reach;
+    sn_vec3 p = sn_rigid_apply(f->before, at->from);
+    double phi = sn_distance_field_at(collider->field, p, NULL);
+    return !passes_by(collider, f, p, phi, at->along, reach) || !passes_by(collider, f, p, phi, at->flying, reach);
 }
 
 /* ---- before a step
@@ -173,9 +169,11 @@ bool sn_contacts_moved(const sn_model_muscle *m, const sn_muscle_state *s) {
     return s->inputs->resolved > 0.0 && s->inputs->resolved < 1.0;
 }
 
+/* Is a point carried by its bone farther than is safe, and near it? */
 static bool passes(const sn_collider *collider, const frames *f, sn_vec3 from, sn_vec3 to, double margin) {
-    passage way = passage_of(collider, f, from, to);
-    return way.way > collider->limit && way.least < margin;
+    sn_vec3 p = sn_rigid_apply(f->before, from);
+    if (sn_distance(p, sn_rigid_apply(f->after, to)) <= collider->limit) return false;
+    return !passes_by(collider, f, p, sn_distance_field_at(collider->field, p, NULL), to, margin);
 }
 
 static bool passes_too_far(const sn_contacts *contacts, const sn_muscle_state *s, sn_index c, const whole *w) {
