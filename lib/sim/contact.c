@@ -56,7 +56,7 @@ static const sn_collider *collider_at(const sn_collider *from, sn_index row) {
 static double energy(const sn_model_muscle *m, const sn_muscle_state *s, sn_row_kind kind, const sn_point *points, double k,
                      sn_forces gradient) {
     const sn_contacts *contacts = m->own[kind];
-    const sn_collider *collider = contacts->colliders;
+    const sn_collider *collider = contacts != NULL ? contacts->colliders : NULL;
     double sum = 0.0;
     for (sn_index i = 0; i < s->inputs->near_count && k > 0.0; i++) {
         sn_index r = s->inputs->near[i];
@@ -220,7 +220,7 @@ static const sn_index *points_of(const sn_model_muscle *m, sn_row_kind kind, sn_
 /* How far beyond its margin, mean edges. */
 static void errors(const sn_model_muscle *m, const sn_muscle_state *s, sn_row_kind kind, sn_index begin, sn_index end, double *out) {
     const sn_contacts *contacts = m->own[kind];
-    const sn_collider *collider = contacts->colliders;
+    const sn_collider *collider = contacts != NULL ? contacts->colliders : NULL;
     for (sn_index r = begin; r < end;) {
         collider = collider_at(collider, r);
         sn_contact_block b = sn_contact_block_at(contacts, collider, r, s->points, NULL);

@@ -113,18 +113,12 @@ static bool whole_comes_near(const sn_collider *collider, const whole *w, const 
     return nearest <= radius + margin + w->reach + w->flies + way + turn;
 }
 
-/* What a row's point does in the frame of its bone. */
-typedef struct passage {
-    double way;   /* how far it is carried, m */
-    double least; /* phi is at least this on the way */
-} passage;
-
-static passage passage_of(const sn_collider *collider, const frames *f, sn_vec3 from, sn_vec3 to) {
-    sn_vec3 p = sn_rigid_apply(f->before, from), q = sn_rigid_apply(f->after, to);
-    passage way = {.way = sn_distance(p, q)};
-    double a = sn_distance_field_at(collider->field, p, NULL), b = sn_distance_field_at(collider->field, q, NULL);
-    way.least = 0.5 * (a + b - way.way);
-    return way;
+/* Is phi sure to stay above `reach` on a point's way from `from` before the step to `to` after it? phi: at `from`, in the bone's frame at
+ * p. */
+static bool passes_by(const sn_collider *collider, const frames *f, sn_vec3 p, double phi, sn_vec3 to, double reach) {
+    sn_vec3 q = sn_rigid_apply(f->after, to);
+    double way = sn_distance(p, q);
+    return phi - way >= reach || phi + sn_distance_field_at(collider->field, q, NULL) - way >= 2.0 * reach;
 }
 
 /* Where a row's point starts and the two ways that it may take: along with the muscle, and where it flies. */
@@ -140,7 +134,9 @@ static start start_of(const sn_contact_row *row, const sn_muscle_state *s, const
 
 /* Could a row's point come to its bone? */
 static bool comes_near(const sn_collider *collider, const frames *f, const start *at, double reach) {
-    return passage_of(collider, f, at->from, at->along).least < reach || passage_of(collider, f, at->from, at->flying).least < reach;
+    sn_vec3 p = sn_rigid_apply(f->before, at->from);
+    double phi = sn_distance_field_at(collider->field, p, NULL);
+    return !passes_by(collider, f, p, phi, at->along, reach) || !passes_by(collider, f, p, phi, at->flying, reach);
 }
 
 /* ---- blocks of rows that stand together ------------------------------------------------------------------------------------------------
@@ -151,8 +147,9 @@ static bool comes_near(const sn_collider *collider, const frames *f, const start
 static bool block_comes_near(const sn_collider *collider, const frames *f, const sn_contact_block *b, const whole *w, double reach) {
     sn_quat by = sn_rigid_compose(f->after, sn_rigid_inverse(f->before)).rotation;
     double turn = 2.0 * b->radius * sn_norm(sn_v3(by.x, by.y, by.z));
-    passage middle = passage_of(collider, f, b->middle, sn_add(b->middle, w->way));
-    return middle.least - b->radius - 0.5 * turn - w->flies < reach;
+    sn_vec3 p = sn_rigid_apply(f->before, b->middle), q = sn_rigid_apply(f->after, sn_add(b->middle, w->way));
+    double phi = 0.5 * (sn_distance_field_at(collider->field, p, NULL) + sn_distance_field_at(collider->field, q, NULL));
+    return !(phi - 0.5 * (sn_distance(p, q) + turn) - b->radius - w->flies >= reach); /* what is not finite is looked at */
 }
 
 /* ---- before a step
@@ -184,9 +181,11 @@ bool sn_contacts_moved(const sn_model_muscle *m, const sn_muscle_state *s) {
     return s->inputs->resolved > 0.0 && s->inputs->resolved < 1.0;
 }
 
+/* Is a point carried by its bone farther than is safe, and near it? */
 static bool passes(const sn_collider *collider, const frames *f, sn_vec3 from, sn_vec3 to, double margin) {
-    passage way = passage_of(collider, f, from, to);
-    return way.way > collider->limit && way.least < margin;
+    sn_vec3 p = sn_rigid_apply(f->before, from);
+    if (sn_distance(p, sn_rigid_apply(f->after, to)) <= collider->limit) return false;
+    return !passes_by(collider, f, p, sn_distance_field_at(collider->field, p, NULL), to, margin);
 }
 
 static bool passes_too_far(const sn_contacts *contacts, const sn_muscle_state *s, sn_index c, const whole *w) {

@@ -271,3 +271,25 @@ END
         simulate -q fast$size/tip.scene.json -o fast.pc2 --log log.jsonl --fail-on 'triangle<0.05'
     done
 }
+
+@test "errors with a bone in the way are of the muscle that the bone presses" {
+    "$EXAMPLES/tip/tip" --triangles 150 --bone bone
+    printf 'qn iterations=10\nxpbd substeps=16 iterations=1\n' > two.txt
+    error-time -q bone/tip.scene.json --frames 0:10 --settings two.txt --runs 1 --reference 8 --floor 1 -o pressed
+    simulate -q bone/tip.scene.json --frames 0:10 --solver qn --fail-on 'penetration>0.00001' -o on.pc2 --log on.log
+    simulate -q bone/tip.scene.json --frames 0:10 --solver qn --no-contact -o off.pc2 --log off.log
+    python3 - <<'END'
+import csv, json, struct
+rows = list(csv.DictReader(open("pressed/error-time.tsv"), delimiter="\t"))
+errors = [float(r["total_error"]) for r in rows]
+assert len(errors) == 2 and all(0.0 < e < 0.05 for e in errors), errors
+frames = [json.loads(line) for line in open("on.log")]
+assert max(m.get("contacts", 0) for f in frames for m in f.get("muscles", [f])) > 0
+def last(path):
+    data = open(path, "rb").read()
+    n, = struct.unpack_from("<i", data, 16)
+    return struct.unpack(f"<{3 * n}f", data[-12 * n:])
+on, off = last("on.pc2"), last("off.pc2")
+assert max(abs(a - b) for a, b in zip(on, off)) > 0.003
+END
+}

@@ -9,8 +9,9 @@
  * comes 10 mm in during the first ten frames, while the tip turns by 57 degrees in steps of 2 and then stops at once and is held for 20
  * frames: on the inner side of the bend, so that the muscle wraps around it, or at its flank, so that it slides along it. Edges of 500 N/m,
  * angles and volume. The converged solve: 2000 iterations, tolerance 1e-10. Limits: 1.2e-3 (RMS over L) in any frame; 0.2 mm beyond the
- * margin in any frame, 0.01 mm in the last. The depth is that of the distance field; the true capsule's is printed beside it. The share:
- * contact's own functions, timed at the end's points, times their calls in a frame, over the frame's time; it is printed, not judged.
+ * margin in any frame, 0.01 mm in the last. The depth is that of the distance field; printed beside it are what it was before the step's
+ * end put vertices out, and the true capsule's. The share: contact's own functions, timed at the end's points, times their calls in a
+ * frame, over the frame's time; it is printed, not judged.
  */
 #include "../unit/contact_scene.h"
 #include "../unit/sim_inside.h"
@@ -99,6 +100,17 @@ static double depth(const simulation *s) {
     return sn_rows_residual(m, &s->state->muscles[0], SN_ROWS_CONTACT, NULL).max * m->mean_edge;
 }
 
+/* How deep a vertex was before the step's end put it out: what its multiplier has grown by, over the stiffness. before (contact_count), N:
+ * the multipliers of the step's begin; they become those of its end. */
+static double soft_depth(const simulation *s, double *before) {
+    const sn_model_muscle *m = &s->model->muscles[0];
+    const double *now = inputs_of(s)->multipliers;
+    double most = 0.0, k = sn_row_stiffness(m, &s->state->muscles[0], SN_ROWS_CONTACT);
+    for (sn_index r = 0; r < m->contact_count; r++) most = fmax(most, (now[r] - before[r]) / k);
+    memcpy(before, now, (size_t)m->contact_count * sizeof *before);
+    return most;
+}
+
 /* Beyond the margin of the capsule itself, which has no facets and no grid. */
 static double true_depth(const simulation *s, const problem *p) {
     const sn_model_muscle *m = &s->model->muscles[0];
@@ -137,10 +149,11 @@ static double contact_seconds(const simulation *s, double evaluations) {
 /* Greatest of any frame, and at the end. */
 typedef struct outcome {
     double error, depth, true_depth, depth_after;
-    double seconds;     /* a frame */
-    double evaluations; /* of the energy, a frame, about */
-    sn_index contacts;  /* the most */
-    int unconverged;    /* frames of the reference */
+    double soft, soft_after; /* before the step's end puts vertices out */
+    double seconds;          /* a frame */
+    double evaluations;      /* of the energy, a frame, about */
+    sn_index contacts;       /* the most */
+    int unconverged;         /* frames of the reference */
 } outcome;
 
 static void add_frame(const simulation *run, const simulation *reference, const problem *p, outcome *out) {
@@ -159,18 +172,22 @@ static bool solve(problem *p) {
     outcome out = {0};
     place_bone(p);
     simulation run = start_problem(p, &scenes[0], false), reference = start_problem(p, &scenes[1], true);
+    double *multipliers = SN_NEW(double, run.model->muscles[0].contact_count);
     for (int frame = 0; frame < TURNING + HELD; frame++) {
         double begin = seconds();
         step_frames(&run, 1, NULL);
         out.seconds += (seconds() - begin) / (TURNING + HELD);
         step_frames(&reference, 1, NULL);
         add_frame(&run, &reference, p, &out);
+        out.soft_after = soft_depth(&run, multipliers);
+        out.soft = fmax(out.soft, out.soft_after);
     }
     bool good = out.error <= MOST_ERROR && out.depth <= MOST_DEPTH && out.depth_after <= MOST_DEPTH_AFTER && out.contacts > 0;
-    printf("%s\t%s\t%d\t%.2e\t%.2g\t%.2g\t%.2g\t%d\t%.3g\t%.1f\t%d\n", good ? "passed" : "FAILED", p->name, (int)p->triangles, out.error,
-           1e3 * out.depth, 1e3 * out.depth_after, 1e3 * out.true_depth, (int)out.contacts, 1e3 * out.seconds,
-           100.0 * contact_seconds(&run, out.evaluations) / out.seconds, out.unconverged);
+    printf("%s\t%s\t%d\t%.2e\t%.2g\t%.2g\t%.2g\t%.2g\t%.2g\t%d\t%.3g\t%.1f\t%d\n", good ? "passed" : "FAILED", p->name, (int)p->triangles,
+           out.error, 1e3 * out.depth, 1e3 * out.depth_after, 1e3 * out.soft, 1e3 * out.soft_after, 1e3 * out.true_depth, (int)out.contacts,
+           1e3 * out.seconds, 100.0 * contact_seconds(&run, out.evaluations) / out.seconds, out.unconverged);
     fflush(stdout);
+    free(multipliers);
     finish(&run);
     finish(&reference);
     return good;
@@ -179,7 +196,8 @@ static bool solve(problem *p) {
 int main(int argc, char **argv) {
     static const sn_index sizes[] = {1000, 4000, 17000};
     int count = argc > 1 && strcmp(argv[1], "--all") == 0 ? 3 : 1, failed = 0;
-    printf("verdict\tbone\ttriangles\terror\tdepth mm\tafter mm\tof the capsule mm\tcontacts\tms a frame\tcontact %%\tnot converged\n");
+    printf("verdict\tbone\ttriangles\terror\tdepth mm\tafter mm\tsoft mm\tsoft after mm\tof the capsule mm\tcontacts\tms a frame\tcontact "
+           "%%\tnot converged\n");
     for (int i = 0; i < count; i++)
         for (int flank = 0; flank < 2; flank++)
             failed += !solve(&(problem){.name = flank ? "flank" : "inside", .triangles = sizes[i], .flank = flank});

@@ -1,7 +1,8 @@
 #!/bin/sh
-# Every chart of error against run time: the moving tip at 1k, 4k and 17k triangles, moving, fast and at rest, and the tibialis anterior.
+# Every chart of error against run time: the moving tip at 1k, 4k and 17k triangles, moving, fast, at rest and with a bone in its way, and
+# the tibialis anterior.
 # Usage: charts.sh BIN TIP DATA OUT [CASE...]: the tools, the generator, the real anatomy ("" = leave it out), and a folder for the results;
-# without CASE all of them: tip-1000 tip-4000 tip-17000 static-1000 static-4000 static-17000 fast-1000 fast-4000 tibialis tibialis-static.
+# without CASE all of them: tip-1000 tip-4000 tip-17000 contact-1000 contact-4000 static-1000 static-4000 static-17000 fast-1000 fast-4000 tibialis tibialis-static.
 # The bigger the muscle, the fewer settings, and the coarser the reference.
 # OUT/CASE gets what error-time writes, OUT/CASE.png the chart. A setting is measured RUNS (3) times. Run it on a machine that does
 # nothing else.
@@ -13,7 +14,7 @@ out=$(cd "$out" && pwd)
 [ -z "$data" ] || data=$(cd "$data" && pwd)
 PATH=$bin:$PATH
 runs=${RUNS:-3}
-[ $# -gt 0 ] || set -- tip-1000 static-1000 fast-1000 tip-4000 static-4000 fast-4000 tip-17000 static-17000 tibialis tibialis-static
+[ $# -gt 0 ] || set -- tip-1000 contact-1000 contact-4000 static-1000 fast-1000 tip-4000 static-4000 fast-4000 tip-17000 static-17000 tibialis tibialis-static
 
 measure() { # NAME SCENE TITLE OPTION...
     name=$1 scene=$2 title=$3
@@ -61,6 +62,14 @@ for case in "$@"; do
     tip-*)
         moving_tip "$case" --least-area 0
         measure "$case" "$scene" "moving tip, $size triangles" --reference 32
+        ;;
+    contact-1000)
+        moving_tip "$case" --bone --least-area 0
+        measure "$case" "$scene" "moving tip with a bone in its way, $size triangles" --sweep full --reference 256 --most-seconds 30
+        ;;
+    contact-*)
+        moving_tip "$case" --bone --least-area 0
+        measure "$case" "$scene" "moving tip with a bone in its way, $size triangles" --reference 64 --most-seconds 30
         ;;
     static-*)
         moving_tip "$case" --static --least-area 0

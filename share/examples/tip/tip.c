@@ -4,7 +4,8 @@
  *
  * The muscle is a closed shell of staggered rings around the z axis, radius R sin(pi s)^0.8, L = 0.2 m, R = 0.03 m, with fibre
  * directions along its meridians and attachments at s < 0.08 and s > 0.92. The upper bone moves so that a centre line of constant length L
- * bends into a circular arc. Metres. The same options give the same bytes.
+ * bends into a circular arc. With --bone a third bone, a capsule across the muscle's middle, comes 10 mm into it from the inner side of the
+ * bend, and contact is on. Metres. The same options give the same bytes.
  */
 #include <errno.h>
 #include <getopt.h>
@@ -27,6 +28,7 @@ static const char *const usage =
     "      --volume-gain G       goal volume over rest volume at full activation (default 1)\n"
     "      --least-area A        no triangle below this share of its rest area (default 0.5; 0: no such constraint, and under\n"
     "                            qn no barrier: edges, angles and volume alone, the same energy for both solvers)\n"
+    "      --bone                a capsule of 20 mm radius comes 10 mm into the muscle's middle in ten frames, and is felt: contact is on\n"
     "  -h, --help                print this and exit\n"
     "      --version             print the version and exit\n";
 
@@ -38,11 +40,14 @@ typedef struct options {
     motion motion;
     double activation, stiffness, stiffness_active, volume_gain;
     double least_area; /* negative: the scene's default */
+    bool bone;
 } options;
 
 static const double length = 0.2, radius = 0.03, pinned = 0.08; /* m, m, share of the length at each end */
 static const double rate = 24.0;                                /* frames per second */
 static const double full_bend = 0.5 * SN_PI;
+/* The capsule: its radius, half of its axis, how far it is from the muscle at first, how deep it comes, m; when it is there, s. */
+static const double bone_radius = 0.02, bone_half = 0.06, bone_gap = 0.0011, bone_depth = 0.01, bone_seconds = 10.0 / 24.0;
 
 /* ---- the muscle --------------------------------------------------------------------------------------------------------- */
 
@@ -159,7 +164,25 @@ static void write_keys(sn_json *json, motion m, double seconds) {
     sn_json_close(json);
 }
 
-static void write_motion(sn_json *json, motion m, double seconds) {
+static void write_bone_key(sn_json *json, double time, double way) {
+    sn_json_object(json, NULL);
+    sn_json_number(json, "time", time);
+    sn_json_vec3(json, "translation", sn_v3(0, way, 0));
+    sn_json_close(json);
+}
+
+static void write_bone_motion(sn_json *json) {
+    sn_json_object(json, NULL);
+    sn_json_text(json, "name", "bone");
+    sn_json_text(json, "type", "pose");
+    sn_json_array(json, "keys");
+    write_bone_key(json, 0.0, 0.0);
+    write_bone_key(json, bone_seconds, -(bone_gap + bone_depth));
+    sn_json_close(json);
+    sn_json_close(json);
+}
+
+static void write_motion(sn_json *json, motion m, double seconds, bool bone) {
     sn_json_object(json, "motion");
     sn_json_array(json, "joints");
     sn_json_object(json, NULL);
@@ -167,17 +190,26 @@ static void write_motion(sn_json *json, motion m, double seconds) {
     sn_json_text(json, "type", "pose");
     write_keys(json, m, seconds);
     sn_json_close(json);
+    if (bone) write_bone_motion(json);
     sn_json_close(json);
     sn_json_close(json);
 }
 
-static void write_bones(sn_json *json) {
+static void write_bones(sn_json *json, bool bone) {
     sn_json_array(json, "bones");
     for (int upper = 0; upper < 2; upper++) {
         sn_json_object(json, NULL);
         sn_json_text(json, "name", upper ? "upper" : "lower");
         sn_json_text(json, "mesh", upper ? "upper.ply" : "lower.ply");
         if (upper) sn_json_text(json, "joint", "tip");
+        if (bone) sn_json_bool(json, "contact", false); /* where the muscle hangs on, there is nothing to feel */
+        sn_json_close(json);
+    }
+    if (bone) {
+        sn_json_object(json, NULL);
+        sn_json_text(json, "name", "bone");
+        sn_json_text(json, "mesh", "bone.ply");
+        sn_json_text(json, "joint", "bone");
         sn_json_close(json);
     }
     sn_json_close(json);
@@ -218,8 +250,9 @@ static void write_scene_members(sn_json *json, const options *o) {
     sn_json_number(json, "metersPerUnit", 1.0);
     sn_json_number(json, "rate", rate);
     sn_json_indices(json, "frames", (const sn_index[]){0, last}, 2);
-    write_motion(json, o->motion, last / rate);
-    write_bones(json);
+    if (o->bone) sn_json_bool(json, "contact", true);
+    write_motion(json, o->motion, last / rate, o->bone);
+    write_bones(json, o->bone);
     write_muscle_members(json, o);
 }
 
@@ -254,6 +287,45 @@ static sn_status write_bone(const options *o, const char *name, sn_vec3 centre, 
     return close_output(output, status, error);
 }
 
+/* Point k of ring r, of `around` points each: half as many rings, those of the one half ball, then those of the other. */
+static sn_vec3 capsule_point(int around, int ring, int k) {
+    int upper = 2 * ring >= around / 2, step = ring + !upper; /* the poles have points of their own, the rim has two rings */
+    double polar = 2.0 * SN_PI * step / around, turn = 2.0 * SN_PI * k / around;
+    double out = bone_radius * sn_sin(polar), along = (upper ? bone_half : -bone_half) - bone_radius * sn_cos(polar);
+    return sn_v3(along, radius + bone_radius + bone_gap + out * sn_cos(turn), 0.5 * length + out * sn_sin(turn));
+}
+
+static sn_status make_capsule(int around, sn_mesh *mesh, sn_error *error) {
+    int rings = around / 2, pole = rings * around;
+    sn_status status = sn_mesh_alloc(mesh, pole + 2, 2 * pole, error);
+    if (status != SN_OK) return status;
+    for (int i = 0; i < pole; i++) mesh->positions[i] = capsule_point(around, i / around, i % around);
+    for (int upper = 0; upper < 2; upper++)
+        mesh->positions[pole + upper] =
+            sn_v3((upper ? 1.0 : -1.0) * (bone_half + bone_radius), radius + bone_radius + bone_gap, 0.5 * length);
+    sn_triangle *t = mesh->triangles;
+    for (int k = 0; k < around; k++) {
+        int next = (k + 1) % around, last = pole - around;
+        *t++ = (sn_triangle){{pole, next, k}};
+        *t++ = (sn_triangle){{pole + 1, last + k, last + next}};
+        for (int below = 0; below < last; below += around) {
+            *t++ = (sn_triangle){{below + k, below + next, below + around + k}};
+            *t++ = (sn_triangle){{below + next, below + around + next, below + around + k}};
+        }
+    }
+    return SN_OK;
+}
+
+static sn_status write_capsule(const options *o, sn_error *error) {
+    sn_mesh mesh = {0};
+    sn_output *output = NULL;
+    sn_status status = make_capsule(64, &mesh, error);
+    if (status == SN_OK) status = open_in(o, "bone.ply", &output, error);
+    if (status == SN_OK) status = sn_mesh_write(&mesh, SN_MESH_PLY, SN_ENCODING_DEFAULT, output, error);
+    sn_mesh_free(&mesh);
+    return close_output(output, status, error);
+}
+
 static sn_status write_muscle(const options *o, sn_error *error) {
     const sn_write_options how = {.changed = SN_SECTION_MESH | SN_SECTION_FIBERS | SN_SECTION_ATTACHMENTS, .drop_history = true};
     sn_muscle muscle = {0};
@@ -283,6 +355,7 @@ static sn_status generate(const options *o, sn_error *error) {
     sn_status status = write_muscle(o, error);
     if (status == SN_OK) status = write_bone(o, "lower.ply", sn_v3(0, 0, 0), error);
     if (status == SN_OK) status = write_bone(o, "upper.ply", sn_v3(0, 0, length), error);
+    if (status == SN_OK && o->bone) status = write_capsule(o, error);
     return status == SN_OK ? write_scene(o, error) : status;
 }
 
@@ -329,6 +402,9 @@ static void parse_option(int c, options *o) {
     case 'l':
         o->least_area = parse_number("least-area", optarg, 0.0, 0.99);
         break;
+    case 'b':
+        o->bone = true;
+        break;
     case 'h':
         exit(fputs(usage, stdout) < 0 || fclose(stdout) != 0);
     case 'V':
@@ -347,6 +423,7 @@ static options parse(int argc, char **argv) {
                                           {"stiffness-active", required_argument, NULL, 'K'},
                                           {"volume-gain", required_argument, NULL, 'g'},
                                           {"least-area", required_argument, NULL, 'l'},
+                                          {"bone", no_argument, NULL, 'b'},
                                           {"help", no_argument, NULL, 'h'},
                                           {"version", no_argument, NULL, 'V'},
                                           {0}};
