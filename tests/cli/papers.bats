@@ -137,6 +137,29 @@ table() {
     [ -s pinned/k21-volume.tsv ]
 }
 
+# collision: OUT/k21-collision.tsv has all cases; voxels and fields keep vertices out; memory is as the paper counts, and less
+collision() {
+    [ "$(head -c 4 "$1/k21-collision.png" | tail -c 3)" = PNG ]
+    awk -F '\t' -v bones="$2" 'NR > 1 { rows++; cells[$1] = $2; kb[$1] = $3; published[$1] = $4; deep[$1] = $6; if (!($5 > 0 && $8 > 0.9 && $8 < 100)) exit 1 }
+        END { if (rows != 8 || cells["voxels-64"] != bones * 262144 || published["voxels-64"] != bones * 256 || kb["voxels-64"] != bones * 32) exit 1
+            if (!(cells["n-max"] <= bones * 262144 && cells["n-max"] > bones * 240000 && cells["n-max-8"] > 7 * cells["n-max"])) exit 1
+            if (deep["none"] != "nan" || deep["voxels-64"] > 0.001 || deep["stop-64"] > 0.001 || deep["default"] > 0.001) exit 1 }' "$1/k21-collision.tsv"
+}
+
+@test "fig. 3 of K21: collision by voxels and by fields, on the generated arm" {
+    DATA=nowhere "$RECIPES/k21-collision.sh" -o out -t 1000 -f 6 > said
+    grep -q 'no real anatomy at nowhere' said
+    collision out 4
+}
+
+@test "fig. 3 of K21: the same on a leg" {
+    [ -e "$DATA/leg-vhf/meshes/VHF_Left_Muscle_PeroneusLongus_smooth.ply" ] || skip "no real anatomy at $DATA"
+    [ "${CONFIG:-release}" = release ] || return 0
+    DATA=$DATA "$RECIPES/k21-collision.sh" -o out -t 4000 -f 4 > said
+    refute grep -q 'no real anatomy' said
+    collision out 4
+}
+
 @test "what is missing or wrong is told" {
     for recipe in "$RECIPES"/*-*.sh; do
         "$recipe" -h | grep -q 'RECIPE'

@@ -1,20 +1,21 @@
 # common.sh -- what the recipes share: options, the muscle, its rig, the scene, the charts. Sourced by a recipe, not run.
 # shellcheck shell=sh disable=SC2034
 #
-#   RECIPE [-o OUT] [-t TRIANGLES] [-f FRAMES] [-i ITERATIONS] [-u UNIT] [-j JOINT] [SURFACE ATTACH-OPTION...]
+#   RECIPE [-o OUT] [-t TRIANGLES] [-f FRAMES] [-i ITERATIONS] [-u UNIT] [-j JOINT] [-b BONES] [SURFACE ATTACH-OPTION...]
 #
 # Without SURFACE it is the biceps of the generated arm, between scapula and radius, and the forearm swings about the shoulder by a degree a
 # frame, which moves its end by 5 mm (in [K21] the hip bends by 2 degrees a step: 4 to 7 mm); in r18-* the elbow bends by 10 degrees a frame.
 # SURFACE is any closed surface, ATTACH-OPTIONs are those of attach-detect that say where it is attached (--bone NAME=FILE, --pin NAME=PLACE, ...), UNIT is
 # m, cm or mm, and JOINT says which bone turns: "BONE x,y,z ax,ay,az DEGREES", a point on its axis, its direction, and degrees a frame.
+# BONES are what else is in the way of k21-collision: "NAME=FILE NAME=FILE+", a plus for those that go with the joint.
 # The tools are on the PATH; EXAMPLES is the folder of the built examples where they are not installed.
 set -eu
 LC_ALL=C
 export LC_ALL
 here=$(cd "$(dirname "$0")" && pwd)
 recipe=$(basename "$0" .sh)
-out=$recipe triangles='' frames='' iterations='' unit='' joint=''
-while getopts o:t:f:i:u:j:h option; do
+out=$recipe triangles='' frames='' iterations='' unit='' joint='' more=''
+while getopts o:t:f:i:u:j:b:h option; do
     case $option in
     o) out=$OPTARG ;;
     t) triangles=$OPTARG ;;
@@ -22,8 +23,9 @@ while getopts o:t:f:i:u:j:h option; do
     i) iterations=$OPTARG ;;
     u) unit=$OPTARG ;;
     j) joint=$OPTARG ;;
+    b) more=$OPTARG ;;
     *)
-        sed -n '4,11s/^#\( \|$\)//p' "$here/common.sh"
+        sed -n '4,12s/^#\( \|$\)//p' "$here/common.sh"
         [ "$option" = h ] && exit 0
         exit 2
         ;;
@@ -67,17 +69,22 @@ else
     joint=${joint:-${swing:-radius 0,0,0.3 0,-1,0 1}}
 fi
 
-# The scene's bones, as they are called in the attach options; a pin has no mesh of its own: the muscle's stands for it.
+# The scene's bones, as they are called in the attach options; a pin has no mesh of its own: the muscle's stands for it, and is in no way.
 bones_json() {
     moving=${joint%% *} list='' first=$(cd "$(dirname "$surface")" && pwd)/$(basename "$surface")
     for word; do
         case $word in *=*) ;; *) continue ;; esac
         name=${word%%=*} file=${word#*=}
-        if [ -e "$file" ]; then file=$(cd "$(dirname "$file")" && pwd)/$(basename "$file"); else file=$first; fi
-        case $list in *"\"$name\""*) continue ;; esac
         with=''
-        [ "$name" != "$moving" ] || with=',"joint":"joint"'
+        if [ -e "$file" ]; then file=$(cd "$(dirname "$file")" && pwd)/$(basename "$file"); else file=$first with=',"contact":false'; fi
+        case "$list $more" in *"\"$name\""* | *" $name="*) continue ;; esac
+        [ "$name" != "$moving" ] || with="$with,\"joint\":\"joint\""
         list="$list${list:+,}{\"name\":\"$name\",\"mesh\":\"$file\"$with}"
+    done
+    for word in $more; do
+        name=${word%%=*} file=${word#*=} with=''
+        case $file in *+) file=${file%+} with=',"joint":"joint"' ;; esac
+        list="$list${list:+,}{\"name\":\"$name\",\"mesh\":\"$(cd "$(dirname "$file")" && pwd)/$(basename "$file")\"$with}"
     done
     echo "$list"
 }
