@@ -5,6 +5,8 @@
  * with 0 to 72 bytes. Then float64: cell, band, origin (3), box (6), volume. uint32: bricks (3), count of bricks with values, the report
  * (8). Then what each brick is (int32 each), the coarse corners and the bricks' values (float32 each). All little-endian.
  */
+#include "bytes.h"
+
 #include <stdlib.h>
 #include <string.h>
 
@@ -15,40 +17,18 @@ enum { SIGNATURE = 16, REALS = 12, INTEGERS = 12, TABLES = SIGNATURE + 2 * SN_HA
 enum { CHECKED = SIGNATURE + 2 * SN_HASH_LENGTH }; /* from here on the second hash holds */
 static const char signature[SIGNATURE + 1] = "SINEWDISTANCE01\n";
 
-static void put_u32(unsigned char *at, uint32_t value) {
-    for (int i = 0; i < 4; i++) at[i] = (unsigned char)(value >> (8 * i));
-}
-
-static uint32_t get_u32(const unsigned char *b) {
-    return (uint32_t)b[0] | (uint32_t)b[1] << 8 | (uint32_t)b[2] << 16 | (uint32_t)b[3] << 24;
-}
-
-static void put_f64(unsigned char *at, double value) {
-    uint64_t bits;
-    memcpy(&bits, &value, sizeof bits);
-    put_u32(at, (uint32_t)bits);
-    put_u32(at + 4, (uint32_t)(bits >> 32));
-}
-
-static double get_f64(const unsigned char *bytes) {
-    uint64_t bits = (uint64_t)get_u32(bytes) | (uint64_t)get_u32(bytes + 4) << 32;
-    double value;
-    memcpy(&value, &bits, sizeof value);
-    return value;
-}
-
 /* Words of 32 bits: the file's order is that of the machines that this runs on, or is turned. */
 static void put_words(unsigned char *to, const void *from, size_t count) {
     for (size_t i = 0; i < count; i++) {
         uint32_t word;
         memcpy(&word, (const unsigned char *)from + 4 * i, 4);
-        put_u32(to + 4 * i, word);
+        sn_put_u32(to + 4 * i, word);
     }
 }
 
 static void get_words(void *to, const unsigned char *from, size_t count) {
     for (size_t i = 0; i < count; i++) {
-        uint32_t word = get_u32(from + 4 * i);
+        uint32_t word = sn_get_u32(from + 4 * i);
         memcpy((unsigned char *)to + 4 * i, &word, 4);
     }
 }
@@ -70,8 +50,8 @@ static void put_head(const sn_distance_field *f, unsigned char *at) {
     const sn_index integers[INTEGERS] = {
         f->bricks[0], f->bricks[1],     f->bricks[2], f->brick_count, r->joined_vertices, r->dropped_triangles,
         r->caps,      r->cap_triangles, r->turned,    r->inside_out,  r->inner_triangles, r->boundary_triangles};
-    for (int i = 0; i < REALS; i++, at += 8) put_f64(at, reals[i]);
-    for (int i = 0; i < INTEGERS; i++, at += 4) put_u32(at, (uint32_t)integers[i]);
+    for (int i = 0; i < REALS; i++, at += 8) sn_put_f64(at, reals[i]);
+    for (int i = 0; i < INTEGERS; i++, at += 4) sn_put_u32(at, (uint32_t)integers[i]);
 }
 
 sn_status sn_distance_field_save(const sn_distance_field *field, const char *hash, sn_output *output, sn_error *error) {
@@ -96,8 +76,8 @@ sn_status sn_distance_field_save(const sn_distance_field *field, const char *has
 static void get_head(sn_distance_field *f, const unsigned char *at) {
     double reals[REALS];
     sn_index integers[INTEGERS];
-    for (int i = 0; i < REALS; i++, at += 8) reals[i] = get_f64(at);
-    for (int i = 0; i < INTEGERS; i++, at += 4) integers[i] = (sn_index)get_u32(at);
+    for (int i = 0; i < REALS; i++, at += 8) reals[i] = sn_get_f64(at);
+    for (int i = 0; i < INTEGERS; i++, at += 4) integers[i] = (sn_index)sn_get_u32(at);
     f->cell = reals[0];
     f->band = reals[1];
     f->origin = sn_v3(reals[2], reals[3], reals[4]);

@@ -5,6 +5,8 @@
  * Then for each point: count of weights (uint32), 1 if a list of vertices follows or 0 if all vertices are meant in order (uint32), that
  * list (uint32 each), the weights (float64 each). All little-endian.
  */
+#include "bytes.h"
+
 #include <stdlib.h>
 #include <string.h>
 
@@ -13,38 +15,16 @@
 enum { SIGNATURE = 16, HEADER = SIGNATURE + SN_HASH_LENGTH + 8 };
 static const char signature[SIGNATURE + 1] = "SINEWEMBEDDING1\n";
 
-static void put_u32(unsigned char *at, uint32_t value) {
-    for (int i = 0; i < 4; i++) at[i] = (unsigned char)(value >> (8 * i));
-}
-
-static uint32_t get_u32(const unsigned char *b) {
-    return (uint32_t)b[0] | (uint32_t)b[1] << 8 | (uint32_t)b[2] << 16 | (uint32_t)b[3] << 24;
-}
-
-static void put_f64(unsigned char *at, double value) {
-    uint64_t bits;
-    memcpy(&bits, &value, sizeof bits);
-    put_u32(at, (uint32_t)bits);
-    put_u32(at + 4, (uint32_t)(bits >> 32));
-}
-
-static double get_f64(const unsigned char *bytes) {
-    uint64_t bits = (uint64_t)get_u32(bytes) | (uint64_t)get_u32(bytes + 4) << 32;
-    double value;
-    memcpy(&value, &bits, sizeof value);
-    return value;
-}
-
 /* ---- writing --------------------------------------------------------------------------------------------------------------- */
 
 static sn_status write_row(const sn_embedding_row *row, sn_output *output, sn_error *error) {
     size_t count = (size_t)row->count, list = row->vertices ? 4 * count : 0, size = 8 + list + 8 * count;
     unsigned char *bytes = SN_NEW(unsigned char, size);
     if (!bytes) return sn_fail_memory(error, "writing an embedding");
-    put_u32(bytes, (uint32_t)row->count);
-    put_u32(bytes + 4, row->vertices != NULL);
-    for (size_t i = 0; i < count && row->vertices; i++) put_u32(bytes + 8 + 4 * i, (uint32_t)row->vertices[i]);
-    for (size_t i = 0; i < count; i++) put_f64(bytes + 8 + list + 8 * i, row->weights[i]);
+    sn_put_u32(bytes, (uint32_t)row->count);
+    sn_put_u32(bytes + 4, row->vertices != NULL);
+    for (size_t i = 0; i < count && row->vertices; i++) sn_put_u32(bytes + 8 + 4 * i, (uint32_t)row->vertices[i]);
+    for (size_t i = 0; i < count; i++) sn_put_f64(bytes + 8 + list + 8 * i, row->weights[i]);
     sn_status status = sn_output_write(output, bytes, size, error);
     free(bytes);
     return status;
@@ -54,8 +34,8 @@ sn_status sn_embedding_save(const sn_embedding *embedding, const char *hash, sn_
     unsigned char header[HEADER] = {0};
     memcpy(header, signature, SIGNATURE);
     strncpy((char *)header + SIGNATURE, hash, SN_HASH_LENGTH - 1);
-    put_u32(header + SIGNATURE + SN_HASH_LENGTH, (uint32_t)embedding->point_count);
-    put_u32(header + SIGNATURE + SN_HASH_LENGTH + 4, (uint32_t)embedding->vertex_count);
+    sn_put_u32(header + SIGNATURE + SN_HASH_LENGTH, (uint32_t)embedding->point_count);
+    sn_put_u32(header + SIGNATURE + SN_HASH_LENGTH + 4, (uint32_t)embedding->vertex_count);
     sn_status status = sn_output_write(output, header, sizeof header, error);
     for (sn_index i = 0; i < embedding->point_count && !status; i++) status = write_row(&embedding->rows[i], output, error);
     return status;
@@ -69,7 +49,7 @@ typedef struct reader {
 
 static bool read_row(reader *r, sn_index vertex_count, sn_embedding_row *row, sn_error *error) {
     if (r->end - r->at < 8) return false;
-    uint32_t count = get_u32(r->at), listed = get_u32(r->at + 4);
+    uint32_t count = sn_get_u32(r->at), listed = sn_get_u32(r->at + 4);
     size_t each = listed ? 12 : 8;
     r->at += 8;
     if (listed > 1 || count > (uint32_t)vertex_count || (!listed && count != (uint32_t)vertex_count)) return false;
@@ -79,19 +59,19 @@ static bool read_row(reader *r, sn_index vertex_count, sn_embedding_row *row, sn
     if (listed) row->vertices = SN_NEW(sn_index, count);
     if (!row->weights || (listed && !row->vertices)) return sn_fail_memory(error, "an embedding") == SN_OK;
     for (uint32_t i = 0; i < count && listed; i++, r->at += 4) {
-        uint32_t vertex = get_u32(r->at);
+        uint32_t vertex = sn_get_u32(r->at);
         if (vertex >= (uint32_t)vertex_count) return false;
         row->vertices[i] = (sn_index)vertex;
     }
     for (uint32_t i = 0; i < count; i++, r->at += 8) {
-        row->weights[i] = get_f64(r->at);
+        row->weights[i] = sn_get_f64(r->at);
         if (!isfinite(row->weights[i])) return false;
     }
     return true;
 }
 
 static bool read_rows(reader *r, sn_embedding *out, sn_error *error) {
-    uint32_t points = get_u32(r->at), vertices = get_u32(r->at + 4);
+    uint32_t points = sn_get_u32(r->at), vertices = sn_get_u32(r->at + 4);
     r->at += 8;
     if (points > SN_INDEX_MAX || vertices > SN_INDEX_MAX || (size_t)points > (size_t)(r->end - r->at) / 8) return false;
     *out = (sn_embedding){.point_count = (sn_index)points, .vertex_count = (sn_index)vertices, .rows = SN_NEW(sn_embedding_row, points)};

@@ -4,6 +4,7 @@
  * 32 bytes of header: "POINTCACHE2\0", version 1, count of points, start frame and sample rate (float32), count of samples; then x, y, z of
  * every point, sample by sample, as float32. All little-endian.
  */
+#include "bytes.h"
 #include "sinew/io.h"
 
 #include <stdlib.h>
@@ -18,29 +19,6 @@ struct sn_pc2 {
     unsigned char *row; /* one sample's bytes */
 };
 
-static unsigned char *put_u32(unsigned char *at, uint32_t value) {
-    for (int i = 0; i < 4; i++) *at++ = (unsigned char)(value >> (8 * i));
-    return at;
-}
-
-static unsigned char *put_f32(unsigned char *at, double value) {
-    float single = (float)value;
-    uint32_t bits;
-    memcpy(&bits, &single, sizeof bits);
-    return put_u32(at, bits);
-}
-
-static uint32_t get_u32(const unsigned char *b) {
-    return (uint32_t)b[0] | (uint32_t)b[1] << 8 | (uint32_t)b[2] << 16 | (uint32_t)b[3] << 24;
-}
-
-static float get_f32(const unsigned char *bytes) {
-    uint32_t bits = get_u32(bytes);
-    float value;
-    memcpy(&value, &bits, sizeof value);
-    return value;
-}
-
 sn_status sn_pc2_create(const char *path, sn_index point_count, double start_frame, double sample_rate, sn_pc2 **out, sn_error *error) {
     *out = NULL;
     if (point_count < 1) return sn_fail(error, SN_ERROR_USAGE, "a point cache needs at least one point");
@@ -50,13 +28,13 @@ sn_status sn_pc2_create(const char *path, sn_index point_count, double start_fra
     cache->row = SN_NEW(unsigned char, 12 * (size_t)point_count);
     sn_status status = cache->row != NULL ? sn_output_open(path, false, &cache->output, error) : sn_fail_memory(error, "a point cache");
     if (status == SN_OK) {
-        unsigned char header[HEADER], *at = header;
-        memcpy(at, signature, sizeof signature);
-        at = put_u32(at + sizeof signature, 1);
-        at = put_u32(at, (uint32_t)point_count);
-        at = put_f32(at, start_frame);
-        at = put_f32(at, sample_rate);
-        put_u32(at, 0);
+        unsigned char header[HEADER];
+        memcpy(header, signature, sizeof signature);
+        sn_put_u32(header + 12, 1);
+        sn_put_u32(header + 16, (uint32_t)point_count);
+        sn_put_f32(header + 20, (float)start_frame);
+        sn_put_f32(header + 24, (float)sample_rate);
+        sn_put_u32(header + SAMPLES_AT, 0);
         status = sn_output_write(cache->output, header, sizeof header, error);
     }
     if (status != SN_OK) {
@@ -70,10 +48,10 @@ sn_status sn_pc2_create(const char *path, sn_index point_count, double start_fra
 sn_status sn_pc2_append(sn_pc2 *cache, const sn_vec3 *positions, sn_error *error) {
     if (cache->sample_count == SN_INDEX_MAX) return sn_fail(error, SN_ERROR_MEMORY, "a point cache cannot count more samples");
     unsigned char *at = cache->row;
-    for (sn_index i = 0; i < cache->point_count; i++) {
-        at = put_f32(at, positions[i].x);
-        at = put_f32(at, positions[i].y);
-        at = put_f32(at, positions[i].z);
+    for (sn_index i = 0; i < cache->point_count; i++, at += 12) {
+        sn_put_f32(at, (float)positions[i].x);
+        sn_put_f32(at + 4, (float)positions[i].y);
+        sn_put_f32(at + 8, (float)positions[i].z);
     }
     cache->sample_count++;
     return sn_output_write(cache->output, cache->row, 12 * (size_t)cache->point_count, error);
@@ -81,7 +59,7 @@ sn_status sn_pc2_append(sn_pc2 *cache, const sn_vec3 *positions, sn_error *error
 
 sn_status sn_pc2_commit(sn_pc2 *cache, sn_error *error) {
     unsigned char count[4];
-    put_u32(count, (uint32_t)cache->sample_count);
+    sn_put_u32(count, (uint32_t)cache->sample_count);
     sn_status status = sn_output_patch(cache->output, SAMPLES_AT, count, sizeof count, error);
     if (status == SN_OK) {
         status = sn_output_commit(cache->output, error);
@@ -105,7 +83,7 @@ static sn_status read_header(const sn_blob *blob, sn_pc2_data *out, sn_error *er
     if (blob->size < HEADER || memcmp(bytes, signature, sizeof signature) != 0) {
         return sn_fail_at(error, SN_ERROR_INPUT, blob->name, 0, "is not a PC2 point cache");
     }
-    uint32_t version = get_u32(bytes + 12), points = get_u32(bytes + 16), samples = get_u32(bytes + SAMPLES_AT);
+    uint32_t version = sn_get_u32(bytes + 12), points = sn_get_u32(bytes + 16), samples = sn_get_u32(bytes + SAMPLES_AT);
     if (version != 1) return sn_fail_at(error, SN_ERROR_INPUT, blob->name, 0, "byte 12: version %lu is not known", (unsigned long)version);
     if (points > SN_INDEX_MAX || samples > SN_INDEX_MAX || points == 0) {
         return sn_fail_at(error, SN_ERROR_INPUT, blob->name, 0, "byte 16: %lu points and %lu samples cannot be", (unsigned long)points,
@@ -118,8 +96,8 @@ static sn_status read_header(const sn_blob *blob, sn_pc2_data *out, sn_error *er
     }
     out->point_count = (sn_index)points;
     out->sample_count = (sn_index)samples;
-    out->start_frame = (double)get_f32(bytes + 20);
-    out->sample_rate = (double)get_f32(bytes + 24);
+    out->start_frame = (double)sn_get_f32(bytes + 20);
+    out->sample_rate = (double)sn_get_f32(bytes + 24);
     return SN_OK;
 }
 
@@ -128,7 +106,7 @@ static sn_status read_samples(const sn_blob *blob, sn_pc2_data *out, sn_error *e
     out->positions = SN_NEW(float, count);
     if (out->positions == NULL) return sn_fail_memory(error, "a point cache");
     const unsigned char *bytes = (const unsigned char *)blob->data + HEADER;
-    for (size_t i = 0; i < count; i++) out->positions[i] = get_f32(bytes + 4 * i);
+    for (size_t i = 0; i < count; i++) out->positions[i] = sn_get_f32(bytes + 4 * i);
     return SN_OK;
 }
 

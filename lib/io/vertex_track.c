@@ -4,6 +4,7 @@
  * MDD (LightWave): int32 counts of frames and points; the time of each frame, s; x, y, z of every point, frame by frame. All big-endian,
  * the numbers float32.
  */
+#include "bytes.h"
 #include "sinew/io.h"
 
 #include <ctype.h>
@@ -63,24 +64,12 @@ static sn_status read_pc2(const char *path, const sn_track_options *options, sn_
 
 /* ---- MDD ----------------------------------------------------------------------------------------------------------------------- */
 
-static uint32_t get_u32(const char *at) {
-    const unsigned char *b = (const unsigned char *)at;
-    return (uint32_t)b[0] << 24 | (uint32_t)b[1] << 16 | (uint32_t)b[2] << 8 | (uint32_t)b[3];
-}
-
-static float get_f32(const char *at) {
-    uint32_t bits = get_u32(at);
-    float value;
-    memcpy(&value, &bits, sizeof value);
-    return value;
-}
-
 enum { MDD_HEADER = 8 };
 
 /* No signature tells an MDD; its size does. */
 static sn_status check_mdd(const sn_blob *blob, sn_index *frames, sn_index *points, sn_error *error) {
     uint32_t counts[2] = {0, 0};
-    for (int i = 0; i < 2 && blob->size >= MDD_HEADER; i++) counts[i] = get_u32(blob->data + 4 * i);
+    for (int i = 0; i < 2 && blob->size >= MDD_HEADER; i++) counts[i] = sn_get_u32_big((const unsigned char *)blob->data + 4 * i);
     *frames = (sn_index)counts[0], *points = (sn_index)counts[1];
     if (counts[0] < 1 || counts[1] < 1 || counts[0] > SN_INDEX_MAX || counts[1] > SN_INDEX_MAX)
         return sn_fail_at(error, SN_ERROR_INPUT, blob->name, 0, "is neither a PC2 nor an MDD point cache");
@@ -97,10 +86,10 @@ static sn_status read_mdd(const sn_blob *blob, const sn_track_options *options, 
     if (status == SN_OK) status = check_count(blob->name, points, options, error);
     if (status == SN_OK) status = make_track(frames, points, out, error);
     if (status != SN_OK) return status;
-    const char *at = blob->data + MDD_HEADER;
-    for (sn_index i = 0; i < frames; i++) out->times[i] = options->rate_told ? i / options->rate : (double)get_f32(at + 4 * i);
+    const unsigned char *at = (const unsigned char *)blob->data + MDD_HEADER;
+    for (sn_index i = 0; i < frames; i++) out->times[i] = options->rate_told ? i / options->rate : (double)sn_get_f32_big(at + 4 * i);
     at += 4 * (size_t)frames;
-    for (size_t i = 0; i < 3 * (size_t)frames * (size_t)points; i++) out->positions[i] = get_f32(at + 4 * i);
+    for (size_t i = 0; i < 3 * (size_t)frames * (size_t)points; i++) out->positions[i] = sn_get_f32_big(at + 4 * i);
     for (sn_index i = 1; i < frames; i++)
         if (!(out->times[i] > out->times[i - 1]))
             return sn_fail_at(error, SN_ERROR_INPUT, blob->name, 0, "the time of frame %ld, %g s, is not later than that before it",
