@@ -146,6 +146,9 @@ typedef struct sn_condition {
 /* Gives up members that are wrecks, marks the triangles that have a barrier, and says how the group stands then. */
 sn_condition sn_qn_look(const sn_group *g, sn_group_state *s, double h);
 bool sn_qn_is_stretched(const sn_residual *stretch, bool fast);
+/* Of a muscle that is torn, or pressed on a bone, inertia and the predictor may make a worse wreck: begin where it was if that is better.
+ */
+void sn_qn_try_staying(const sn_group *g, sn_group_state *s, double h);
 /* Other starts where a member is torn or a bone has jumped; is more effort needed? */
 bool sn_qn_mend_start(const sn_group *g, sn_group_state *s, double h, bool jumped, bool fast);
 /* Does the step, as far as it has come, tear a group that was whole? */

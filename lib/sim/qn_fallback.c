@@ -124,8 +124,7 @@ void sn_qn_prefer_trial(const sn_group *g, sn_group_state *s, double h) {
     }
 }
 
-/* Of a muscle that is torn, inertia and the predictor may make a worse wreck: where it was may be better. */
-static void try_staying(const sn_group *g, sn_group_state *s, double h) {
+void sn_qn_try_staying(const sn_group *g, sn_group_state *s, double h) {
     sn_point *trial = sn_qn_of(s)->trial;
     for (sn_index i = 0; i < g->point_count; i++) {
         trial[i] = s->points[i];
@@ -153,7 +152,7 @@ static bool is_torn(const sn_group *g, const sn_group_state *s, bool fast) {
 
 bool sn_qn_mend_start(const sn_group *g, sn_group_state *s, double h, bool jumped, bool fast) {
     bool torn = is_torn(g, s, fast);
-    if (torn || jumped) try_staying(g, s, h);
+    if (torn || jumped) sn_qn_try_staying(g, s, h);
     if (jumped) try_carried(g, s, h);
     return jumped || (torn && is_torn(g, s, fast));
 }

@@ -149,14 +149,27 @@ static bool predict(const sn_group *g, sn_group_state *s, double h, sn_vec3 weig
 
 /* ---- the points to begin with ----------------------------------------------------------------------------------------------------- */
 
-/* Points that inertia or a bone has put inside a bone start at its surface, if that is better: a matrix that knows nothing of bones would
- * throw the muscle off them. */
-static void clear_start(const sn_group *g, sn_group_state *s, double h) {
+/* What lies on a bone slides on, without the weight that the bone bears. */
+static void try_coasting(const sn_group *g, sn_group_state *s, double h, sn_vec3 weight) {
+    sn_qn *qn = sn_qn_of(s);
+    if (!(sn_norm2(weight) > 0.0)) return; /* that is where inertia takes it */
+    for (sn_index i = 0; i < g->point_count; i++) {
+        qn->trial[i] = s->points[i];
+        if (s->points[i].w > 0.0) sn_put(&qn->trial[i], sn_sub(qn->target[i], weight));
+    }
+    sn_qn_prefer_trial(g, s, h);
+}
+
+/* Points that inertia or a bone has put inside a bone start at its surface, or where they were, if that is better: a matrix that knows
+ * nothing of bones would throw the muscle off them. */
+static void clear_start(const sn_group *g, sn_group_state *s, double h, sn_vec3 weight) {
     sn_point *trial = sn_qn_of(s)->trial;
     bool moved = false;
     memcpy(trial, s->points, (size_t)g->point_count * sizeof *trial);
     for (sn_index i = 0; i < g->count; i++) moved = sn_contacts_clear(g->members[i], s->members[i], trial + g->first[i]) || moved;
     if (moved) sn_qn_prefer_trial(g, s, h);
+    try_coasting(g, s, h, weight);
+    sn_qn_try_staying(g, s, h);
 }
 
 /* Where inertia takes the points, or the predictor (in trial). */
@@ -166,7 +179,6 @@ static void choose_start(const sn_group *g, sn_group_state *s, double h, bool pr
         if (s->points[i].w > 0.0) sn_put(&s->points[i], qn->target[i]);
     qn->energy = sn_objective_evaluate(&(sn_objective){g, s, h}, s->points, qn->gradient);
     if (predicted) sn_qn_prefer_trial(g, s, h);
-    clear_start(g, s, h);
 }
 
 /* The coarse space of the two-level matrix, at these points from here to the end of the step. */
@@ -199,6 +211,7 @@ bool sn_qn_start(const sn_group *g, sn_group_state *s, const sn_substep *substep
     bool pushed = way.moves || way.meets || (way.carries && sn_norm2(weight) > 0.0);
     bool predicted = pushed && qn->stopped != SN_STOP_FAILED && predict(g, s, h, weight, way.smooth);
     choose_start(g, s, h, predicted);
+    if (way.meets) clear_start(g, s, h, weight);
     qn->torn = sn_qn_mend_start(g, s, h, way.jumped, way.fast);
     bool jumps = way.jumped && qn->stretch_before < INFINITY;
     if (qn->torn && substep->may_halve && !way.far && (jumps || sn_qn_tears(g, s))) return false;

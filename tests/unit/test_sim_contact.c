@@ -333,7 +333,6 @@ static void momentum_along_a_plane_is_kept(void **state) {
         sn_scene scene;
         make_block(&scene, 0.0, 0.0);
         scene.solver = sn_solver_defaults(METHODS[i]);
-        if (METHODS[i] == SN_SOLVER_QN) scene.muscles[0].stiffness_relaxed = scene.muscles[0].stiffness_active = 500.0;
         simulation s = start(&scene);
         sn_muscle_state *m = &s.state->muscles[0];
         double height = middle_of(&s).z;
@@ -346,6 +345,25 @@ static void momentum_along_a_plane_is_kept(void **state) {
         sn_vec3 way = sn_sub(middle_of(&s), before);
         assert_near(way.x, 0.05, 5e-4);
         assert_near(way.y, 0.025, 5e-4);
+        finish(&s);
+    }
+}
+
+/* However stiff a free block is, and however many iterations it gets, it lies where it lay: 1e6 N/m threw one 15 m high. */
+static void stiff_blocks_lie_still(void **state) {
+    (void)state;
+    static const double stiffness[] = {1e4, 1e6};
+    for (int i = 0; i < 4; i++) {
+        sn_scene scene;
+        make_block(&scene, 0.0, 0.0);
+        scene.solver = sn_solver_defaults(SN_SOLVER_QN);
+        scene.solver.iterations = i % 2 == 0 ? 10 : 100;
+        scene.muscles[0].stiffness_relaxed = scene.muscles[0].stiffness_active = stiffness[i / 2];
+        simulation s = start(&scene);
+        for (int frame = 0; frame < 24; frame++) {
+            step_frames(&s, 1, NULL);
+            assert_near(middle_of(&s).z, 0.0202, 2e-5);
+        }
         finish(&s);
     }
 }
@@ -385,6 +403,7 @@ int main(void) {
         cmocka_unit_test(off_is_absent),
         cmocka_unit_test(blocks_slide_above_the_cone_only),
         cmocka_unit_test(momentum_along_a_plane_is_kept),
+        cmocka_unit_test(stiff_blocks_lie_still),
         cmocka_unit_test(what_falls_is_caught),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
