@@ -110,10 +110,27 @@ sn_status contacts_model(contact_run *run, const sn_scene *scene, sn_pool *pool,
 void contacts_log(const sn_model *model, const sn_statistics *s, const sn_plan_muscle *plan, sn_json *json) {
     if (plan->groups[SN_ROWS_CONTACT].rows == 0) return;
     sn_json_integer(json, "contacts", s->contacts);
+    sn_json_number(json, "overlap", s->overlap);
     sn_json_number(json, "penetration", s->penetration);
     if (s->penetration_bone == SN_NONE) return;
     sn_json_integer(json, "penetration_vertex", s->penetration_vertex);
     sn_json_text(json, "penetration_bone", model->scene->bones[s->penetration_bone].name);
+}
+
+void contacts_say(const cli *c, const sn_model *model, const sn_state *state) {
+    sn_index overlaps = 0, muscles = 0;
+    double before = 0.0, left = 0.0;
+    for (sn_index i = 0; i < model->plan.muscle_count; i++) {
+        const sn_plan_muscle *plan = &model->plan.muscles[i];
+        overlaps += plan->overlaps;
+        muscles += plan->overlaps > 0;
+        before = fmax(before, plan->overlap);
+    }
+    for (sn_index i = 0; i < model->muscle_count; i++) left = fmax(left, state->muscles[i].statistics.overlap);
+    if (overlaps > 0)
+        cli_tell(c, "at rest %d vertices of %d muscle%s lie in bones, %.3g mm deep at most; now %.3g mm%s", (int)overlaps, (int)muscles,
+                 muscles == 1 ? "" : "s", 1e3 * before, 1e3 * left,
+                 model->scene->contact.resolve > 0.0 ? "" : " (--resolve takes them out)");
 }
 
 void contacts_plan_muscle(const sn_model *model, const sn_plan_muscle *plan, sn_json *json) {
@@ -122,6 +139,8 @@ void contacts_plan_muscle(const sn_model *model, const sn_plan_muscle *plan, sn_
     for (sn_index i = 0; i < plan->bone_count; i++) sn_json_text(json, NULL, model->scene->bones[plan->bones[i]].name);
     sn_json_close(json);
     sn_json_integer(json, "bonesLeftOut", model->scene->bone_count - plan->bone_count);
+    sn_json_integer(json, "overlapsAtRest", plan->overlaps);
+    sn_json_number(json, "deepestAtRest", plan->overlap);
 }
 
 /* What a program with a byte for each cell takes, as [K21] fig. 3 counts, stands beside what they take here. */

@@ -33,6 +33,8 @@ void contacts_apply(const cli *c, const contact_choices *given, sn_scene *scene)
 SN_MUST_CHECK sn_status contacts_model(contact_run *run, const sn_scene *scene, sn_pool *pool, sn_model **out, sn_error *error);
 /* Members of a line of the log; of a muscle in the plan; and of the whole plan or report. Nothing where contact is off. */
 void contacts_log(const sn_model *model, const sn_statistics *s, const sn_plan_muscle *plan, sn_json *json);
+/* How much lay in bones at rest, and does now; nothing where none did. */
+void contacts_say(const cli *c, const sn_model *model, const sn_state *state);
 void contacts_plan_muscle(const sn_model *model, const sn_plan_muscle *plan, sn_json *json);
 void contacts_plan(const contact_run *run, const sn_model *model, sn_json *json);
 

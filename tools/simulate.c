@@ -728,6 +728,7 @@ static sn_status work(job *j, sn_error *error) {
     if (status == SN_OK) status = simulate(j, error);
     if (status != SN_OK && status != SN_STOPPED) return status;
     outcome_say(&j->outcome);
+    contacts_say(&j->c, j->model, j->state);
     sn_status reported = cli_report(&j->c, write_report, j, error);
     return reported != SN_OK ? reported : status;
 }

@@ -84,6 +84,8 @@ typedef struct sn_plan_muscle {
     sn_plan_group groups[SN_ROW_KINDS];    /* by sn_row_kind */
     sn_index bone_count;                   /* contact: bones that come near it over the motion */
     sn_index *bones;                       /* (bone_count) of the scene; owned */
+    sn_index overlaps;                     /* contact: rows whose points are inside of a bone at rest */
+    double overlap;                        /* m: the deepest of them */
     size_t model_bytes, state_bytes;       /* of its arrays and its struct; without the curves' knots and the back end's own scratch */
 } sn_plan_muscle;
 
@@ -274,6 +276,7 @@ typedef struct sn_statistics {
     double largest_edge_ratio;           /* greatest length over goal length of an edge of the surface, see SN_LEAST_GOAL; NaN = no edge */
     sn_index largest_edge[2];            /* its vertices, of equal ones the first; SN_NONE = none */
     sn_index contacts;                   /* rows of contact that push */
+    double overlap;                      /* m: how deep the deepest vertex is in a bone, at rest or not; 0 = none is */
     double penetration;                  /* m: how much deeper than at rest the deepest vertex is in a bone; 0 = none is */
     sn_index penetration_vertex, penetration_bone; /* which that is, and the scene's bone; SN_NONE = none */
     bool torn;                      /* far from any shape of rest (SN_FAR_...) now or, under qn, where a substep of the frame began */

@@ -237,7 +237,8 @@ static void measure_row(const sn_model_muscle *m, const sn_muscle_state *s, cons
     const sn_contacts *contacts = sn_contacts_of(m);
     const sn_contact_row *row = &contacts->rows[r];
     double value = value_of(contacts, s, collider, row, s->points, NULL), margin = sn_contact_margin(contacts, s, row);
-    double depth = fmin(0.0, (double)row->margin) - (value + margin);
+    double phi = value + margin, depth = fmin(0.0, (double)row->margin) - phi;
+    out->overlap = fmax(out->overlap, -phi);
     if (contacts->by_voxels)
         out->contacts +=
             sn_contact_voxels_touch(collider, &s->inputs->collider_poses[collider - contacts->colliders], sn_contact_point(row, s->points));
@@ -252,7 +253,7 @@ static void measure_row(const sn_model_muscle *m, const sn_muscle_state *s, cons
 void sn_contacts_measure(const sn_model_muscle *m, const sn_muscle_state *s, sn_statistics *out) {
     const sn_contacts *contacts = sn_contacts_of(m);
     out->contacts = 0;
-    out->penetration = 0.0;
+    out->penetration = out->overlap = 0.0;
     out->penetration_vertex = out->penetration_bone = SN_NONE;
     for (sn_index c = 0; c < m->collider_count; c++) {
         const sn_collider *collider = &contacts->colliders[c];

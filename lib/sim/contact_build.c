@@ -203,6 +203,11 @@ static void settle(contact_work *w) {
     void *fitted = sn_realloc(w->contacts->rows, (size_t)m->contact_count, sizeof *w->contacts->rows);
     if (fitted != NULL) w->contacts->rows = fitted;
     for (sn_index i = 0; i < m->collider_count; i++) plan->bones[plan->bone_count++] = w->contacts->colliders[i].bone;
+    for (sn_index r = 0; r < m->contact_count; r++) {
+        double depth = -(double)w->contacts->rows[r].margin;
+        plan->overlaps += depth > 0.0;
+        plan->overlap = fmax(plan->overlap, depth);
+    }
 }
 
 /* Voxels know no margin: rows tell how much deeper than at rest a vertex is. */

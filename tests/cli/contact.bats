@@ -124,6 +124,27 @@ for name in sys.argv[2:]: jsonschema.Draft202012Validator(schema).validate(json.
     grep -q 'cell' err
 }
 
+@test "--resolve takes out in its time what lies in a bone at rest, and says what was there and is left" {
+    change in.scene.json 's["contact"] = True; s["motion"]["joints"][0]["keys"] = [[0, 0], [1, 0]]; s["frames"] = [0, 30]; [m.update(activation=0) for m in s["muscles"]]'
+    # a humerus twice as thick lies in the muscles around it
+    "$BIN/mesh-clean" -q humerus.ply -o humerus.obj
+    awk '$1 == "v" { printf "v %.9g %.9g %.9g\n", $2 * 2, $3 * 2, $4; next } { print }' humerus.obj > thick.obj
+    sed -i 's/humerus.ply/thick.obj/' in.scene.json
+    "$BIN/simulate" in.scene.json -o a --log a.jsonl --fail-on 'penetration>1e-6' 2> err
+    grep -Eq 'at rest [0-9]+ vertices of [0-9]+ muscles? lie in bones, .* --resolve takes them out' err
+    "$BIN/simulate" in.scene.json --resolve 0.5 -o b --log b.jsonl 2> err
+    grep -Eq 'lie in bones, .*; now 0 mm$' err || { cat err; false; }
+    /usr/bin/python3 -c '
+import json
+def deepest(name): 
+    d = {}
+    for l in open(name): l = json.loads(l); d[l["frame"]] = max(d.get(l["frame"], 0), l["overlap"])
+    return d
+kept, out = deepest("a.jsonl"), deepest("b.jsonl")
+assert kept[0] > 5e-4 and abs(kept[30] - kept[0]) < 1e-4, kept
+assert out[0] > 5e-4 and out[6] < 0.7 * out[0] and out[13] == 0 and out[30] == 0, out'
+}
+
 @test "--fail-on penetration; xpbd, single precision and each matrix keep out, too" {
     for how in "--solver xpbd" "--solver xpbd --precision single" "--preconditioner corotated" "--preconditioner two-level" "--substeps 2"; do
         # shellcheck disable=SC2086
