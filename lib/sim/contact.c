@@ -22,13 +22,6 @@ double sn_contact_margin(const sn_contacts *contacts, const sn_muscle_state *s, 
     return s->inputs->resolved > 0.0 ? margin + s->inputs->resolved * (contacts->margin - margin) : margin;
 }
 
-sn_vec3 sn_contact_point(const sn_contact_row *row, const sn_point *points) {
-    if (row->weight[0] == 1.0f) return sn_point_position(&points[row->point[0]]);
-    sn_vec3 at = sn_v3(0, 0, 0);
-    for (int i = 0; i < 3; i++) at = sn_add_scaled(at, sn_point_position(&points[row->point[i]]), (double)row->weight[i]);
-    return at;
-}
-
 /* C of a row at these points, and grad phi in the world (nullable). */
 static double value_of(const sn_contacts *contacts, const sn_muscle_state *s, const sn_collider *collider, const sn_contact_row *row,
                        const sn_point *points, sn_vec3 *gradient) {

@@ -65,7 +65,6 @@ void sn_contacts_destroy(sn_model_muscle *m, sn_row_kind kind);
  */
 
 double sn_contact_margin(const sn_contacts *contacts, const sn_muscle_state *s, const sn_contact_row *row); /* now, m */
-sn_vec3 sn_contact_point(const sn_contact_row *row, const sn_point *points);
 /* Move its points so that C >= 0, by its own gradient; `rubs`: with friction. false: it was, or there is no way out. */
 bool sn_contact_project(const sn_model_muscle *m, sn_muscle_state *s, const sn_collider *collider, sn_index r, bool rubs);
 
@@ -87,6 +86,8 @@ sn_contact_block sn_contact_block_at(const sn_contacts *contacts, const sn_colli
 /* May any of its points be nearer to the bone than `reach`? into: from the world into the bone's frame. Phi at a point differs from that at
  * the middle by no more than the radius. */
 bool sn_contact_block_is_near(const sn_collider *collider, sn_rigid into, const sn_contact_block *block, double reach);
+/* Where a row's point is. */
+sn_vec3 sn_contact_point(const sn_contact_row *row, const sn_point *points);
 /* A row's mean of one vector of each point. */
 sn_vec3 sn_contact_mean(const sn_contact_row *row, const sn_vec3 *of_points);
 

@@ -12,6 +12,13 @@ sn_vec3 sn_contact_mean(const sn_contact_row *row, const sn_vec3 *of_points) {
     return sum;
 }
 
+sn_vec3 sn_contact_point(const sn_contact_row *row, const sn_point *points) {
+    if (row->weight[0] == 1.0f) return sn_point_position(&points[row->point[0]]);
+    sn_vec3 at = sn_v3(0, 0, 0);
+    for (int i = 0; i < 3; i++) at = sn_add_scaled(at, sn_point_position(&points[row->point[i]]), (double)row->weight[i]);
+    return at;
+}
+
 /* Not fmin and fmax: points are finite here, or nothing is known of them. */
 static void extend(double *low, double *high, double value) {
     if (value < *low) *low = value;

@@ -131,7 +131,7 @@ for name in sys.argv[2:]: jsonschema.Draft202012Validator(schema).validate(json.
     awk '$1 == "v" { printf "v %.9g %.9g %.9g\n", $2 * 2, $3 * 2, $4; next } { print }' humerus.obj > thick.obj
     sed -i 's/humerus.ply/thick.obj/' in.scene.json
     "$BIN/simulate" in.scene.json -o a --log a.jsonl --fail-on 'penetration>1e-6' 2> err
-    grep -Eq 'at rest [0-9]+ vertices of [0-9]+ muscles? lie in bones, .* --resolve takes them out' err
+    grep -Eq 'at rest [0-9]+ vertices of [0-9]+ muscles? lie in bones, .*--resolve takes them out' err
     "$BIN/simulate" in.scene.json --resolve 0.5 -o b --log b.jsonl 2> err
     grep -Eq 'lie in bones, .*; now 0 mm$' err || { cat err; false; }
     /usr/bin/python3 -c '
