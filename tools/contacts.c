@@ -72,9 +72,19 @@ void contacts_apply(const cli *c, const contact_choices *given, sn_scene *scene)
 
 /* ---- fields ----------------------------------------------------------------------------------------------------------------------- */
 
-/* What was done to a bone so that it has an inside. */
+/* Between corners farther apart than this share of a bone's thinnest side it is hardly seen. */
+static const double COARSE = 0.25;
+
+/* What was done to a bone so that it has an inside, and whether its field can show it. */
 static void tell_of_bone(const contact_run *run, const sn_scene_bone *bone, const sn_distance_field *field) {
     const sn_solid_report *r = &field->report;
+    sn_vec3 size = sn_sub(field->box.high, field->box.low);
+    double thinnest = fmin(size.x, fmin(size.y, size.z));
+    if (r->volume > 0.0 && field->cell > COARSE * thinnest)
+        cli_warn(run->c,
+                 "bone \"%s\": cells of %.3g mm are too coarse for a bone that is %.3g mm thin: muscles go into it; choose a smaller "
+                 "--grid-cell",
+                 bone->name, 1e3 * field->cell, 1e3 * thinnest);
     if (r->inside_out) cli_tell(run->c, "bone \"%s\" is inside out: it is taken the other way round", bone->name);
     if (r->volume == 0.0 && !run->by_voxels)
         cli_warn(run->c, "bone \"%s\" encloses nothing: muscles keep its margin, but nothing is inside of it", bone->name);

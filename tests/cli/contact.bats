@@ -120,6 +120,8 @@ for name in sys.argv[2:]: jsonschema.Draft202012Validator(schema).validate(json.
     change friction.scene.json 's["contact"] = {"friction": 0.5}'
     "$BIN/simulate" friction.scene.json --frames 0:0 -o a 2> err > log
     grep -q 'friction is felt under the solver xpbd alone' err
+    "$BIN/simulate" arm.scene.json --contact --frames 0:0 --grid-cell 50mm -o a 2> err > log
+    grep -q 'bone "humerus": cells of 50 mm are too coarse' err
     "$BIN/simulate" -q arm.scene.json --contact --grid-cell 1um --frames 0:0 -o a > log 2> err && false
     grep -q 'cell' err
 }
