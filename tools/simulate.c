@@ -84,7 +84,7 @@ static const cli_option OPTIONS[] = {
     {0, "friction", "F", CLI_NUMBER, &given.contact.friction, 0, 0, 1e6, NULL, "xpbd: Coulomb's coefficient (default 0)"},
     {0, "contact-samples", "N", CLI_INTEGER, &given.contact.samples, 0, 0, 3, NULL, "hold 1 or 3 points inside each triangle out, too"},
     {0, "grid-cell", "LENGTH", CLI_LENGTH, &given.contact.cell, 0, 0, 0, NULL,
-     "of the bones' distance fields (default: a third of the finest mean edge in reach)"},
+     "of the bones' distance fields (default: a third of the finest mean edge in reach, or a sixth of the bone's thickness)"},
     {0, "grid-cache", "FOLDER", CLI_TEXT, &given.contact.cache, 0, 0, 0, NULL, "keep these fields in FOLDER for the next run"},
     {0, "collision", "HOW", CLI_CHOICE, &given.contact.collision, 0, 0, 0, sn_collision_names,
      "scheme (default), field or, under xpbd, voxel: Kohout and Cervenka's, which the scheme kohout means"},

@@ -46,7 +46,8 @@ typedef enum sn_bone_hits { SN_BONE_HITS_FOLLOW, SN_BONE_HITS_STOP, SN_BONE_HITS
 typedef struct sn_contact_settings {
     bool enabled;
     double margin;    /* m, that vertices keep from bones; 0 = a tenth of the muscle's mean edge. What is nearer at rest may stay as near */
-    double cell;      /* m, of the bones' distance fields; 0 = a third of the finest mean edge in reach */
+    double cell;      /* m, of the bones' distance fields; 0 = a third of the finest mean edge in reach, or a sixth of the bone's
+                         thickness */
     double friction;  /* Coulomb's, under `xpbd`; default 0 */
     double resolve;   /* s, in which margins grow to what is asked where muscles overlap bones at rest; default 0: they stay */
     sn_index samples; /* points inside of each triangle that are held out, too: 0 (default), 1 or 3 */

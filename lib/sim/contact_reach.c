@@ -17,8 +17,8 @@ static const double LOOKS_A_SECOND = 60.0;
 enum { MOST_LOOKS = 100000, RUN_IN_PLACES = 16, RUN_IN_SHARES = 4 };
 /* Cells of a field along a bone's diagonal, at most, where the scene leaves the cell open; and the smallest such cell, m. */
 static const double MOST_CELLS = 400.0, LEAST_CELL = 1e-4;
-/* Of the finest mean edge in reach (bodies.md 2). */
-static const double CELLS_PER_EDGE = 3.0;
+/* Of the finest mean edge in reach (bodies.md 2); and through a bone, so that a phalanx beside a coarse muscle has an inside. */
+static const double CELLS_PER_EDGE = 3.0, CELLS_PER_THICKNESS = 6.0;
 
 typedef struct reach_work {
     const sn_scene *scene;
@@ -168,23 +168,35 @@ static double thickness_of(const sn_mesh *mesh) {
     return area > 0.0 ? 4.0 * fabs(sn_mesh_volume(mesh)) / area : 0.0; /* of a rod its diameter */
 }
 
-static sn_status make_field(const reach_work *w, const sn_model_options *options, sn_index bone, double edge, sn_error *error) {
+/* As the scene says, or fine enough for the muscles and the bone, but no finer than is of use. */
+static double choose_cell(const reach_work *w, sn_index bone, double edge) {
+    double told = w->scene->contact.cell, thickness = w->plan->thickness[bone], cell = edge / CELLS_PER_EDGE;
+    if (told > 0.0) return told;
+    if (thickness > 0.0) cell = fmin(cell, thickness / CELLS_PER_THICKNESS);
+    return fmax(fmax(cell, sn_box_diagonal(w->bones[bone]) / MOST_CELLS), LEAST_CELL);
+}
+
+/* From its mesh in metres. */
+static sn_status take_field(const reach_work *w, const sn_model_options *options, sn_index bone, const sn_mesh *mesh, double edge,
+                            sn_error *error) {
     const sn_scene_bone *source = &w->scene->bones[bone];
-    double chosen = w->scene->contact.cell, diagonal = sn_box_diagonal(w->bones[bone]);
-    if (!(chosen > 0.0)) chosen = fmax(fmax(edge / CELLS_PER_EDGE, diagonal / MOST_CELLS), LEAST_CELL);
-    sn_distance_field_params params = sn_distance_field_defaults(chosen);
-    sn_mesh mesh = {0};
+    w->plan->thickness[bone] = thickness_of(mesh);
+    sn_distance_field_params params = sn_distance_field_defaults(choose_cell(w, bone, edge));
     params.pool = options->pool;
-    sn_status status = scaled_mesh(source, &mesh, error);
-    if (status == SN_OK) w->plan->thickness[bone] = thickness_of(&mesh);
-    if (status == SN_OK)
-        status = options->fields != NULL ? options->fields(options->user, source, &mesh, &params, &w->plan->fields[bone], error)
-                                         : sn_distance_field_create(&mesh, &params, &w->plan->fields[bone], error);
-    if (status == SN_OK && w->plan->voxels != NULL) status = sn_contact_voxels_make(w->scene, &mesh, &w->plan->voxels[bone], error);
+    sn_status status = options->fields != NULL ? options->fields(options->user, source, mesh, &params, &w->plan->fields[bone], error)
+                                               : sn_distance_field_create(mesh, &params, &w->plan->fields[bone], error);
+    if (status == SN_OK && w->plan->voxels != NULL) status = sn_contact_voxels_make(w->scene, mesh, &w->plan->voxels[bone], error);
+    return status;
+}
+
+static sn_status make_field(const reach_work *w, const sn_model_options *options, sn_index bone, double edge, sn_error *error) {
+    sn_mesh mesh = {0};
+    sn_status status = scaled_mesh(&w->scene->bones[bone], &mesh, error);
+    if (status == SN_OK) status = take_field(w, options, bone, &mesh, edge, error);
     sn_mesh_free(&mesh);
     if (status == SN_OK || error == NULL) return status;
     sn_error why = *error;
-    return sn_fail(error, status, "bone \"%s\": %s", source->name, why.text);
+    return sn_fail(error, status, "bone \"%s\": %s", w->scene->bones[bone].name, why.text);
 }
 
 static sn_status make_fields(const reach_work *w, const sn_model_options *options, sn_error *error) {
