@@ -39,10 +39,10 @@ SN_MUST_CHECK sn_status sn_solid_surface(const sn_mesh *mesh, sn_pool *pool, sn_
 /* ---- the field (lib/geom/distance_field.c, distance_field_build.c) --------------------------------------------------------- */
 
 enum {
-    SN_BRICK_CELLS = 8,                                               /* along an axis */
-    SN_BRICK_CORNERS = SN_BRICK_CELLS + 1,                            /* along an axis */
+    SN_BRICK_CELLS = 8,                    /* along an axis */
+    SN_BRICK_CORNERS = SN_BRICK_CELLS + 1, /* along an axis */
     SN_BRICK_VALUES = SN_BRICK_CORNERS * SN_BRICK_CORNERS * SN_BRICK_CORNERS,
-    SN_COARSE_CELLS = 4,                                              /* width of the coarse grid, in cells */
+    SN_COARSE_CELLS = 4, /* width of the coarse grid, in cells */
 };
 
 typedef struct sn_distance_field_params {
@@ -81,7 +81,7 @@ void sn_distance_field_at_all(const sn_distance_field *field, sn_index count, co
 /* Is p surely outside and farther than `distance` (>= 0) from the surface? Cheap; false where it would take a closer look. The ball of
  * radius r around p is farther than d where farther(p, d + r). */
 bool sn_distance_field_farther(const sn_distance_field *field, sn_vec3 p, double distance);
-sn_box sn_distance_field_box(const sn_distance_field *field); /* what the grid covers */
+sn_box sn_distance_field_box(const sn_distance_field *field);   /* what the grid covers */
 size_t sn_distance_field_bytes(const sn_distance_field *field); /* of memory */
 /* Sizes fit each other, brick numbers run upwards, every number is finite and none larger than the grid's diagonal allows. False for what
  * sn_distance_field_create cannot have made. */

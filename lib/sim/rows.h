@@ -13,10 +13,10 @@ typedef struct sn_build {
     const sn_topology *topology;
     sn_model_muscle *model;
     sn_plan_muscle *plan;
-    sn_index *sample_points;  /* (samples of the structure) its point; SN_NONE: it is left out */
-    sn_index *sample_parents; /* (the same) the sample that it is joined to; SN_NONE: none, or it is left out */
-    bool scaled;              /* stiffness by area */
-    sn_anisotropy anisotropy; /* as it runs: NONE, PBD or XPBD */
+    sn_index *sample_points;               /* (samples of the structure) its point; SN_NONE: it is left out */
+    sn_index *sample_parents;              /* (the same) the sample that it is joined to; SN_NONE: none, or it is left out */
+    bool scaled;                           /* stiffness by area */
+    sn_anisotropy anisotropy;              /* as it runs: NONE, PBD or XPBD */
     const struct sn_contact_plan *contact; /* NULL = contact is off */
 } sn_build;
 
