@@ -366,30 +366,18 @@ static sn_status check_voxels(const sn_scene *scene, sn_error *error) {
     return SN_OK;
 }
 
-static sn_status check_clock(const sn_scene *scene, sn_error *error) {
-    const sn_solver_settings *solver = &scene->solver;
-    if (!isfinite(scene->meters_per_unit) || scene->meters_per_unit <= 0.0)
-        return sn_fail(error, SN_ERROR_INPUT, "metersPerUnit is %g; it must be above 0", scene->meters_per_unit);
-    if (!isfinite(scene->rate) || scene->rate <= 0.0)
-        return sn_fail(error, SN_ERROR_INPUT, "rate is %g frames per second; it must be above 0", scene->rate);
-    if (scene->first_frame < -SN_FRAME_LIMIT || scene->last_frame > SN_FRAME_LIMIT)
-        return sn_fail(error, SN_ERROR_INPUT, "frames %ld to %ld: they must be within %d and %d", (long)scene->first_frame,
-                       (long)scene->last_frame, -SN_FRAME_LIMIT, SN_FRAME_LIMIT);
-    if (scene->last_frame < scene->first_frame)
-        return sn_fail(error, SN_ERROR_INPUT, "frames end at %ld, before they begin at %ld", (long)scene->last_frame,
-                       (long)scene->first_frame);
-    if (!within(scene->preroll, 0.0, HUGE_VAL))
-        return sn_fail(error, SN_ERROR_INPUT, "preroll is %g s; it must be at least 0", scene->preroll);
-    if (!within(scene->run_in, 0.0, scene->preroll))
-        return sn_fail(error, SN_ERROR_INPUT, "runIn is %g s; it is a part of the preroll, which is %g s: make that as long at least",
-                       scene->run_in, scene->preroll);
+static sn_status check_contact(const sn_scene *scene, sn_error *error) {
     const sn_contact_settings *contact = &scene->contact;
     if (!within(contact->margin, 0.0, HUGE_VAL) || !within(contact->cell, 0.0, HUGE_VAL) || !within(contact->friction, 0.0, HUGE_VAL) ||
         !within(contact->resolve, 0.0, HUGE_VAL))
         return sn_fail(error, SN_ERROR_INPUT, "contact: margin, cell, friction and resolve must be at least 0");
     if (contact->samples != 0 && contact->samples != 1 && contact->samples != 3)
         return sn_fail(error, SN_ERROR_INPUT, "contact: samples is %ld; it must be 0, 1 or 3", (long)contact->samples);
-    if (!sn_finite3(scene->gravity)) return sn_fail(error, SN_ERROR_INPUT, "gravity is not finite");
+    return SN_OK;
+}
+
+static sn_status check_solver(const sn_scene *scene, sn_error *error) {
+    const sn_solver_settings *solver = &scene->solver;
     if (solver->substeps == SN_SUBSTEPS_AUTO && solver->method != SN_SOLVER_QN)
         return sn_fail(error, SN_ERROR_INPUT, "solver.substeps auto is for the method qn; give a number or choose that method");
     if (solver->substeps < 0)
@@ -410,8 +398,30 @@ static sn_status check_clock(const sn_scene *scene, sn_error *error) {
     return SN_OK;
 }
 
+static sn_status check_clock(const sn_scene *scene, sn_error *error) {
+    if (!isfinite(scene->meters_per_unit) || scene->meters_per_unit <= 0.0)
+        return sn_fail(error, SN_ERROR_INPUT, "metersPerUnit is %g; it must be above 0", scene->meters_per_unit);
+    if (!isfinite(scene->rate) || scene->rate <= 0.0)
+        return sn_fail(error, SN_ERROR_INPUT, "rate is %g frames per second; it must be above 0", scene->rate);
+    if (scene->first_frame < -SN_FRAME_LIMIT || scene->last_frame > SN_FRAME_LIMIT)
+        return sn_fail(error, SN_ERROR_INPUT, "frames %ld to %ld: they must be within %d and %d", (long)scene->first_frame,
+                       (long)scene->last_frame, -SN_FRAME_LIMIT, SN_FRAME_LIMIT);
+    if (scene->last_frame < scene->first_frame)
+        return sn_fail(error, SN_ERROR_INPUT, "frames end at %ld, before they begin at %ld", (long)scene->last_frame,
+                       (long)scene->first_frame);
+    if (!within(scene->preroll, 0.0, HUGE_VAL))
+        return sn_fail(error, SN_ERROR_INPUT, "preroll is %g s; it must be at least 0", scene->preroll);
+    if (!within(scene->run_in, 0.0, scene->preroll))
+        return sn_fail(error, SN_ERROR_INPUT, "runIn is %g s; it is a part of the preroll, which is %g s: make that as long at least",
+                       scene->run_in, scene->preroll);
+    if (!sn_finite3(scene->gravity)) return sn_fail(error, SN_ERROR_INPUT, "gravity is not finite");
+    return SN_OK;
+}
+
 sn_status sn_scene_validate(const sn_scene *scene, sn_error *error) {
     sn_status status = check_clock(scene, error);
+    if (status == SN_OK) status = check_contact(scene, error);
+    if (status == SN_OK) status = check_solver(scene, error);
     if (status == SN_OK) status = check_voxels(scene, error);
     if (status == SN_OK) status = sn_motion_validate(&scene->motion, error);
     for (sn_index i = 0; i < scene->bone_count && status == SN_OK; i++) status = check_bone(scene, i, error);

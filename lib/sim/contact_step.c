@@ -90,10 +90,14 @@ static whole see_flying(const sn_model_muscle *m, const sn_muscle_state *s, cons
 /* A collider's poses the other way, before the step and after it: from the world into its frame. */
 typedef struct frames {
     sn_rigid before, after;
+    double turn; /* how far the step's turn carries a point that is 1 m off its axis, m */
 } frames;
 
 static frames frames_of(const sn_muscle_state *s, sn_index c) {
-    return (frames){sn_rigid_inverse(s->inputs->collider_placed[c]), sn_rigid_inverse(s->inputs->collider_poses[c])};
+    frames f = {.before = sn_rigid_inverse(s->inputs->collider_placed[c]), .after = sn_rigid_inverse(s->inputs->collider_poses[c])};
+    sn_quat by = sn_rigid_compose(f.after, sn_rigid_inverse(f.before)).rotation;
+    f.turn = 2.0 * sn_norm(sn_v3(by.x, by.y, by.z));
+    return f;
 }
 
 /* How far from a box a point is. */
@@ -107,8 +111,7 @@ static bool whole_comes_near(const sn_collider *collider, const whole *w, const 
     sn_vec3 middle = sn_scale(sn_add(w->box.low, w->box.high), 0.5);
     double radius = 0.5 * sn_box_diagonal(w->box);
     sn_vec3 before = sn_rigid_apply(f->before, middle), after = sn_rigid_apply(f->after, sn_add(middle, w->way));
-    sn_quat by = sn_rigid_compose(f->after, sn_rigid_inverse(f->before)).rotation;
-    double way = sn_distance(before, after), turn = 2.0 * radius * sn_norm(sn_v3(by.x, by.y, by.z)); /* at the ball's rim */
+    double way = sn_distance(before, after), turn = radius * f->turn; /* at the ball's rim */
     double nearest = fmin(distance_from(&collider->field->box, before), distance_from(&collider->field->box, after));
     return nearest <= radius + margin + w->reach + w->flies + way + turn;
 }
@@ -145,11 +148,9 @@ static bool comes_near(const sn_collider *collider, const frames *f, const start
 /* Could any of its points come as near to the bone as `reach`, on one of the two ways? Phi at each is at most the radius from that at the
  * middle, and a turn carries them by so much more. */
 static bool block_comes_near(const sn_collider *collider, const frames *f, const sn_contact_block *b, const whole *w, double reach) {
-    sn_quat by = sn_rigid_compose(f->after, sn_rigid_inverse(f->before)).rotation;
-    double turn = 2.0 * b->radius * sn_norm(sn_v3(by.x, by.y, by.z));
     sn_vec3 p = sn_rigid_apply(f->before, b->middle), q = sn_rigid_apply(f->after, sn_add(b->middle, w->way));
     double phi = 0.5 * (sn_distance_field_at(collider->field, p, NULL) + sn_distance_field_at(collider->field, q, NULL));
-    return !(phi - 0.5 * (sn_distance(p, q) + turn) - b->radius - w->flies >= reach); /* what is not finite is looked at */
+    return !(phi - 0.5 * (sn_distance(p, q) + b->radius * f->turn) - b->radius - w->flies >= reach); /* what is not finite is looked at */
 }
 
 /* ---- before a step
@@ -161,7 +162,8 @@ static bool any_comes_near(const sn_contacts *contacts, const sn_muscle_state *s
     if (!whole_comes_near(collider, w, f, contacts->margin)) return false;
     for (sn_index begin = collider->begin; begin < collider->end; begin += SN_CONTACT_BLOCK) {
         sn_contact_block b = sn_contact_block_at(contacts, collider, begin, s->points, NULL);
-        for (sn_index r = b.begin; r < b.end && block_comes_near(collider, f, &b, w, reach); r++) {
+        if (!block_comes_near(collider, f, &b, w, reach)) continue;
+        for (sn_index r = b.begin; r < b.end; r++) {
             start at = start_of(&contacts->rows[r], s, NULL, w);
             if (comes_near(collider, f, &at, reach)) return true;
         }
