@@ -108,8 +108,8 @@ bool sn_contact_voxels_touch(const sn_collider *collider, const sn_rigid *pose, 
 void sn_contacts_aim(const sn_model_muscle *m, sn_muscle_state *s, const sn_scene *scene, const sn_surface_moment *at);
 /* They are where they start; nothing pushes. */
 void sn_contacts_reset(const sn_model_muscle *m, sn_muscle_state *s);
-/* Has a collider moved since the last step that is near the muscle? */
-bool sn_contacts_moved(const sn_model_muscle *m, const sn_muscle_state *s);
+/* Has a collider moved that is near the muscle, or a margin grown, in the step that began at `since` (s)? */
+bool sn_contacts_moved(const sn_model_muscle *m, const sn_muscle_state *s, double since);
 /* A group that slept through a step: the colliders have come this far. */
 void sn_contacts_sleep(const sn_model_muscle *m, sn_muscle_state *s);
 /* Would a bone pass by a point that it may hit, or fly into it, farther than is safe? The points are those before the step, the attached

@@ -18,6 +18,11 @@ enum { LAST_SWEEPS = 4 };
 /* ---- where the bones are ----------------------------------------------------------------------------------------------------------------
  */
 
+/* How far margins have grown at a time of the scene's, in [0,1]. */
+static double share_resolved(const sn_contacts *contacts, double time) {
+    return fmin(fmax((time - contacts->begin) / contacts->resolve, 0.0), 1.0);
+}
+
 void sn_contacts_aim(const sn_model_muscle *m, sn_muscle_state *s, const sn_scene *scene, const sn_surface_moment *at) {
     const sn_contacts *contacts = sn_contacts_of(m);
     for (sn_index c = 0; c < m->collider_count; c++) {
@@ -27,7 +32,7 @@ void sn_contacts_aim(const sn_model_muscle *m, sn_muscle_state *s, const sn_scen
                                                            : sn_motion_run_in_pose(&scene->motion, joint, at->time, at->share);
     }
     if (m->collider_count == 0 || !(contacts->resolve > 0.0)) return;
-    s->inputs->resolved = fmin(fmax((at->time - contacts->begin) / contacts->resolve, 0.0), 1.0);
+    s->inputs->resolved = share_resolved(contacts, at->time);
 }
 
 static void keep_poses(const sn_model_muscle *m, sn_muscle_state *s) {
@@ -171,7 +176,7 @@ static bool any_comes_near(const sn_contacts *contacts, const sn_muscle_state *s
     return false;
 }
 
-bool sn_contacts_moved(const sn_model_muscle *m, const sn_muscle_state *s) {
+bool sn_contacts_moved(const sn_model_muscle *m, const sn_muscle_state *s, double since) {
     const sn_contacts *contacts = sn_contacts_of(m);
     if (m->collider_count == 0) return false;
     whole w = see_whole(m, s, NULL);
@@ -180,7 +185,7 @@ bool sn_contacts_moved(const sn_model_muscle *m, const sn_muscle_state *s) {
         bool still = memcmp(&s->inputs->collider_poses[c], &s->inputs->collider_placed[c], sizeof *s->inputs->collider_poses) == 0;
         if (!still && any_comes_near(contacts, s, &contacts->colliders[c], &f, &w)) return true;
     }
-    return s->inputs->resolved > 0.0 && s->inputs->resolved < 1.0;
+    return s->inputs->resolved > 0.0 && share_resolved(contacts, since) < 1.0;
 }
 
 /* Is a point carried by its bone farther than is safe, and near it? */

@@ -99,7 +99,7 @@ static bool is_woken(const sn_group *g, const sn_group_state *s, double time) {
     for (sn_index i = 0; i < g->count; i++) {
         const sn_model_muscle *m = g->members[i];
         bool same = sn_muscle_activation(m->source, time) == s->members[i]->inputs->activation;
-        if (!same || sn_kinematics_moved(m, s->members[i]) || sn_contacts_moved(m, s->members[i])) return true;
+        if (!same || sn_kinematics_moved(m, s->members[i]) || sn_contacts_moved(m, s->members[i], time - g->substep_duration)) return true;
     }
     return false;
 }

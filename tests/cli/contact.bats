@@ -134,6 +134,9 @@ for name in sys.argv[2:]: jsonschema.Draft202012Validator(schema).validate(json.
     sed -i 's/humerus.ply/thick.obj/' in.scene.json
     "$BIN/simulate" in.scene.json -o a --log a.jsonl --fail-on 'penetration>1e-6' 2> err
     grep -Eq 'at rest [0-9]+ vertices of [0-9]+ muscles? lie in bones, .*--resolve takes them out' err
+    # what a preroll has put to sleep wakes for it, also where it takes less than a substep
+    "$BIN/simulate" in.scene.json --resolve 1e-9 --preroll 3 -o b 2> err
+    grep -Eq 'lie in bones, .*; now 0 mm$' err || { cat err; false; }
     "$BIN/simulate" in.scene.json --resolve 0.5 -o b --log b.jsonl 2> err
     grep -Eq 'lie in bones, .*; now 0 mm$' err || { cat err; false; }
     /usr/bin/python3 -c '
