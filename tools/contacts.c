@@ -47,6 +47,9 @@ static void warn_of_idle(const cli *c, const sn_scene *scene) {
     for (size_t i = 0; !by_voxels && i < sizeof of_voxels / sizeof *of_voxels; i++)
         if (cli_given(c, of_voxels[i]))
             cli_warn(c, "--%s has no effect: the collision is by distance fields (--collision voxel is not)", of_voxels[i]);
+    for (sn_index i = 0; by_voxels && i < scene->surface_count; i++)
+        if (scene->surfaces[i].solid)
+            cli_warn(c, "surface \"%s\" is not felt: the collision is by voxels, of bones alone", scene->surfaces[i].name);
     if (scene->solver.method == SN_SOLVER_XPBD && scene->solver.scheme == SN_SCHEME_ROMEO)
         cli_warn(c, "the scheme romeo has no contact: muscles enter bones as they do without");
 }
@@ -65,6 +68,9 @@ void contacts_apply(const cli *c, const contact_choices *given, sn_scene *scene)
     apply_voxels(c, given, contact);
     for (int i = 0; !contact->enabled && i < OF_CONTACT_COUNT; i++)
         if (cli_given(c, OF_CONTACT[i])) cli_warn(c, "--%s has no effect: contact is off (--contact turns it on)", OF_CONTACT[i]);
+    for (sn_index i = 0; !contact->enabled && !given->off && i < scene->surface_count; i++)
+        if (scene->surfaces[i].solid)
+            cli_warn(c, "surface \"%s\" is not felt: contact is off (--contact turns it on)", scene->surfaces[i].name);
     if (contact->enabled) warn_of_idle(c, scene);
     if (contact->enabled && contact->friction > 0.0 && scene->solver.method != SN_SOLVER_XPBD)
         cli_warn(c, "friction is felt under the solver xpbd alone");
@@ -124,7 +130,7 @@ void contacts_log(const sn_model *model, const sn_statistics *s, const sn_plan_m
     sn_json_number(json, "penetration", s->penetration);
     if (s->penetration_bone == SN_NONE) return;
     sn_json_integer(json, "penetration_vertex", s->penetration_vertex);
-    sn_json_text(json, "penetration_bone", model->scene->bones[s->penetration_bone].name);
+    sn_json_text(json, "penetration_bone", sn_scene_touched_name(model->scene, s->penetration_bone));
 }
 
 void contacts_say(const cli *c, const sn_model *model, const sn_state *state) {
@@ -138,17 +144,42 @@ void contacts_say(const cli *c, const sn_model *model, const sn_state *state) {
     }
     for (sn_index i = 0; i < model->muscle_count; i++) left = fmax(left, state->muscles[i].statistics.overlap);
     if (overlaps > 0)
-        cli_tell(c, "at rest %d vertices of %d muscle%s lie in bones, %.3g mm deep at most; now %.3g mm%s", (int)overlaps, (int)muscles,
-                 muscles == 1 ? "" : "s", 1e3 * before, 1e3 * left,
+        cli_tell(c, "at rest %d vertices of %d muscle%s lie in what they may touch, %.3g mm deep at most; now %.3g mm%s", (int)overlaps,
+                 (int)muscles, muscles == 1 ? "" : "s", 1e3 * before, 1e3 * left,
                  model->scene->contact.resolve > 0.0 ? "" : " (--resolve takes them out)");
+}
+
+/* In reach; surfaces are counted after the bones. */
+static sn_index count_bones(const sn_model *model, const sn_plan_muscle *plan) {
+    sn_index count = 0;
+    for (sn_index i = 0; i < plan->bone_count; i++) count += plan->bones[i] < model->scene->bone_count;
+    return count;
+}
+
+/* The patches of surfaces that come near it. */
+static void plan_patches(const sn_model *model, const sn_plan_muscle *plan, sn_json *json) {
+    if (count_bones(model, plan) == plan->bone_count) return;
+    sn_json_array(json, "surfacesInReach");
+    for (sn_index i = 0; i < plan->bone_count; i++) {
+        sn_index surface = plan->bones[i] - model->scene->bone_count;
+        if (surface < 0) continue;
+        sn_json_object(json, NULL);
+        sn_json_text(json, "surface", model->scene->surfaces[surface].name);
+        sn_json_integer(json, "triangles", sn_model_patch_size(model, (sn_index)(plan - model->plan.muscles), surface));
+        sn_json_integer(json, "ofTriangles", model->scene->surfaces[surface].envelope.mesh.triangle_count);
+        sn_json_close(json);
+    }
+    sn_json_close(json);
 }
 
 void contacts_plan_muscle(const sn_model *model, const sn_plan_muscle *plan, sn_json *json) {
     if (!model->scene->contact.enabled) return;
     sn_json_array(json, "bonesInReach");
-    for (sn_index i = 0; i < plan->bone_count; i++) sn_json_text(json, NULL, model->scene->bones[plan->bones[i]].name);
+    for (sn_index i = 0; i < plan->bone_count; i++)
+        if (plan->bones[i] < model->scene->bone_count) sn_json_text(json, NULL, model->scene->bones[plan->bones[i]].name);
     sn_json_close(json);
-    sn_json_integer(json, "bonesLeftOut", model->scene->bone_count - plan->bone_count);
+    plan_patches(model, plan, json);
+    sn_json_integer(json, "bonesLeftOut", model->scene->bone_count - count_bones(model, plan));
     sn_json_integer(json, "overlapsAtRest", plan->overlaps);
     sn_json_number(json, "deepestAtRest", plan->overlap);
 }

@@ -14,7 +14,7 @@
 enum { NAMES_TOLD = 8 };
 
 static const char *motion_file, *model_file, *bones_dir, *activation_file, *frames, *name;
-static cli_list bone_texts, bone_lists, envelopes, bone_paths, bindings, settings;
+static cli_list bone_texts, bone_lists, envelopes, solids, bone_paths, bindings, settings;
 static double rate, preroll, run_in;
 static int units, method = SN_SOLVER_QN;
 static bool skip_unattached, list;
@@ -36,6 +36,8 @@ static const cli_option options[] = {
      "unit of the files of --bone and --bones (default: what they say, else m)"},
     {0, "envelope", "[NAME=]FILE", CLI_LIST, &envelopes, CLI_RESULT | CLI_FILE, 0, 0, NULL,
      "an envelope over the bones, which muscles may be attached to by NAME (default: its file's); may be given again and again"},
+    {0, "keep-out", "NAME", CLI_LIST, &solids, CLI_RESULT, 0, 0, NULL,
+     "muscles keep out of the envelope NAME, where the scene has contact; may be given again and again"},
     {0, "bind", "PATTERN=JOINT", CLI_LIST, &bindings, CLI_RESULT, 0, 0, NULL,
      "bones that JOINT moves (default: as the motion says; a bone of --bone or --bones by the joint of its name)"},
     {0, "activation", "FILE", CLI_TEXT, &activation_file, CLI_RESULT | CLI_FILE, 0, 0, NULL,
@@ -253,6 +255,15 @@ static sn_status add_envelopes(job *j, sn_error *error) {
         if (named && called == NULL) return sn_fail_memory(error, "a name");
         status = sn_draft_add_envelope(&j->draft, called, named ? equals + 1 : text, error);
         free(called);
+    }
+    return status;
+}
+
+static sn_status mark_solids(job *j, sn_error *error) {
+    sn_status status = SN_OK;
+    for (int i = 0; i < solids.count && status == SN_OK; i++) {
+        status = sn_draft_touch(&j->draft, solids.items[i], error);
+        if (status == SN_ERROR_USAGE) cli_usage_error(&j->c, "--keep-out: %s", error->text);
     }
     return status;
 }
@@ -646,6 +657,7 @@ static sn_status collect(job *j, sn_error *error) {
         status = sn_draft_take_motion(&j->draft, motion_file, error);
     if (status == SN_OK) status = add_bones(j, error);
     if (status == SN_OK) status = add_envelopes(j, error);
+    if (status == SN_OK) status = mark_solids(j, error);
     if (status == SN_OK) status = check_attachments(j, error);
     if (status == SN_OK) status = check_motion(j, error);
     if (status == SN_OK) status = take_activations(j, error);

@@ -168,6 +168,8 @@ typedef struct sn_carrier {
     sn_index index; /* of the scene's bones, surfaces, or its motion's joints */
 } sn_carrier;
 sn_carrier sn_scene_carrier(const sn_scene *scene, const char *name); /* name is nullable */
+/* The name of a bone, or, from bone_count on, of a surface: whatever a muscle may touch. */
+const char *sn_scene_touched_name(const sn_scene *scene, sn_index touched);
 /* Is an enabled muscle attached to this surface? */
 bool sn_scene_surface_carries(const sn_scene *scene, sn_index surface);
 /* Warn of loaded surfaces whose frames do not reach from the scene's first to its last. */

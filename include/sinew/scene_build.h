@@ -43,6 +43,7 @@ typedef struct sn_scene_draft {
     size_t envelope_capacity;
     struct sn_draft_envelope {
         char *name, *path; /* owned */
+        bool solid;        /* muscles keep out of it where there is contact */
     } * envelopes;         /* (envelope_count) */
     sn_index muscle_count;
     size_t muscle_capacity;
@@ -76,6 +77,8 @@ SN_MUST_CHECK sn_status sn_draft_set(sn_scene_draft *draft, const char *text, sn
 
 /* An envelope document, under that name (NULL = its file's, without .envelope.json). SN_ERROR_INPUT: a bone or another envelope has it. */
 SN_MUST_CHECK sn_status sn_draft_add_envelope(sn_scene_draft *draft, const char *name, const char *path, sn_error *error);
+/* Muscles keep out of the envelope of that name. SN_ERROR_USAGE: there is none. */
+SN_MUST_CHECK sn_status sn_draft_touch(sn_scene_draft *draft, const char *name, sn_error *error);
 
 /* What the muscle is attached to and the draft has not got, as a bone, an envelope or a joint; NULL = nothing. */
 const char *sn_draft_missing_bone(const sn_scene_draft *draft, const sn_draft_muscle *muscle);

@@ -38,6 +38,7 @@ typedef struct sn_scene_surface {
     double meters_per_unit; /* DRIVEN: of mesh and frames; 0 = as their files say */
     sn_up up;               /* DRIVEN: of mesh and frames; UNKNOWN = as the mesh's file says, else z */
     double rate;            /* DRIVEN: frames a second of its frames; 0 = the scene's, or what a cache with times says */
+    bool solid;             /* muscles keep out of it where there is contact; default false */
     bool loaded;
     sn_envelope envelope;  /* DRIVEN: its mesh alone, at rest */
     sn_index *joints;      /* ENVELOPE: (envelope.bone_count) of the scene's motion; SN_NONE = the bone never moves */

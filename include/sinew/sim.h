@@ -82,8 +82,8 @@ typedef struct sn_plan_muscle {
     sn_index kinematic;                    /* vertices carried by bones */
     sn_index iterations;                   /* per substep */
     sn_plan_group groups[SN_ROW_KINDS];    /* by sn_row_kind */
-    sn_index bone_count;                   /* contact: bones that come near it over the motion */
-    sn_index *bones;                       /* (bone_count) of the scene; owned */
+    sn_index bone_count;                   /* contact: bones and surfaces that come near it over the motion */
+    sn_index *bones;                       /* (bone_count) as sn_scene_touched_name counts them; owned */
     sn_index overlaps;                     /* contact: rows whose points are inside of a bone at rest */
     double overlap;                        /* m: the deepest of them */
     size_t model_bytes, state_bytes;       /* of its arrays and its struct; without the curves' knots and the back end's own scratch */
@@ -184,7 +184,8 @@ typedef struct sn_model_muscle {
 #undef SN_MODEL_MEMBER
     sn_index vertex_count, point_count, triangle_count; /* of the surface; with the samples */
     sn_index kinematic_count, site_count;               /* points that bones carry, and by how many attachments */
-    sn_index collider_count, contact_count;             /* bones that it may touch, and rows of contact */
+    sn_index collider_count, contact_count;             /* bones and surfaces that it may touch, and rows of contact */
+    sn_index patch_points, patch_boxes, feet_count;     /* vertices and boxes of those surfaces; rows of contact with them, the last ones */
     sn_index follower_count, pose_count;                /* points that surfaces carry; where there are any: joints of the scene */
     sn_index distance_start[SN_DISTANCE_KINDS + 1];     /* rows of kind k are distance_start[k] .. distance_start[k + 1] - 1 */
     sn_index distance_batched[SN_DISTANCE_KINDS];       /* so many of each kind come first, in fours that share no point */
@@ -244,6 +245,8 @@ SN_MUST_CHECK sn_status sn_model_create_with(const sn_scene *scene, const sn_mod
 const struct sn_distance_field *sn_model_field(const sn_model *model, sn_index bone);
 /* The voxels of a bone; NULL = the same, or the collision is not by voxels. */
 const struct sn_voxels *sn_model_voxels(const sn_model *model, sn_index bone);
+/* How many triangles of a surface of the scene may touch one of its muscles. */
+sn_index sn_model_patch_size(const sn_model *model, sn_index muscle, sn_index surface);
 void sn_model_destroy(sn_model *model); /* NULL is fine */
 
 /* ---- statistics: numbers, not text -------------------------------------------------------------------------------------- */
@@ -278,7 +281,7 @@ typedef struct sn_statistics {
     sn_index contacts;                   /* rows of contact that push */
     double overlap;                      /* m: how deep the deepest vertex is in a bone, at rest or not; 0 = none is */
     double penetration;                  /* m: how much deeper than at rest the deepest vertex is in a bone; 0 = none is */
-    sn_index penetration_vertex, penetration_bone; /* which that is, and the scene's bone; SN_NONE = none */
+    sn_index penetration_vertex, penetration_bone; /* which that is, and of what (sn_scene_touched_name); SN_NONE = none */
     bool torn;                      /* far from any shape of rest (SN_FAR_...) now or, under qn, where a substep of the frame began */
     double residual;                /* |dPhi/dx| / (k L) of the last substep, Phi = |x - y|^2_M / (2 h^2) + E; NaN inside a substep */
     double kinetic_energy;          /* J */

@@ -5,7 +5,9 @@
 #include "winding_tree.h"
 
 #include <stdlib.h>
+#include <string.h>
 
+#include "curve.h"
 #include "sinew/geom.h"
 
 enum { LEAF_TRIANGLES = 16 };
@@ -18,56 +20,20 @@ struct sn_cluster {
     double radius;        /* of a ball round the centre that holds the triangles */
 };
 
-/* ---- order along a curve --------------------------------------------------------------------------------------------------- */
-
-typedef struct placed_triangle {
-    uint64_t code; /* of the centre along the curve */
-    sn_triangle triangle;
-} placed_triangle;
-
-/* Spread 21 bits so that two zeros follow each. */
-static uint64_t spread_bits(uint64_t x) {
-    x = (x | x << 32) & 0x001f00000000ffffULL;
-    x = (x | x << 16) & 0x001f0000ff0000ffULL;
-    x = (x | x << 8) & 0x100f00f00f00f00fULL;
-    x = (x | x << 4) & 0x10c30c30c30c30c3ULL;
-    return (x | x << 2) & 0x1249249249249249ULL;
-}
-
 static sn_vec3 triangle_centre(const sn_mesh *mesh, sn_triangle t) {
     sn_vec3 sum = sn_add(sn_add(mesh->positions[t.v[0]], mesh->positions[t.v[1]]), mesh->positions[t.v[2]]);
     return sn_scale(sum, 1.0 / 3.0);
 }
 
-/* Morton code of a point of the box. */
-static uint64_t curve_code(sn_vec3 p, sn_vec3 low, double scale) {
-    sn_vec3 q = sn_scale(sn_sub(p, low), scale);
-    return spread_bits((uint64_t)q.x) | spread_bits((uint64_t)q.y) << 1 | spread_bits((uint64_t)q.z) << 2;
-}
-
-static int by_code(const void *a, const void *b) {
-    const placed_triangle *p = a, *q = b;
-    if (p->code != q->code) return p->code < q->code ? -1 : 1;
-    for (int k = 0; k < 3; k++) {
-        if (p->triangle.v[k] != q->triangle.v[k]) return p->triangle.v[k] < q->triangle.v[k] ? -1 : 1;
-    }
-    return 0;
-}
-
 static sn_status sort_along_curve(sn_mesh *mesh, sn_error *error) {
-    placed_triangle *placed = SN_NEW(placed_triangle, mesh->triangle_count);
-    if (placed == NULL) return sn_fail_memory(error, "a search structure");
-    sn_box box = sn_mesh_box(mesh);
-    sn_vec3 size = sn_sub(box.high, box.low);
-    double largest = fmax(size.x, fmax(size.y, size.z)), scale = largest > 0.0 ? 2097151.0 / largest : 0.0;
-    for (sn_index t = 0; t < mesh->triangle_count; t++) {
-        placed[t].triangle = mesh->triangles[t];
-        placed[t].code = curve_code(sn_max3(triangle_centre(mesh, mesh->triangles[t]), box.low), box.low, scale);
-    }
-    qsort(placed, (size_t)mesh->triangle_count, sizeof *placed, by_code);
-    for (sn_index t = 0; t < mesh->triangle_count; t++) mesh->triangles[t] = placed[t].triangle;
-    free(placed);
-    return SN_OK;
+    sn_index *order = SN_NEW(sn_index, mesh->triangle_count);
+    sn_triangle *sorted = SN_NEW(sn_triangle, mesh->triangle_count);
+    sn_status status = order != NULL && sorted != NULL ? sn_curve_order(mesh, order, error) : sn_fail_memory(error, "a search structure");
+    for (sn_index t = 0; t < mesh->triangle_count && status == SN_OK; t++) sorted[t] = mesh->triangles[order[t]];
+    if (status == SN_OK) memcpy(mesh->triangles, sorted, (size_t)mesh->triangle_count * sizeof *sorted);
+    free(order);
+    free(sorted);
+    return status;
 }
 
 /* ---- clusters ----------------------------------------------------------------------------------------------------------------- */

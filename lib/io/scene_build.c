@@ -194,6 +194,15 @@ sn_status sn_draft_add_envelope(sn_scene_draft *draft, const char *name, const c
     return SN_OK;
 }
 
+sn_status sn_draft_touch(sn_scene_draft *draft, const char *name, sn_error *error) {
+    for (sn_index i = 0; i < draft->envelope_count; i++) {
+        if (strcmp(draft->envelopes[i].name, name) != 0) continue;
+        draft->envelopes[i].solid = true;
+        return SN_OK;
+    }
+    return sn_fail(error, SN_ERROR_USAGE, "there is no envelope \"%s\"; name one of those given by --envelope", name);
+}
+
 const char *sn_draft_missing_bone(const sn_scene_draft *draft, const sn_draft_muscle *muscle) {
     for (sn_index i = 0; i < muscle->rig.attachment_count; i++) {
         const char *name = muscle->rig.attachments[i].bone;

@@ -105,6 +105,7 @@ static sn_status write_envelopes(const sn_scene_draft *draft, sn_json *json, sn_
     for (sn_index i = 0; i < draft->envelope_count && status == SN_OK; i++) {
         sn_json_object_line(json, NULL);
         sn_json_text(json, "name", draft->envelopes[i].name);
+        if (draft->envelopes[i].solid) sn_json_bool(json, "contact", true);
         status = write_path(draft, "envelope", draft->envelopes[i].path, json, error);
         sn_json_close(json);
     }

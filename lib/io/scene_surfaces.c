@@ -1,5 +1,6 @@
 /*
- * scene_surfaces.c -- the surfaces of a scene document: { "name", "envelope" }, or { "name", "mesh", "frames", "units", "up", "rate" }.
+ * scene_surfaces.c -- the surfaces of a scene document: { "name", "contact", "envelope" }, or { "name", "contact", "mesh", "frames",
+ * "units", "up", "rate" }.
  */
 #include "scene_surfaces.h"
 
@@ -17,7 +18,7 @@ static sn_status get_file(const sn_json_value *value, char **out, sn_error *erro
 }
 
 static sn_status parse_envelope(const sn_json_value *value, sn_scene_surface *out, sn_error *error) {
-    static const char *const known[] = {"name", "envelope", NULL};
+    static const char *const known[] = {"name", "contact", "envelope", NULL};
     sn_json_value envelope = sn_json_member(value, "envelope");
     sn_status status = get_file(&envelope, &out->uri, error);
     if (status == SN_OK) sn_json_warn_unknown(value, known);
@@ -25,7 +26,7 @@ static sn_status parse_envelope(const sn_json_value *value, sn_scene_surface *ou
 }
 
 static sn_status parse_driven(const sn_json_value *value, sn_scene_surface *out, sn_error *error) {
-    static const char *const known[] = {"name", "mesh", "frames", "units", "up", "rate", NULL};
+    static const char *const known[] = {"name", "contact", "mesh", "frames", "units", "up", "rate", NULL};
     sn_json_value mesh = sn_json_member(value, "mesh"), frames = sn_json_member(value, "frames"), units = sn_json_member(value, "units"),
                   up = sn_json_member(value, "up"), rate = sn_json_member(value, "rate");
     int axis = -1;
@@ -43,10 +44,12 @@ static sn_status parse_driven(const sn_json_value *value, sn_scene_surface *out,
 }
 
 static sn_status parse_surface(const sn_json_value *value, sn_scene_surface *out, sn_error *error) {
-    sn_json_value name = sn_json_member(value, "name"), envelope = sn_json_member(value, "envelope");
+    sn_json_value name = sn_json_member(value, "name"), envelope = sn_json_member(value, "envelope"),
+                  contact = sn_json_member(value, "contact");
     sn_status status = sn_json_expect_object(value, error);
     if (status == SN_OK) status = sn_json_require(&name, "the name of the surface", error);
     if (status == SN_OK) status = sn_json_get_text(&name, &out->name, error);
+    if (status == SN_OK) status = sn_json_get_bool(&contact, &out->solid, error);
     if (status != SN_OK) return status;
     return sn_json_has(&envelope) ? parse_envelope(value, out, error) : parse_driven(value, out, error);
 }
@@ -213,6 +216,7 @@ void sn_scene_surfaces_write(const sn_scene *scene, sn_json *json) {
         const sn_scene_surface *surface = &scene->surfaces[i];
         sn_json_object_line(json, NULL);
         sn_json_text(json, "name", surface->name);
+        if (surface->solid) sn_json_bool(json, "contact", true);
         if (surface->kind == SN_SURFACE_ENVELOPE)
             sn_json_text(json, "envelope", surface->uri);
         else

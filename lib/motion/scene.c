@@ -117,6 +117,10 @@ bool sn_scene_surface_carries(const sn_scene *scene, sn_index surface) {
     return false;
 }
 
+const char *sn_scene_touched_name(const sn_scene *scene, sn_index touched) {
+    return touched < scene->bone_count ? scene->bones[touched].name : scene->surfaces[touched - scene->bone_count].name;
+}
+
 void sn_scene_warn_of_times(const sn_scene *scene) {
     double first = scene->first_frame / scene->rate, last = scene->last_frame / scene->rate, slack = 1e-6;
     for (sn_index i = 0; i < scene->surface_count; i++) {

@@ -1,5 +1,6 @@
 /*
- * contact.c -- bones are not entered: a unilateral row for each point and bone, C = phi(x) - m >= 0.   bodies.md 2, numerics.md 7
+ * contact.c -- bones and surfaces are not entered: a unilateral row for each point and one of them, C = phi(x) - m >= 0.   bodies.md 2,
+ * numerics.md 7
  *
  * Under `qn` by an augmented Lagrangian, energy max(0, lambda - k C)^2 / (2 k), force max(0, lambda - k C) grad phi; lambda is kept from
  * step to step, and the rows are in no matrix. Under `xpbd` by projection, with Coulomb's friction. Phi and its gradient are those of one
@@ -22,19 +23,28 @@ double sn_contact_margin(const sn_contacts *contacts, const sn_muscle_state *s, 
     return s->inputs->resolved > 0.0 ? margin + s->inputs->resolved * (contacts->margin - margin) : margin;
 }
 
+/* Phi of a row at `at`, and its gradient in the world (nullable). */
+static double distance_of(const sn_contacts *contacts, const sn_muscle_state *s, const sn_collider *collider, sn_index r, sn_vec3 at,
+                          sn_vec3 *gradient) {
+    if (collider->patch != NULL) return sn_patch_distance(collider, s, r, at, gradient);
+    const sn_rigid *pose = &s->inputs->collider_poses[collider - contacts->colliders];
+    sn_vec3 local = sn_quat_rotate(sn_quat_conjugate(pose->rotation), sn_sub(at, pose->translation));
+    double phi = sn_distance_field_at(collider->field, local, gradient);
+    if (gradient != NULL) *gradient = sn_quat_rotate(pose->rotation, *gradient);
+    return phi;
+}
+
 /* C of a row at these points, and grad phi in the world (nullable). */
 static double value_of(const sn_contacts *contacts, const sn_muscle_state *s, const sn_collider *collider, const sn_contact_row *row,
                        const sn_point *points, sn_vec3 *gradient) {
-    const sn_rigid *pose = &s->inputs->collider_poses[collider - contacts->colliders];
-    sn_vec3 away = sn_sub(sn_contact_point(row, points), pose->translation), local;
-    sn_vec3 at = sn_quat_rotate(sn_quat_conjugate(pose->rotation), away);
-    double phi = sn_distance_field_at(collider->field, at, gradient != NULL ? &local : NULL);
-    if (gradient != NULL) *gradient = sn_quat_rotate(pose->rotation, local);
+    double phi = distance_of(contacts, s, collider, (sn_index)(row - contacts->rows), sn_contact_point(row, points), gradient);
     return phi - sn_contact_margin(contacts, s, row);
 }
 
-static sn_rigid into_frame(const sn_contacts *contacts, const sn_muscle_state *s, const sn_collider *collider) {
-    return sn_rigid_inverse(s->inputs->collider_poses[collider - contacts->colliders]);
+double sn_contact_distance(const sn_model_muscle *m, const sn_muscle_state *s, const sn_collider *collider, sn_index r) {
+    const sn_contacts *contacts = sn_contacts_of(m);
+    sn_vec3 at = sn_contact_point(&contacts->rows[r], s->points);
+    return collider->patch != NULL ? sn_patch_distance_exact(collider, s, r, at) : distance_of(contacts, s, collider, r, at, NULL);
 }
 
 /* ---- near rows, one collider after the other -------------------------------------------------------------------------------------------
@@ -116,7 +126,10 @@ static void rub(const sn_contacts *contacts, const sn_muscle_state *s, const sn_
     sn_index c = (sn_index)(collider - contacts->colliders);
     sn_vec3 before = sn_v3(0, 0, 0), at = sn_contact_point(row, s->points);
     for (int i = 0; i < 3 && row->weight[i] > 0.0f; i++) before = sn_add_scaled(before, s->previous[row->point[i]], (double)row->weight[i]);
-    sn_vec3 stuck = sn_rigid_apply(sn_rigid_compose(s->inputs->collider_poses[c], sn_rigid_inverse(s->inputs->collider_placed[c])), before);
+    sn_vec3 stuck =
+        collider->patch != NULL
+            ? sn_add(before, sn_patch_way(collider, s, (sn_index)(row - contacts->rows), at))
+            : sn_rigid_apply(sn_rigid_compose(s->inputs->collider_poses[c], sn_rigid_inverse(s->inputs->collider_placed[c])), before);
     sn_vec3 slip = sn_sub(at, stuck);
     slip = sn_add_scaled(slip, normal, -sn_dot(slip, normal));
     double length = sn_norm(slip), mobility = mobility_of(s->points, row);
@@ -216,10 +229,13 @@ static void errors(const sn_model_muscle *m, const sn_muscle_state *s, sn_row_ki
     const sn_collider *collider = contacts != NULL ? contacts->colliders : NULL;
     for (sn_index r = begin; r < end;) {
         collider = collider_at(collider, r);
+        sn_approach a = sn_approach_of(m, s, (sn_index)(collider - contacts->colliders));
         sn_contact_block b = sn_contact_block_at(contacts, collider, r, s->points, NULL);
-        bool near = sn_contact_block_is_near(collider, into_frame(contacts, s, collider), &b, contacts->margin);
+        bool near = sn_approach_is_near(&a, &b, contacts->margin);
         for (; r < b.end && r < end; r++)
-            out[r - begin] = near ? fmax(0.0, -value_of(contacts, s, collider, &contacts->rows[r], s->points, NULL)) / m->mean_edge : 0.0;
+            out[r - begin] =
+                near ? fmax(0.0, sn_contact_margin(contacts, s, &contacts->rows[r]) - sn_contact_distance(m, s, collider, r)) / m->mean_edge
+                     : 0.0;
     }
 }
 
@@ -229,8 +245,8 @@ static const double DEPTH_NOISE = 1e-7;
 static void measure_row(const sn_model_muscle *m, const sn_muscle_state *s, const sn_collider *collider, sn_index r, sn_statistics *out) {
     const sn_contacts *contacts = sn_contacts_of(m);
     const sn_contact_row *row = &contacts->rows[r];
-    double value = value_of(contacts, s, collider, row, s->points, NULL), margin = sn_contact_margin(contacts, s, row);
-    double phi = value + margin, depth = fmin(0.0, (double)row->margin) - phi;
+    double phi = sn_contact_distance(m, s, collider, r), value = phi - sn_contact_margin(contacts, s, row);
+    double depth = fmin(0.0, (double)row->margin) - phi;
     out->overlap = fmax(out->overlap, -phi);
     if (contacts->by_voxels)
         out->contacts +=
@@ -250,10 +266,10 @@ void sn_contacts_measure(const sn_model_muscle *m, const sn_muscle_state *s, sn_
     out->penetration_vertex = out->penetration_bone = SN_NONE;
     for (sn_index c = 0; c < m->collider_count; c++) {
         const sn_collider *collider = &contacts->colliders[c];
-        sn_rigid into = into_frame(contacts, s, collider);
+        sn_approach a = sn_approach_of(m, s, c);
         for (sn_index begin = collider->begin; begin < collider->end; begin += SN_CONTACT_BLOCK) {
             sn_contact_block b = sn_contact_block_at(contacts, collider, begin, s->points, NULL);
-            bool near = contacts->by_voxels || sn_contact_block_is_near(collider, into, &b, contacts->margin + 1e-9 * m->diagonal);
+            bool near = contacts->by_voxels || sn_approach_is_near(&a, &b, contacts->margin + 1e-9 * m->diagonal);
             for (sn_index r = b.begin; near && r < b.end; r++) measure_row(m, s, collider, r, out);
         }
     }
@@ -270,7 +286,14 @@ static size_t row_bytes(const sn_model_muscle *m) {
 
 static size_t own_bytes(const sn_model_muscle *m, sn_row_kind kind) {
     if (m->own[kind] == NULL) return 0;
-    return sizeof(sn_contacts) + (size_t)m->collider_count * sizeof(sn_collider) + (size_t)m->contact_count * sizeof(sn_contact_row);
+    const sn_contacts *contacts = m->own[kind];
+    size_t bytes =
+        sizeof(sn_contacts) + (size_t)m->collider_count * sizeof(sn_collider) + (size_t)m->contact_count * sizeof(sn_contact_row);
+    for (sn_index c = 0; c < m->collider_count; c++) {
+        const sn_patch *patch = contacts->colliders[c].patch;
+        if (patch != NULL) bytes += sizeof *patch + sn_moving_bytes(&patch->moving) + (size_t)patch->moving.vertex_count * sizeof(sn_index);
+    }
+    return bytes;
 }
 
 const sn_row_ops sn_rows_contact = {

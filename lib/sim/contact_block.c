@@ -38,8 +38,3 @@ sn_contact_block sn_contact_block_at(const sn_contacts *contacts, const sn_colli
     b.radius = 0.5 * sn_distance(low, high);
     return b;
 }
-
-bool sn_contact_block_is_near(const sn_collider *collider, sn_rigid into, const sn_contact_block *block, double reach) {
-    double phi = sn_distance_field_at(collider->field, sn_rigid_apply(into, block->middle), NULL);
-    return !(phi - block->radius >= reach); /* what is not finite is looked at */
-}

@@ -1,5 +1,6 @@
 /*
- * contact_build.c -- the rows of contact of one muscle: which of its points are held out of which bones, and by which margin.   bodies.md 2
+ * contact_build.c -- the rows of contact of one muscle: which of its points are held out of which bones and surfaces, and by which margin.
+ * bodies.md 2
  *
  * Points that a bone carries have none, and the vertices around an attachment none against that bone, and those that move as one with it:
  * the muscle grows out of it there.
@@ -16,12 +17,19 @@ static const double DEFAULT_MARGIN = 0.1;
 /* A surface that passes by farther in a step than this share of the thinner of the two could pass through (numerics.md 7). */
 static const double SAFE_WAY = 0.3;
 
+/* What a row is held out of, at rest. */
+typedef struct rest_collider {
+    const sn_distance_field *field;
+    sn_moving_shape shape; /* of a patch: field is NULL */
+} rest_collider;
+
 /* What the rows of one muscle are made in. */
 typedef struct contact_work {
     const sn_build *build;
     sn_contacts *contacts;
-    bool *excluded;  /* (vertex_count) by the bone at hand */
-    sn_index *front; /* (vertex_count) room */
+    rest_collider rest; /* of the collider at hand */
+    bool *excluded;     /* (vertex_count) by the bone at hand */
+    sn_index *front;    /* (vertex_count) room */
 } contact_work;
 
 /* ---- what is excluded ----------------------------------------------------------------------------------------------------------- */
@@ -47,9 +55,10 @@ static void exclude_attachment(contact_work *w, const sn_attachment *attachment)
     }
 }
 
-/* Is this attachment to the bone, or to another that moves as one with it? */
+/* Is this attachment to the bone, or to another that moves as one with it? From scene->bone_count on: to the surface? */
 static bool holds_to(const sn_scene *scene, const sn_attachment *attachment, sn_index bone) {
     sn_carrier carrier = sn_scene_carrier(scene, attachment->bone);
+    if (bone >= scene->bone_count) return carrier.kind == SN_CARRIER_SURFACE && carrier.index == bone - scene->bone_count;
     if (carrier.kind == SN_CARRIER_BONE) return carrier.index == bone || scene->bones[carrier.index].joint == scene->bones[bone].joint;
     return carrier.kind == SN_CARRIER_JOINT && carrier.index == scene->bones[bone].joint;
 }
@@ -64,26 +73,27 @@ static void find_excluded(contact_work *w, sn_index bone) {
 /* ---- rows ------------------------------------------------------------------------------------------------------------------------ */
 
 /* What it had at rest, where that is less than what is asked. */
-static float margin_of(const contact_work *w, const sn_distance_field *field, const sn_contact_row *row) {
+static float margin_of(const contact_work *w, const sn_contact_row *row) {
     sn_vec3 at = sn_v3(0, 0, 0);
     for (int i = 0; i < 3; i++) at = sn_add_scaled(at, w->build->model->rest[row->point[i]], (double)row->weight[i]);
-    return (float)fmin(w->contacts->margin, sn_distance_field_at(field, at, NULL));
+    if (w->rest.field != NULL) return (float)fmin(w->contacts->margin, sn_distance_field_at(w->rest.field, at, NULL));
+    sn_closest foot = sn_moving_closest(&w->rest.shape, 0, at);
+    return (float)fmin(w->contacts->margin, sn_moving_side(&w->rest.shape, &foot, at, NULL));
 }
 
-static void add_row(contact_work *w, const sn_distance_field *field, sn_contact_row row) {
-    row.margin = margin_of(w, field, &row);
+static void add_row(contact_work *w, sn_contact_row row) {
+    row.margin = margin_of(w, &row);
     w->contacts->rows[w->build->model->contact_count++] = row;
 }
 
-static void add_vertices(contact_work *w, const sn_distance_field *field) {
+static void add_vertices(contact_work *w) {
     const sn_model_muscle *m = w->build->model;
     for (sn_index v = 0; v < m->vertex_count; v++)
-        if (m->inverse_mass[v] > 0.0 && !w->excluded[v])
-            add_row(w, field, (sn_contact_row){.point = {v, v, v}, .weight = {1.0f, 0.0f, 0.0f}});
+        if (m->inverse_mass[v] > 0.0 && !w->excluded[v]) add_row(w, (sn_contact_row){.point = {v, v, v}, .weight = {1.0f, 0.0f, 0.0f}});
 }
 
 /* The middle of each triangle, or three points half way from it to the corners. */
-static void add_samples(contact_work *w, const sn_distance_field *field) {
+static void add_samples(contact_work *w) {
     const sn_model_muscle *m = w->build->model;
     const float third = 1.0f / 3.0f, far = 1.0f / 6.0f, near = 2.0f / 3.0f;
     sn_index samples = w->build->scene->contact.samples;
@@ -93,10 +103,10 @@ static void add_samples(contact_work *w, const sn_distance_field *field) {
         bool is_free = m->inverse_mass[v[0]] > 0.0 || m->inverse_mass[v[1]] > 0.0 || m->inverse_mass[v[2]] > 0.0;
         if (held || !is_free || !(m->rest_area[t] > 0.0)) continue;
         sn_contact_row row = {.point = {v[0], v[1], v[2]}, .weight = {third, third, third}};
-        if (samples == 1) add_row(w, field, row);
+        if (samples == 1) add_row(w, row);
         for (int i = 0; i < 3 && samples == 3; i++) {
             for (int k = 0; k < 3; k++) row.weight[k] = k == i ? near : far;
-            add_row(w, field, row);
+            add_row(w, row);
         }
     }
 }
@@ -152,51 +162,108 @@ static double thickness_of(const sn_model_muscle *m) {
     return thickness > 0.0 ? thickness : m->mean_edge; /* an open sheet has no volume */
 }
 
-static bool add_collider(contact_work *w, sn_index bone) {
+/* Rows of the muscle's points and this collider, which gets their numbers and a place where there are any. */
+static bool add_rows(contact_work *w, sn_collider collider) {
+    sn_model_muscle *m = w->build->model;
+    bool by_voxels = w->contacts->by_voxels;
+    collider.begin = m->contact_count;
+    if (!by_voxels) find_excluded(w, collider.bone); /* [K21] spares fixed points alone, and it has no samples */
+    add_vertices(w);
+    if (!by_voxels) add_samples(w);
+    collider.end = m->contact_count;
+    if (collider.end == collider.begin) return true;
+    if (!by_voxels && !sort_rows(w, collider.begin)) return false;
+    w->contacts->colliders[m->collider_count++] = collider;
+    return true;
+}
+
+static bool add_bone(contact_work *w, sn_index bone) {
     const struct sn_contact_plan *plan = w->build->contact;
     sn_model_muscle *m = w->build->model;
-    const sn_distance_field *field = &plan->fields[bone];
     double thinner = fmin(thickness_of(m), plan->thickness[bone] > 0.0 ? plan->thickness[bone] : INFINITY);
-    sn_index begin = m->contact_count;
-    if (!w->contacts->by_voxels) find_excluded(w, bone); /* [K21] spares fixed points alone, and it has no samples */
-    add_vertices(w, field);
-    if (!w->contacts->by_voxels) add_samples(w, field);
-    if (m->contact_count == begin) return true;
-    if (!w->contacts->by_voxels && !sort_rows(w, begin)) return false;
-    w->contacts->colliders[m->collider_count++] = (sn_collider){.bone = bone,
-                                                                .joint = w->build->scene->bones[bone].joint,
-                                                                .field = field,
-                                                                .voxels = plan->voxels != NULL ? &plan->voxels[bone] : NULL,
-                                                                .limit = SAFE_WAY * thinner,
-                                                                .begin = begin,
-                                                                .end = m->contact_count};
-    return true;
+    w->rest = (rest_collider){.field = &plan->fields[bone]};
+    return add_rows(w, (sn_collider){.bone = bone,
+                                     .joint = w->build->scene->bones[bone].joint,
+                                     .field = &plan->fields[bone],
+                                     .voxels = plan->voxels != NULL ? &plan->voxels[bone] : NULL,
+                                     .limit = SAFE_WAY * thinner});
+}
+
+/* ---- surfaces ------------------------------------------------------------------------------------------------------------------------ */
+
+static sn_index muscle_of(const sn_build *build) { return (sn_index)(build->source - build->scene->muscles); }
+
+/* Its rows, with the surface at rest in positions and boxes; *made: it has some, and owns the patch. */
+static bool add_patch_rows(contact_work *w, sn_index surface, sn_patch *patch, bool *made) {
+    const struct sn_contact_plan *plan = w->build->contact;
+    sn_model_muscle *m = w->build->model;
+    sn_index colliders = m->collider_count;
+    sn_vec3 *positions = SN_NEW(sn_vec3, patch->moving.vertex_count);
+    sn_box *boxes = SN_NEW(sn_box, sn_moving_box_count(&patch->moving));
+    bool enough = positions != NULL && boxes != NULL;
+    for (sn_index v = 0; enough && v < patch->moving.vertex_count; v++)
+        positions[v] = patch->surface->envelope.mesh.positions[patch->vertices[v]];
+    if (enough) {
+        double thickness = plan->surfaces[surface].thickness;
+        sn_moving_fit(&patch->moving, positions, boxes);
+        w->rest = (rest_collider){.shape = {&patch->moving, positions, boxes}};
+        enough = add_rows(w, (sn_collider){.bone = plan->bone_count + surface,
+                                           .joint = SN_NONE,
+                                           .patch = patch,
+                                           .limit = SAFE_WAY * fmin(thickness_of(m), thickness > 0.0 ? thickness : INFINITY)});
+    }
+    free(positions);
+    free(boxes);
+    *made = m->collider_count > colliders;
+    return enough;
+}
+
+static bool add_patch(contact_work *w, sn_index surface) {
+    sn_model_muscle *m = w->build->model;
+    sn_patch *patch = SN_NEW(sn_patch, 1);
+    bool made = false, enough = patch != NULL && sn_patch_make(w->build->contact, muscle_of(w->build), surface, patch, NULL) == SN_OK;
+    sn_index first = m->contact_count;
+    if (enough) {
+        *patch =
+            (sn_patch){&w->build->scene->surfaces[surface], patch->moving, patch->vertices, m->patch_points, m->patch_boxes, m->feet_count};
+        enough = add_patch_rows(w, surface, patch, &made);
+    }
+    if (!made) {
+        sn_patch_free(patch);
+        return enough;
+    }
+    m->patch_points += patch->moving.vertex_count;
+    m->patch_boxes += sn_moving_box_count(&patch->moving);
+    m->feet_count += m->contact_count - first;
+    m->pose_count = w->build->scene->motion.joint_count;
+    return enough;
 }
 
 /* ---- the whole --------------------------------------------------------------------------------------------------------------------- */
 
 static const bool *reach_of(const sn_build *build) {
     const struct sn_contact_plan *plan = build->contact;
-    return plan->reach + (size_t)(build->source - build->scene->muscles) * (size_t)plan->bone_count;
+    return plan->reach + (size_t)muscle_of(build) * (size_t)plan->bone_count;
 }
 
-static sn_index count_bones(const sn_build *build) {
+static sn_index count_colliders(const sn_build *build) {
     const bool *reach = reach_of(build);
     sn_index count = 0;
     for (sn_index b = 0; b < build->contact->bone_count; b++) count += reach[b];
+    for (sn_index i = 0; i < build->contact->surface_count; i++) count += sn_contact_surface_near(build->contact, muscle_of(build), i);
     return count;
 }
 
-static bool make_room(contact_work *w, sn_index bones) {
+static bool make_room(contact_work *w, sn_index colliders) {
     sn_model_muscle *m = w->build->model;
     size_t samples = (size_t)w->build->scene->contact.samples * (size_t)m->triangle_count;
-    return (w->contacts->colliders = SN_NEW(sn_collider, bones)) &&
-           (w->contacts->rows = SN_NEW(sn_contact_row, (size_t)bones * ((size_t)m->vertex_count + samples))) &&
+    return (w->contacts->colliders = SN_NEW(sn_collider, colliders)) &&
+           (w->contacts->rows = SN_NEW(sn_contact_row, (size_t)colliders * ((size_t)m->vertex_count + samples))) &&
            (w->excluded = SN_NEW(bool, m->vertex_count)) && (w->front = SN_NEW(sn_index, m->vertex_count)) &&
-           (w->build->plan->bones = SN_NEW(sn_index, bones));
+           (w->build->plan->bones = SN_NEW(sn_index, colliders));
 }
 
-/* The rows' arrays as long as they are, and the bones for the plan. */
+/* The rows' arrays as long as they are, and what is touched for the plan. */
 static void settle(contact_work *w) {
     sn_model_muscle *m = w->build->model;
     sn_plan_muscle *plan = w->build->plan;
@@ -228,9 +295,11 @@ sn_status sn_contacts_build(const sn_build *build, sn_row_kind kind, sn_error *e
     w.contacts->begin = build->scene->first_frame / build->scene->rate;
     w.contacts->resolve = asked->resolve;
     if (build->contact->voxels != NULL) use_voxels(asked, w.contacts);
-    bool made = make_room(&w, count_bones(build));
+    bool made = make_room(&w, count_colliders(build));
     for (sn_index b = 0; made && b < build->contact->bone_count; b++)
-        if (reach_of(build)[b]) made = add_collider(&w, b);
+        if (reach_of(build)[b]) made = add_bone(&w, b);
+    for (sn_index i = 0; made && i < build->contact->surface_count; i++)
+        if (sn_contact_surface_near(build->contact, muscle_of(build), i)) made = add_patch(&w, i);
     if (made) settle(&w);
     free(w.excluded);
     free(w.front);
@@ -238,9 +307,22 @@ sn_status sn_contacts_build(const sn_build *build, sn_row_kind kind, sn_error *e
     return made ? SN_OK : sn_fail_memory(error, "contact");
 }
 
+sn_index sn_model_patch_size(const sn_model *model, sn_index muscle, sn_index surface) {
+    for (sn_index i = 0; i < model->muscle_count; i++) {
+        const sn_model_muscle *m = &model->muscles[i];
+        if (m->source != &model->scene->muscles[muscle]) continue;
+        for (sn_index c = 0; c < m->collider_count; c++) {
+            const sn_collider *collider = &sn_contacts_of(m)->colliders[c];
+            if (collider->bone == model->scene->bone_count + surface) return collider->patch->moving.triangle_count;
+        }
+    }
+    return 0;
+}
+
 void sn_contacts_destroy(sn_model_muscle *m, sn_row_kind kind) {
     sn_contacts *contacts = m->own[kind];
     if (contacts == NULL) return;
+    for (sn_index c = 0; contacts->colliders != NULL && c < m->collider_count; c++) sn_patch_free(contacts->colliders[c].patch);
     free(contacts->colliders);
     free(contacts->rows);
     free(contacts);
@@ -249,5 +331,5 @@ void sn_contacts_destroy(sn_model_muscle *m, sn_row_kind kind) {
 
 sn_left_out sn_contacts_reason(const sn_build *build) {
     if (build->contact == NULL || build->source->untouched) return SN_OUT_SETTING;
-    return count_bones(build) > 0 ? SN_RUNS : SN_OUT_NO_BONE;
+    return count_colliders(build) > 0 ? SN_RUNS : SN_OUT_NO_BONE;
 }

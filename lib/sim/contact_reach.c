@@ -1,5 +1,6 @@
 /*
- * contact_reach.c -- which bones come near which muscle over the motion, by boxes; and the distance fields of those bones.   bodies.md 2
+ * contact_reach.c -- which bones, and which parts of surfaces, come near which muscle over the motion, by boxes; and the distance fields of
+ * those bones.   bodies.md 2
  *
  * A muscle is taken to stay in the box around where each bone that it is attached to would carry all of its rest shape, and some room
  * around that. The rest of the scene's bones it never hears of. All of the motion is looked at, whatever frames are simulated and at which
@@ -24,6 +25,7 @@ typedef struct reach_work {
     const sn_scene *scene;
     struct sn_contact_plan *plan;
     sn_box *bones, *muscles; /* at rest, m */
+    sn_box *swept;           /* the muscles at a moment, with room around them; empty: no part in contact */
     double *edges;           /* mean ones of the muscles, m */
     sn_rigid *poses;         /* room for those of all joints */
 } reach_work;
@@ -92,22 +94,23 @@ static sn_box muscle_box(const reach_work *w, sn_index muscle, const sn_surface_
 
 static bool takes_part(const sn_scene_muscle *muscle) { return muscle->enabled && !muscle->untouched; }
 
+static void look_at_bone(const reach_work *w, sn_index b) {
+    sn_box bone = EMPTY;
+    extend_by(&bone, &w->bones[b], w->poses, w->scene->bones[b].joint);
+    for (sn_index i = 0; i < w->plan->muscle_count; i++) {
+        bool *near = &w->plan->reach[(size_t)i * (size_t)w->plan->bone_count + (size_t)b];
+        *near = *near || overlap(&w->swept[i], &bone);
+    }
+}
+
 static void look(const reach_work *w, double time, double share) {
     const sn_scene *scene = w->scene;
-    struct sn_contact_plan *plan = w->plan;
     sn_motion_run_in_poses(&scene->motion, time, share, w->poses);
     const sn_surface_moment at = {w->poses, time, share};
-    for (sn_index i = 0; i < scene->muscle_count; i++) {
-        if (!takes_part(&scene->muscles[i])) continue;
-        sn_box box = muscle_box(w, i, &at);
-        for (sn_index b = 0; b < scene->bone_count; b++) {
-            bool *near = &plan->reach[(size_t)i * (size_t)plan->bone_count + (size_t)b];
-            if (*near || scene->bones[b].passable) continue;
-            sn_box bone = EMPTY;
-            extend_by(&bone, &w->bones[b], w->poses, scene->bones[b].joint);
-            *near = overlap(&box, &bone);
-        }
-    }
+    for (sn_index i = 0; i < scene->muscle_count; i++) w->swept[i] = takes_part(&scene->muscles[i]) ? muscle_box(w, i, &at) : EMPTY;
+    for (sn_index b = 0; b < scene->bone_count; b++)
+        if (!scene->bones[b].passable) look_at_bone(w, b);
+    sn_contact_surfaces_look(scene, &at, w->swept, w->plan);
 }
 
 /* From where to where something moves, s. */
@@ -227,7 +230,8 @@ static bool make_room(reach_work *w) {
            (plan->fields = SN_NEW(sn_distance_field, plan->bone_count)) && (plan->thickness = SN_NEW(double, plan->bone_count)) &&
            (sn_scene_collision(w->scene) != SN_COLLISION_VOXEL || (plan->voxels = SN_NEW(sn_voxels, plan->bone_count))) &&
            (w->bones = SN_NEW(sn_box, plan->bone_count)) && (w->muscles = SN_NEW(sn_box, plan->muscle_count)) &&
-           (w->edges = SN_NEW(double, plan->muscle_count)) && (w->poses = SN_NEW(sn_rigid, w->scene->motion.joint_count));
+           (w->swept = SN_NEW(sn_box, plan->muscle_count)) && (w->edges = SN_NEW(double, plan->muscle_count)) &&
+           (w->poses = SN_NEW(sn_rigid, w->scene->motion.joint_count));
 }
 
 static void measure_rest(reach_work *w) {
@@ -246,6 +250,7 @@ sn_status sn_contact_plan_create(const sn_scene *scene, const sn_model_options *
     if (status != SN_OK) return status;
     reach_work w = {.scene = scene, .plan = SN_NEW(struct sn_contact_plan, 1)};
     if (w.plan == NULL || !make_room(&w)) status = sn_fail_memory(error, "contact");
+    if (status == SN_OK) status = sn_contact_surfaces_make(scene, w.plan, error);
     if (status == SN_OK) {
         measure_rest(&w);
         look_through(&w);
@@ -253,6 +258,7 @@ sn_status sn_contact_plan_create(const sn_scene *scene, const sn_model_options *
     }
     free(w.bones);
     free(w.muscles);
+    free(w.swept);
     free(w.edges);
     free(w.poses);
     if (status == SN_OK)
@@ -276,6 +282,7 @@ void sn_contact_plan_destroy(struct sn_contact_plan *plan) {
     if (plan == NULL) return;
     for (sn_index b = 0; plan->fields != NULL && b < plan->bone_count; b++) sn_distance_field_free(&plan->fields[b]);
     for (sn_index b = 0; plan->voxels != NULL && b < plan->bone_count; b++) sn_voxels_free(&plan->voxels[b]);
+    sn_contact_surfaces_free(plan);
     free(plan->fields);
     free(plan->voxels);
     free(plan->reach);

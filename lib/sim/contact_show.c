@@ -43,11 +43,9 @@ void sn_contact_depths(const sn_model *model, const sn_state *state, sn_index mu
     for (sn_index v = 0; v < m->vertex_count; v++) depths[v] = 0.0;
     for (sn_index c = 0; c < m->collider_count; c++) {
         const sn_collider *collider = &contacts->colliders[c];
-        sn_rigid into = sn_rigid_inverse(s->inputs->collider_poses[c]);
         for (sn_index r = collider->begin; r < collider->end; r++) {
             const sn_contact_row *row = &contacts->rows[r];
-            double phi = sn_distance_field_at(collider->field, sn_rigid_apply(into, sn_contact_point(row, s->points)), NULL);
-            double depth = fmin(0.0, (double)row->margin) - phi;
+            double depth = fmin(0.0, (double)row->margin) - sn_contact_distance(m, s, collider, r);
             for (int i = 0; i < 3 && row->weight[i] > 0.0f; i++) depths[row->point[i]] = fmax(depths[row->point[i]], depth);
         }
     }

@@ -68,6 +68,11 @@ bool sn_sound_turns(const sn_quat *values, size_t count) {
     return sound;
 }
 
+bool sn_sound_boxes(const sn_box *values, size_t count) {
+    (void)values, (void)count;
+    return true;
+}
+
 bool sn_sound_poses(const sn_rigid *values, size_t count) {
     bool sound = true;
     for (size_t i = 0; i < count; i++) sound = sound && sn_sound_unit(values[i].rotation) && sn_finite3(values[i].translation);

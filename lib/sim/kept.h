@@ -33,6 +33,7 @@ bool sn_sound_points(const sn_point *values, size_t count);
 bool sn_sound_single_points(const sn_single_point *values, size_t count);
 bool sn_sound_indices(const sn_index *values, size_t count); /* of what is made anew: any */
 bool sn_sound_poses(const sn_rigid *values, size_t count);
+bool sn_sound_boxes(const sn_box *values, size_t count); /* made anew: any */
 /* A product of rotations, each a unit to within the 1e-6 that a scene may have it off. */
 bool sn_sound_unit(sn_quat q);
 bool sn_sound_turns(const sn_quat *values, size_t count); /* zeros: nothing has turned yet */
@@ -47,6 +48,7 @@ bool sn_sound_turns(const sn_quat *values, size_t count); /* zeros: nothing has 
         bool *: sn_sound_flags,                                                                                                            \
         sn_index *: sn_sound_indices,                                                                                                      \
         sn_quat *: sn_sound_turns,                                                                                                         \
+        sn_box *: sn_sound_boxes,                                                                                                          \
         sn_rigid *: sn_sound_poses)((values), (count))
 
 /* ---- for the lists; `part` is the struct that has the members, `kept_only`, `made`, `bytes`, `c`, `read` are the user's ----------- */

@@ -122,14 +122,18 @@ static void aim_at_surfaces(const sn_model_muscle *m, sn_muscle_state *s, const 
     }
 }
 
+sn_surface_moment sn_kinematics_moment(sn_muscle_state *s, const sn_scene *scene, const sn_surface_moment *at) {
+    sn_surface_moment all = *at;
+    if (all.poses != NULL) return all;
+    sn_motion_run_in_poses(&scene->motion, at->time, at->share, s->inputs->joint_poses);
+    all.poses = s->inputs->joint_poses;
+    return all;
+}
+
 void sn_kinematics_aim(const sn_model_muscle *m, sn_muscle_state *s, const sn_scene *scene, const sn_surface_moment *at) {
     aim_at_bones(m, s, scene, at);
     if (m->follower_count == 0) return;
-    sn_surface_moment all = *at;
-    if (all.poses == NULL) {
-        sn_motion_run_in_poses(&scene->motion, at->time, at->share, s->inputs->joint_poses);
-        all.poses = s->inputs->joint_poses;
-    }
+    sn_surface_moment all = sn_kinematics_moment(s, scene, at);
     aim_at_surfaces(m, s, scene, &all);
 }
 

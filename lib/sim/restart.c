@@ -10,6 +10,7 @@
  * held to what it may be before any of them is taken.
  */
 #include "backend.h"
+#include "contact.h"
 
 static const char MAGIC[12] = "sinew state\n";
 enum { VERSION = 5, HEADER = sizeof MAGIC + sizeof(int32_t) + SN_HASH_LENGTH };
@@ -122,6 +123,7 @@ static void take_member(const sn_model_muscle *m, const sn_muscle_state *from, s
     sn_inputs *part = s->inputs;
     INPUT_NUMBERS(SN_TAKE_NUMBER)
     SN_INPUT_ARRAYS(SN_TAKE_ARRAY)
+    sn_patches_fit(m, s);
 }
 
 static void take_group(const sn_backend *backend, const sn_group *g, const sn_group_state *read, sn_group_state *part) {

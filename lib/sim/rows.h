@@ -92,6 +92,8 @@ SN_MUST_CHECK sn_status sn_kinematics_build(const sn_build *build, sn_error *err
 /* Leave the poses of the sites' bones in the state, and where followers of surfaces go. at->poses NULL: nobody has those of all joints at
  * that moment. */
 void sn_kinematics_aim(const sn_model_muscle *m, sn_muscle_state *s, const sn_scene *scene, const sn_surface_moment *at);
+/* The moment with the poses of all joints, which the state has room for where m->pose_count > 0. */
+sn_surface_moment sn_kinematics_moment(sn_muscle_state *s, const sn_scene *scene, const sn_surface_moment *at);
 /* Put every attached vertex where its bone carries it: exactly pose(rest); or its surface. */
 void sn_kinematics_place(const sn_model_muscle *m, sn_muscle_state *s);
 /* Where the k-th kinematic point, one of that site, will be put. */

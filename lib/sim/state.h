@@ -35,6 +35,11 @@ typedef struct sn_bone_motion {
     X(sn_rigid, joint_poses, m->pose_count, SN_LEFT)                /* room for those of all joints at a time of the muscle's own */       \
     X(sn_rigid, collider_poses, m->collider_count, SN_KEPT)         /* of the bones it may touch, at the end of the step */                \
     X(sn_rigid, collider_placed, m->collider_count, SN_KEPT)        /* and at its beginning */                                             \
+    X(sn_vec3, patches, m->patch_points, SN_KEPT)                   /* of the surfaces it may touch, at the end of the step, m */          \
+    X(sn_vec3, patches_placed, m->patch_points, SN_KEPT)            /* and at its beginning */                                             \
+    X(sn_box, patch_boxes, m->patch_boxes, SN_LEFT)                 /* around their triangles */                                           \
+    X(sn_box, patch_boxes_placed, m->patch_boxes, SN_LEFT)                                                                                 \
+    X(sn_index, feet, m->feet_count, SN_LEFT)                               /* of rows: the triangle to walk from */                       \
     X(double, multipliers, m->quasi_newton ? m->contact_count : 0, SN_KEPT) /* of the rows of contact, N */                                \
     X(sn_index, near, m->contact_count, SN_LEFT)                            /* those that may act in the step at hand */                   \
     X(bool, guarded, m->quasi_newton ? m->area_count : 0, SN_KEPT)
