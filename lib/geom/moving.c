@@ -9,7 +9,7 @@
 #include "sinew/exact.h"
 #include "curve.h"
 
-enum { LEAF = 8 }; /* triangles of a leaf, at most */
+enum { LEAF = 4 }; /* triangles of a leaf, at most */
 
 /* ---- triangles and their neighbours ------------------------------------------------------------------------------------------------ */
 
@@ -291,9 +291,13 @@ sn_closest sn_moving_walk(const sn_moving_shape *shape, sn_index from, sn_vec3 p
     return best;
 }
 
+/* How far beside an interval; not fmax, which is a call. */
+static double beside(double p, double low, double high) { return p < low ? low - p : p > high ? p - high : 0.0; }
+
 /* The square of how far from a box a point is. */
 static double away_from(const sn_box *box, sn_vec3 p) {
-    return sn_norm2(sn_max3(sn_max3(sn_sub(box->low, p), sn_sub(p, box->high)), sn_v3(0, 0, 0)));
+    double x = beside(p.x, box->low.x, box->high.x), y = beside(p.y, box->low.y, box->high.y), z = beside(p.z, box->low.z, box->high.z);
+    return x * x + y * y + z * z;
 }
 
 static void search_leaf(const sn_moving_shape *s, const node *n, sn_vec3 p, sn_closest *best) {

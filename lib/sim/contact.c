@@ -223,7 +223,13 @@ static const sn_index *points_of(const sn_model_muscle *m, sn_row_kind kind, sn_
     return contacts->rows[row].point;
 }
 
-/* How far beyond its margin, mean edges. */
+/* How far row r is beyond its margin, m. */
+static double error_of(const sn_model_muscle *m, const sn_muscle_state *s, const sn_collider *collider, sn_index r) {
+    const sn_contacts *contacts = sn_contacts_of(m);
+    return fmax(0.0, sn_contact_margin(contacts, s, &contacts->rows[r]) - sn_contact_distance(m, s, collider, r));
+}
+
+/* In mean edges. */
 static void errors(const sn_model_muscle *m, const sn_muscle_state *s, sn_row_kind kind, sn_index begin, sn_index end, double *out) {
     const sn_contacts *contacts = m->own[kind];
     const sn_collider *collider = contacts != NULL ? contacts->colliders : NULL;
@@ -231,11 +237,13 @@ static void errors(const sn_model_muscle *m, const sn_muscle_state *s, sn_row_ki
         collider = collider_at(collider, r);
         sn_approach a = sn_approach_of(m, s, (sn_index)(collider - contacts->colliders));
         sn_contact_block b = sn_contact_block_at(contacts, collider, r, s->points, NULL);
-        bool near = sn_approach_is_near(&a, &b, contacts->margin);
-        for (; r < b.end && r < end; r++)
-            out[r - begin] =
-                near ? fmax(0.0, sn_contact_margin(contacts, s, &contacts->rows[r]) - sn_contact_distance(m, s, collider, r)) / m->mean_edge
-                     : 0.0;
+        double distance = sn_approach_distance(&a, &b);
+        bool block_near = sn_approach_block_is_near(&b, distance, contacts->margin);
+        for (; r < b.end && r < end; r++) {
+            sn_vec3 p = sn_contact_point(&contacts->rows[r], s->points);
+            bool near = block_near && sn_approach_row_is_near(&a, &b, distance, p, contacts->margin);
+            out[r - begin] = near ? error_of(m, s, collider, r) / m->mean_edge : 0.0;
+        }
     }
 }
 
@@ -267,10 +275,14 @@ void sn_contacts_measure(const sn_model_muscle *m, const sn_muscle_state *s, sn_
     for (sn_index c = 0; c < m->collider_count; c++) {
         const sn_collider *collider = &contacts->colliders[c];
         sn_approach a = sn_approach_of(m, s, c);
+        double reach = contacts->margin + 1e-9 * m->diagonal;
         for (sn_index begin = collider->begin; begin < collider->end; begin += SN_CONTACT_BLOCK) {
             sn_contact_block b = sn_contact_block_at(contacts, collider, begin, s->points, NULL);
-            bool near = contacts->by_voxels || sn_approach_is_near(&a, &b, contacts->margin + 1e-9 * m->diagonal);
-            for (sn_index r = b.begin; near && r < b.end; r++) measure_row(m, s, collider, r, out);
+            double distance = sn_approach_distance(&a, &b);
+            bool near = contacts->by_voxels || sn_approach_block_is_near(&b, distance, reach);
+            for (sn_index r = b.begin; near && r < b.end; r++)
+                if (sn_approach_row_is_near(&a, &b, distance, sn_contact_point(&contacts->rows[r], s->points), reach))
+                    measure_row(m, s, collider, r, out);
         }
     }
 }

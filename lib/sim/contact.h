@@ -159,15 +159,22 @@ typedef struct sn_approach {
 sn_approach sn_approach_of(const sn_model_muscle *m, const sn_muscle_state *s, sn_index collider);
 /* Could any point of the muscle come to it in the step? By the ball around the muscle's box. */
 bool sn_approach_whole(const sn_approach *a, const sn_contact_whole *w, double margin);
-/* Could any point of a block come as near as `reach`, on one of the two ways? */
-bool sn_approach_block(const sn_approach *a, const sn_contact_block *b, const sn_contact_whole *w, double reach);
+/* How far from a block's middle a point would have to be to come as near as `reach`, on one of the two ways: of none that is in the block
+ * if not below its radius. */
+double sn_approach_block(const sn_approach *a, const sn_contact_block *b, const sn_contact_whole *w, double reach);
+/* Could a point of a near block, `far` its sn_approach_block? Of a bone the row itself is asked as quickly. */
+bool sn_approach_may(const sn_approach *a, const sn_contact_block *b, double far, sn_vec3 from);
 /* Could the point of row r? */
 bool sn_approach_row(const sn_approach *a, sn_index r, const sn_contact_start *at, double reach);
 /* Is the point of row r passed by farther than is safe on its way, and comes nearer than `margin`? */
 bool sn_approach_passes(const sn_approach *a, sn_index r, sn_vec3 from, sn_vec3 to, double margin);
-/* Is any point of a block nearer than `reach` at the end of the step? Phi at a point differs from that at the middle by no more than the
- * radius. */
-bool sn_approach_is_near(const sn_approach *a, const sn_contact_block *b, double reach);
+/* Is everything passed by slowly enough that nothing passes through? */
+bool sn_approach_is_slow(const sn_approach *a, const sn_contact_whole *w);
+/* Phi at the middle of a block at the end of the step; from any point's it differs by no more than that is away from the middle. */
+double sn_approach_distance(const sn_approach *a, const sn_contact_block *b);
+/* So: may any point of the block be nearer than `reach`? May the point p of it? */
+bool sn_approach_block_is_near(const sn_contact_block *b, double distance, double reach);
+bool sn_approach_row_is_near(const sn_approach *a, const sn_contact_block *b, double distance, sn_vec3 p, double reach);
 
 /* ---- patches in a step (contact_surface.c) ----------------------------------------------------------------------------------------- */
 

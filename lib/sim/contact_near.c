@@ -42,12 +42,12 @@ static bool row_nears_bone(const sn_approach *a, const sn_contact_start *at, dou
     return !bone_passes_by(a, p, phi, at->along, reach) || !bone_passes_by(a, p, phi, at->flying, reach);
 }
 
-/* Phi at each point of the block is at most the radius from that at the middle, and a turn carries them by so much more. */
-static bool block_nears_bone(const sn_approach *a, const sn_contact_block *b, const sn_contact_whole *w, double reach) {
+/* A turn carries the points of a block by so much more than its middle. */
+static double block_to_bone(const sn_approach *a, const sn_contact_block *b, const sn_contact_whole *w) {
     const sn_distance_field *field = a->collider->field;
     sn_vec3 p = sn_rigid_apply(a->before, b->middle), q = sn_rigid_apply(a->after, sn_add(b->middle, w->way));
     double phi = 0.5 * (sn_distance_field_at(field, p, NULL) + sn_distance_field_at(field, q, NULL));
-    return !(phi - 0.5 * (sn_distance(p, q) + b->radius * a->turn) - b->radius - w->flies >= reach); /* what is not finite is looked at */
+    return phi - 0.5 * (sn_distance(p, q) + b->radius * a->turn) - w->flies;
 }
 
 static bool bone_passes(const sn_approach *a, sn_vec3 from, sn_vec3 to, double margin) {
@@ -64,12 +64,12 @@ typedef struct sighting {
     double way;           /* of the point beside the surface, m */
 } sighting;
 
-static sighting sight(const sn_approach *a, sn_index hint, sn_vec3 from, sn_vec3 to) {
-    sn_closest was = sn_moving_closest(&a->was, hint, from), is = sn_moving_closest(&a->is, was.triangle, to);
+/* was and is: the nearest points to `from` before the step and to `to` after it. */
+static sighting sight(const sn_approach *a, const sn_closest *was, const sn_closest *is, sn_vec3 from, sn_vec3 to) {
     sn_vec3 way = sn_sub(to, from);
-    double first = sn_distance(way, sn_sub(sn_moving_point(&a->is, &was), was.point)),
-           last = sn_distance(way, sn_sub(is.point, sn_moving_point(&a->was, &is)));
-    return (sighting){sn_moving_side(&a->was, &was, from, NULL), sn_moving_side(&a->is, &is, to, NULL), fmax(first, last)};
+    double first = sn_distance(way, sn_sub(sn_moving_point(&a->is, was), was->point)),
+           last = sn_distance(way, sn_sub(is->point, sn_moving_point(&a->was, is)));
+    return (sighting){sn_moving_side(&a->was, was, from, NULL), sn_moving_side(&a->is, is, to, NULL), fmax(first, last)};
 }
 
 static bool patch_passes_by(const sighting *s, double reach) {
@@ -77,18 +77,25 @@ static bool patch_passes_by(const sighting *s, double reach) {
 }
 
 static bool row_nears_patch(const sn_approach *a, sn_index r, const sn_contact_start *at, double reach) {
-    sn_index *hint = &a->feet[r - a->collider->begin];
-    sighting along = sight(a, *hint, at->from, at->along), flying = sight(a, *hint, at->from, at->flying);
+    sn_index *foot = &a->feet[r - a->collider->begin];
+    sn_closest is = sn_moving_closest(&a->is, *foot, at->along), was = sn_moving_walk(&a->was, is.triangle, at->from),
+               then = sn_moving_walk(&a->is, is.triangle, at->flying);
+    sighting along = sight(a, &was, &is, at->from, at->along), flying = sight(a, &was, &then, at->from, at->flying);
+    *foot = is.triangle;
     return !patch_passes_by(&along, reach) || !patch_passes_by(&flying, reach);
 }
 
-static bool block_nears_patch(const sn_approach *a, const sn_contact_block *b, const sn_contact_whole *w, double reach) {
-    sighting s = sight(a, a->feet[b->begin - a->collider->begin], b->middle, sn_add(b->middle, w->way));
-    return !(0.5 * (s.before + s.after - s.way) - b->radius - w->flies >= reach);
+static double block_to_patch(const sn_approach *a, const sn_contact_block *b, const sn_contact_whole *w) {
+    sn_vec3 to = sn_add(b->middle, w->way);
+    sn_closest is = sn_moving_closest(&a->is, a->feet[b->begin - a->collider->begin], to),
+               was = sn_moving_closest(&a->was, is.triangle, b->middle);
+    sighting s = sight(a, &was, &is, b->middle, to);
+    return 0.5 * (s.before + s.after - s.way) - w->flies;
 }
 
 static bool patch_passes(const sn_approach *a, sn_index r, sn_vec3 from, sn_vec3 to, double margin) {
-    sighting s = sight(a, a->feet[r - a->collider->begin], from, to);
+    sn_closest was = sn_moving_closest(&a->was, a->feet[r - a->collider->begin], from), is = sn_moving_closest(&a->is, was.triangle, to);
+    sighting s = sight(a, &was, &is, from, to);
     return s.way > a->collider->limit && !patch_passes_by(&s, margin);
 }
 
@@ -117,8 +124,12 @@ bool sn_approach_whole(const sn_approach *a, const sn_contact_whole *w, double m
     return nearest <= radius + margin + w->reach + w->flies + way + turn;
 }
 
-bool sn_approach_block(const sn_approach *a, const sn_contact_block *b, const sn_contact_whole *w, double reach) {
-    return a->collider->patch != NULL ? block_nears_patch(a, b, w, reach) : block_nears_bone(a, b, w, reach);
+double sn_approach_block(const sn_approach *a, const sn_contact_block *b, const sn_contact_whole *w, double reach) {
+    return (a->collider->patch != NULL ? block_to_patch(a, b, w) : block_to_bone(a, b, w)) - reach;
+}
+
+bool sn_approach_may(const sn_approach *a, const sn_contact_block *b, double far, sn_vec3 from) {
+    return a->collider->patch == NULL || !(far >= sn_distance(from, b->middle));
 }
 
 bool sn_approach_row(const sn_approach *a, sn_index r, const sn_contact_start *at, double reach) {
@@ -129,12 +140,35 @@ bool sn_approach_passes(const sn_approach *a, sn_index r, sn_vec3 from, sn_vec3 
     return a->collider->patch != NULL ? patch_passes(a, r, from, to, margin) : bone_passes(a, from, to, margin);
 }
 
-bool sn_approach_is_near(const sn_approach *a, const sn_contact_block *b, double reach) {
-    double phi;
-    if (a->collider->patch != NULL) {
-        sn_closest foot = sn_moving_closest(&a->is, a->feet[b->begin - a->collider->begin], b->middle);
-        phi = sn_moving_side(&a->is, &foot, b->middle, NULL);
-    } else
-        phi = sn_distance_field_at(a->collider->field, sn_rigid_apply(a->after, b->middle), NULL);
-    return !(phi - b->radius >= reach); /* what is not finite is looked at */
+/* The farthest way, in the step, of a point of the muscle's ball beside a bone, or beside any vertex of a patch. */
+static double most_way(const sn_approach *a, const sn_contact_whole *w) {
+    const sn_patch *patch = a->collider->patch;
+    double most = 0.0;
+    if (patch == NULL) {
+        sn_vec3 middle = middle_of(&w->box);
+        double way = sn_distance(sn_rigid_apply(a->before, middle), sn_rigid_apply(a->after, sn_add(middle, w->way)));
+        return way + 0.5 * sn_box_diagonal(w->box) * a->turn + w->flies;
+    }
+    for (sn_index v = 0; v < patch->moving.vertex_count; v++)
+        most = fmax(most, sn_norm2(sn_sub(sn_sub(a->is.positions[v], a->was.positions[v]), w->way)));
+    return sqrt(most) + w->flies;
+}
+
+bool sn_approach_is_slow(const sn_approach *a, const sn_contact_whole *w) {
+    static const double rounding = 1.0 + 1e-9;
+    return rounding * most_way(a, w) < a->collider->limit;
+}
+
+double sn_approach_distance(const sn_approach *a, const sn_contact_block *b) {
+    if (a->collider->patch == NULL) return sn_distance_field_at(a->collider->field, sn_rigid_apply(a->after, b->middle), NULL);
+    sn_closest foot = sn_moving_closest(&a->is, a->feet[b->begin - a->collider->begin], b->middle);
+    return sn_moving_side(&a->is, &foot, b->middle, NULL);
+}
+
+bool sn_approach_block_is_near(const sn_contact_block *b, double distance, double reach) {
+    return !(distance - b->radius >= reach); /* what is not finite is looked at */
+}
+
+bool sn_approach_row_is_near(const sn_approach *a, const sn_contact_block *b, double distance, sn_vec3 p, double reach) {
+    return a->collider->patch == NULL || !(distance - sn_distance(p, b->middle) >= reach);
 }

@@ -98,10 +98,11 @@ static bool any_comes_near(const sn_contacts *contacts, const sn_muscle_state *s
     if (!sn_approach_whole(a, w, contacts->margin)) return false;
     for (sn_index begin = collider->begin; begin < collider->end; begin += SN_CONTACT_BLOCK) {
         sn_contact_block b = sn_contact_block_at(contacts, collider, begin, s->points, NULL);
-        if (!sn_approach_block(a, &b, w, reach)) continue;
+        double far = sn_approach_block(a, &b, w, reach);
+        if (far >= b.radius) continue;
         for (sn_index r = b.begin; r < b.end; r++) {
             sn_contact_start at = start_of(&contacts->rows[r], s, NULL, w);
-            if (sn_approach_row(a, r, &at, reach)) return true;
+            if (sn_approach_may(a, &b, far, at.from) && sn_approach_row(a, r, &at, reach)) return true;
         }
     }
     return false;
@@ -129,12 +130,14 @@ bool sn_contacts_moved(const sn_model_muscle *m, const sn_muscle_state *s, doubl
 static bool passes_too_far(const sn_contacts *contacts, const sn_muscle_state *s, const sn_approach *a, const sn_contact_whole *w) {
     const sn_collider *collider = a->collider;
     double margin = contacts->margin;
-    if (!sn_approach_whole(a, w, margin)) return false;
+    if (sn_approach_is_slow(a, w) || !sn_approach_whole(a, w, margin)) return false;
     for (sn_index begin = collider->begin; begin < collider->end; begin += SN_CONTACT_BLOCK) {
         sn_contact_block b = sn_contact_block_at(contacts, collider, begin, s->points, NULL);
-        if (!sn_approach_block(a, &b, w, margin)) continue;
+        double far = sn_approach_block(a, &b, w, margin);
+        if (far >= b.radius) continue;
         for (sn_index r = b.begin; r < b.end; r++) {
             sn_contact_start at = start_of(&contacts->rows[r], s, NULL, w);
+            if (!sn_approach_may(a, &b, far, at.from)) continue;
             if (sn_approach_passes(a, r, at.from, at.along, margin) || sn_approach_passes(a, r, at.from, at.flying, margin)) return true;
         }
     }
@@ -153,12 +156,11 @@ bool sn_contacts_too_far(const sn_model_muscle *m, const sn_muscle_state *s, con
 }
 
 /* Row r may act in the step, or it pushes no more. */
-static void take_row(const sn_model_muscle *m, sn_muscle_state *s, const sn_approach *a, sn_index r, const sn_contact_start *at) {
+static void take_row(const sn_model_muscle *m, sn_muscle_state *s, sn_index r, bool near) {
     sn_inputs *in = s->inputs;
-    if (at != NULL) {
-        sn_patch_find(a->collider, s, r, at->along);
+    if (near)
         in->near[in->near_count++] = r;
-    } else if (m->quasi_newton)
+    else if (m->quasi_newton)
         in->multipliers[r] = 0.0;
 }
 
@@ -169,13 +171,14 @@ static void gather_from(const sn_contacts *contacts, const sn_model_muscle *m, s
     bool comes = sn_approach_whole(&a, w, contacts->margin);
     for (sn_index begin = collider->begin; begin < collider->end; begin += SN_CONTACT_BLOCK) {
         sn_contact_block b = sn_contact_block_at(contacts, collider, begin, s->points, s->previous);
-        bool block_comes = comes && sn_approach_block(&a, &b, w, reach);
+        double far = comes ? sn_approach_block(&a, &b, w, reach) : INFINITY;
         for (sn_index r = b.begin; r < b.end; r++) {
-            sn_contact_start at;
-            bool near = block_comes;
-            if (near) at = start_of(&contacts->rows[r], s, s->previous, w);
-            near = near && sn_approach_row(&a, r, &at, reach);
-            take_row(m, s, &a, r, near ? &at : NULL);
+            bool near = !(far >= b.radius);
+            if (near) {
+                sn_contact_start at = start_of(&contacts->rows[r], s, s->previous, w);
+                near = sn_approach_may(&a, &b, far, at.from) && sn_approach_row(&a, r, &at, reach);
+            }
+            take_row(m, s, r, near);
         }
     }
 }
@@ -201,9 +204,12 @@ static bool project_collider(const sn_model_muscle *m, sn_muscle_state *s, sn_in
     if (!sn_approach_whole(&a, w, contacts->margin)) return false;
     for (sn_index begin = a.collider->begin; begin < a.collider->end; begin += SN_CONTACT_BLOCK) {
         sn_contact_block b = sn_contact_block_at(contacts, a.collider, begin, s->points, NULL);
-        if (!sn_approach_is_near(&a, &b, contacts->margin)) continue;
+        double distance = sn_approach_distance(&a, &b);
+        if (!sn_approach_block_is_near(&b, distance, contacts->margin)) continue;
         for (sn_index r = b.begin; r < b.end; r++) {
-            sn_patch_find(a.collider, s, r, sn_contact_point(&contacts->rows[r], s->points));
+            sn_vec3 p = sn_contact_point(&contacts->rows[r], s->points);
+            if (!sn_approach_row_is_near(&a, &b, distance, p, contacts->margin)) continue;
+            sn_patch_find(a.collider, s, r, p);
             moved = sn_contact_project(m, s, a.collider, r, false) || moved;
         }
     }

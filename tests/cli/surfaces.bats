@@ -279,3 +279,74 @@ END
     "$BIN/envelope-bind" skin.envelope.json --bones odd.motion.json --every 1 --frames odd.ply -o odd.envelope.json 2> err
     grep -q 'warning: odd.motion.json begins at -0.51 s, which is frame -12.24: files are numbered from -13 on' err
 }
+
+# The arm's three muscles beside the skin over its bones, which they keep out of.
+beside_skin() {
+    mkdir whole && sh "$BATS_TEST_DIRNAME/../sample-folder" "$BIN" "$EXAMPLES" "$PWD/whole"
+    rm -rf rigs && mkdir rigs && cp whole/*.muscle.json rigs
+    "$BIN/scene-build" -q rigs --motion elbow.motion.json --envelope skin.envelope.json --keep-out skin --frames 0:30 -o contact.scene.json
+}
+
+@test "muscles keep out of an envelope and of the same surface as a host's frames; off is absent; the plan tells; threads and stopping change nothing" {
+    beside_skin
+    mkdir a b c
+    grep -q '"contact": true' contact.scene.json
+    "$BIN/simulate" -q contact.scene.json --contact -o a --log a.jsonl --threads 1
+    "$BIN/simulate" -q contact.scene.json --contact -o b --log b.jsonl --threads 4
+    cmp a.jsonl b.jsonl; cmp a/triceps.pc2 b/triceps.pc2
+    "$BIN/simulate" -q contact.scene.json --contact -o c --log c1.jsonl --frames 0:17 --state s.state
+    "$BIN/simulate" -q contact.scene.json --contact -o c --log c2.jsonl --frames 18:30 --from s.state
+    cat c1.jsonl c2.jsonl | cmp - a.jsonl
+    /usr/bin/python3 -c '
+import json, sys
+scene = json.load(open("contact.scene.json"))
+for b in scene["bones"]: b["contact"] = False
+json.dump(scene, open("skin.scene.json", "w"))
+scene["surfaces"] = [{"name": "skin", "contact": True, "mesh": "skin.ply", "frames": "skin.pc2"}]
+json.dump(scene, open("driven.scene.json", "w"))
+scene["surfaces"][0]["contact"] = False
+json.dump(scene, open("none.scene.json", "w"))'
+    "$BIN/simulate" -q skin.scene.json --contact -o a --log a.jsonl
+    "$BIN/simulate" -q driven.scene.json --contact -o b --log b.jsonl
+    /usr/bin/python3 -c '
+import json
+'"${cat_py%%import json*}"'
+runs = [[json.loads(l) for l in open(f)] for f in ("a.jsonl", "b.jsonl")]
+for run in runs:
+    assert max(d["penetration"] for d in run) < 1e-8
+    assert sum(d["contacts"] for d in run) > 50
+a, b = pc2("a/triceps.pc2"), pc2("b/triceps.pc2")
+far = max(sum((x - y) ** 2 for x, y in zip(p, q)) ** 0.5 for f, g in zip(a, b) for p, q in zip(f, g))
+assert far < 2e-3, far'
+    "$BIN/simulate" --contact --plan skin.scene.json > plan.json
+    /usr/bin/python3 -c '
+import json
+m = json.load(open("plan.json"))["plan"]["muscles"][0]
+assert m["bonesInReach"] == [] and m["bonesLeftOut"] == 4, m
+assert m["surfacesInReach"][0]["surface"] == "skin" and 50 < m["surfacesInReach"][0]["triangles"] < m["surfacesInReach"][0]["ofTriangles"], m'
+    "$BIN/simulate" -q none.scene.json --contact -o a --log a.jsonl
+    "$BIN/simulate" -q none.scene.json -o b --log b.jsonl
+    cmp a/triceps.pc2 b/triceps.pc2
+    # what is asked for and not done is said
+    "$BIN/simulate" contact.scene.json --frames 0:0 -o a > /dev/null 2> err
+    grep -q 'surface "skin" is not felt: contact is off' err
+    "$BIN/simulate" contact.scene.json --contact --scheme kohout --solver xpbd --frames 0:0 -o a > /dev/null 2> err
+    grep -q 'surface "skin" is not felt: the collision is by voxels' err
+    run -2 "$BIN/scene-build" rigs --motion elbow.motion.json --envelope skin.envelope.json --keep-out skni -o x.scene.json
+    [[ $output == *skni* ]]
+}
+
+@test "a surface that has no two sides is refused, with what would help" {
+    beside_skin
+    /usr/bin/python3 - << 'END'
+import json, re
+lines = open("skin.envelope.json").read()
+e = json.loads(lines)
+t = e["mesh"]["triangles"] if "mesh" in e else e["triangles"]
+flat = not isinstance(t[0], list)
+if flat: t[3], t[4] = t[4], t[3]
+else: t[1] = [t[1][1], t[1][0], t[1][2]]
+json.dump(e, open("skin.envelope.json", "w"))
+END
+    refused 'surface "skin" cannot be touched: .*opposite sides.*mesh-clean' "$BIN/simulate" contact.scene.json --contact --frames 0:1
+}
