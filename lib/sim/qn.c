@@ -7,6 +7,7 @@
  * iterations.
  */
 #include "contact.h"
+#include "external.h"
 #include "qn.h"
 
 static const double ARMIJO = 1e-4;
@@ -287,6 +288,7 @@ static sn_verdict finish(const sn_group *g, sn_group_state *s, const sn_substep 
         settle_contacts(g->members[i], s->members[i], sn_qn_of(s));
         update_velocities(g->members[i], s->members[i], substep);
     }
+    sn_externals_keep(g, s);
     return SN_STEP_HOLDS;
 }
 
@@ -303,7 +305,8 @@ static sn_status create(const sn_group *g, sn_group_state *s, bool kept_only, sn
     if (!made) return sn_fail_memory(error, "the quasi-Newton solver");
     if (kept_only) return SN_OK;
     for (sn_index i = 0; g->keeps_volume && i < g->count; i++) s->members[i]->inputs->volume_gradient = part->volume_gradient + g->first[i];
-    return sn_preconditioner_create(g->count, g->members, &part->preconditioner, error);
+    sn_status status = sn_preconditioner_create(g->count, g->members, &part->preconditioner, error);
+    return status == SN_OK ? sn_preconditioner_couple(part->preconditioner, g, error) : status;
 }
 
 static void destroy(const sn_group *g, sn_group_state *s) {
