@@ -33,7 +33,7 @@ static void pull(const sn_external_foot *foot, sn_index point, sn_vec3 gradient,
 static double slide_energy(const sn_external_row *row, const sn_external_hold *hold, const sn_point *points, double k, sn_forces out) {
     sn_vec3 u = away_from(&hold->slide, sn_point_position(&points[row->point]), points);
     double along = sn_dot(hold->normal, u), c = along - row->distance, below = fmin(0.0, along - row->least);
-    double slide = k * row->weights[SN_EXTERNAL_SLIDE], least = row->least > -INFINITY ? k : 0.0;
+    double slide = k * row->weights[SN_EXTERNAL_SLIDE], least = row->least > -INFINITY ? k - slide : 0.0;
     if (slide * c != 0.0 || least * below != 0.0) pull(&hold->slide, row->point, sn_scale(hold->normal, slide * c + least * below), out);
     return 0.5 * (slide * c * c + least * below * below);
 }
@@ -100,7 +100,7 @@ static void project_row(const sn_external_row *row, const sn_external_hold *hold
         double c = sn_dot(n, away_from(&hold->slide, sn_point_position(&points[row->point]), points)) - row->distance;
         if (w[SN_EXTERNAL_SLIDE] > 0.0) correct(&hold->slide, row->point, n, c, compliance / w[SN_EXTERNAL_SLIDE], points);
         c = sn_dot(n, away_from(&hold->slide, sn_point_position(&points[row->point]), points)) - row->least;
-        if (c < 0.0) correct(&hold->slide, row->point, n, c, compliance, points);
+        if (c < 0.0) correct(&hold->slide, row->point, n, c, compliance / (1.0 - w[SN_EXTERNAL_SLIDE]), points);
     }
     if (w[SN_EXTERNAL_SOFT] > 0.0) {
         sn_vec3 u = away_from(&hold->bound, sn_point_position(&points[row->point]), points);

@@ -4,7 +4,8 @@
  *
  * Slide: C = n.(x - q) - d0, q the nearest point of all of the vertex's targets where the step begins, n the unit gradient of the signed
  * distance there, both frozen for the step. Soft: C = |x - q0| - |d0|, q0 the point of the target that it was bound to. Hard: C = x - t, t
- * at its place in the tangent frame of that point. Minimum: the slide's n.(x - q) >= least. Muscles that touch each other so are a group.
+ * at its place in the tangent frame of that point. Minimum: the slide's n.(x - q) >= least, with what the
+ * slide's weight leaves of 1: what slides alone keeps its distance anyway. Muscles that touch each other so are a group.
  *
  * Rows belong to the muscle of the vertex. Their points are numbered from its own first one: those of other members are below 0, or beyond
  * its last. What a target moves by itself (bones, surfaces of the scene) is told once a step, at its end.
@@ -37,7 +38,7 @@ typedef struct sn_external_row {
     double weights[SN_EXTERNAL_TYPES]; /* by eqs 11 to 13 */
     double distance;                   /* to the nearest of all targets at rest, m; negative: in it */
     double bound;                      /* to the point that it is bound to, m */
-    double least;                      /* minimum distance, m; -infinity: none */
+    double least;                      /* minimum distance, m; -infinity: none; it weighs 1 less the slide's weight */
     sn_vec3 offset;                    /* hard: in that point's tangent frame, m */
 } sn_external_row;
 

@@ -71,7 +71,7 @@ static bool acts(const sn_model *model, const sn_model_muscle *m, const sn_exter
     double weights[SN_EXTERNAL_TYPES];
     weigh(&model->scene->externals, e->weights + 3 * k, weights);
     bool pulls = weights[0] > 0.0 || weights[1] > 0.0 || weights[2] > 0.0;
-    return m->inverse_mass[e->vertices[k]] > 0.0 && (pulls || !model->scene->externals.no_minimum);
+    return m->inverse_mass[e->vertices[k]] > 0.0 && (pulls || !model->scene->externals.no_minimum); /* all 0: the minimum alone */
 }
 
 static bool any_acts(const sn_model *model, const sn_model_muscle *m, const sn_external *e) {
@@ -352,7 +352,8 @@ static void bind_row(const work *w, const sn_model_muscle *m, const sn_externals
     row->offset = sn_v3(sn_dot(away, axes[0]), sn_dot(away, axes[1]), sn_dot(away, axes[2]));
     row->bound = sn_norm(away);
     row->distance = nearest_distance(w, all, row, m->rest[f->vertex]);
-    row->least = w->model->scene->externals.no_minimum ? -INFINITY : fmin(f->minimum, row->distance);
+    bool least = !w->model->scene->externals.no_minimum && row->weights[SN_EXTERNAL_SLIDE] < 1.0;
+    row->least = least ? fmin(f->minimum, row->distance) : -INFINITY;
 }
 
 static sn_status make_rows(const work *w, sn_model_muscle *m, sn_error *error) {

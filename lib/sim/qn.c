@@ -18,7 +18,9 @@ static const double ENERGY_NOISE = 1e-13;
 static const double STEP_NOISE = 1e-14;
 /* No point moves further than this share of the muscle's size in one iteration: of its diagonal, or of how far its bones are apart. */
 static const double STEP_CAP = 0.1;
-/* Iterations of a torn step, and of one whose bones set out or stop, for each that the scene allows. */
+/* Iterations of a torn step, and of one whose bones set out or stop, for each that the scene allows; and of muscles that are tied to each
+ * other, whose matrix knows nothing of the way that a constraint leaves free: of twelve muscles of a dog's hind leg the median error over a
+ * motion is 1.3e-3 L after 10 iterations and 6e-4 after 20. */
 enum { TORN_EFFORT = 10, ABRUPT_EFFORT = 2 };
 /* No triangle shrinks below this share of its area in one step: hinges have no barrier against collapse. */
 static const double AREA_LIMIT = 0.3;
@@ -252,7 +254,7 @@ static void leave_residuals(const sn_group *g, sn_group_state *s) {
 static void iterate(const sn_group *g, sn_group_state *s, const sn_substep *substep) {
     sn_qn *qn = sn_qn_of(s);
     bool mends = qn->torn && !substep->halved; /* of a step that was halved, that is to help */
-    sn_index each = mends ? TORN_EFFORT : qn->torn || qn->abrupt ? ABRUPT_EFFORT : 1;
+    sn_index each = mends ? TORN_EFFORT : qn->torn || qn->abrupt || g->count > 1 ? ABRUPT_EFFORT : 1;
     for (sn_index i = each * substep->begin; i < each * substep->end && qn->stopped == SN_STOP_ITERATIONS; i++) {
         if (mends && i % TORN_EFFORT == 0) sn_qn_take_matrix_here(g, s, substep->h);
         if (qn->stopped == SN_STOP_ITERATIONS) search_once(g, s, substep->h, i);
