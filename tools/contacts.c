@@ -144,8 +144,8 @@ void contacts_say(const cli *c, const sn_model *model, const sn_state *state) {
     }
     for (sn_index i = 0; i < model->muscle_count; i++) left = fmax(left, state->muscles[i].statistics.overlap);
     if (overlaps > 0)
-        cli_tell(c, "at rest %d vertices of %d muscle%s lie in what they may touch, %.3g mm deep at most; now %.3g mm%s", (int)overlaps,
-                 (int)muscles, muscles == 1 ? "" : "s", 1e3 * before, 1e3 * left,
+        cli_tell(c, "at rest %d vertices of %d muscle%s lie in bones, %.3g mm deep at most; now %.3g mm%s", (int)overlaps, (int)muscles,
+                 muscles == 1 ? "" : "s", 1e3 * before, 1e3 * left,
                  model->scene->contact.resolve > 0.0 ? "" : " (--resolve takes them out)");
 }
 

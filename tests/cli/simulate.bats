@@ -111,7 +111,7 @@ END
     cmp full.jsonl plain.jsonl
     python3 -c 'import json; s=json.load(open("full.scene.json")); m=s["muscles"]; m[0]["stiffness"]["internal"]=0; m[1]["enabled"]=False; m[2]["stiffness"]["dihedral"]=0; json.dump(s,open("less.scene.json","w"))'
     simulate --plan less.scene.json > less.json
-    [ "$(grep -c leftOut less.json)" -eq 8 ] # no membrane, no contact
+    [ "$(grep -c leftOut less.json)" -eq 10 ] # no membrane, no external constraints, no contact
 }
 
 @test "--stop-after ends at a frame, a substep, an iteration, with what there is" {
