@@ -231,9 +231,10 @@ static kind_list parse_kinds(const cli *c) {
                                      strncmp(sn_state_figure_name((sn_state_figure)kind), text, length) != 0))
             kind++;
         if (kind == SN_FIGURES || all.count == KINDS_MAX)
-            cli_usage_error(
-                c, "--error: '%.*s' is none of mesh, internal, radial, dihedral, area, membrane, volume, external, contact, pressure, penetration",
-                (int)length, text);
+            cli_usage_error(c,
+                            "--error: '%.*s' is none of mesh, internal, radial, dihedral, area, membrane, volume, external, contact, "
+                            "pressure, penetration",
+                            (int)length, text);
         all.items[all.count++] = (sn_state_figure)kind;
     }
     if (all.count == 0) cli_usage_error(c, "--error: an empty list");
