@@ -119,8 +119,8 @@ static const cli_tool TOOL = {
     .options = OPTIONS,
     .option_count = sizeof OPTIONS / sizeof *OPTIONS,
     .notes = "-o is NAME.pc2 for one muscle, or a folder with one cache per muscle. --stop-after takes FRAME[:SUBSTEP[:ITERATION]].\n"
-             "--fail-on knows volume, nan, triangle, edge, torn, penetration, internal, radial, mesh, dihedral, area, membrane, contact, "
-             "energy,\n"
+             "--fail-on knows volume, nan, triangle, edge, torn, penetration, internal, radial, mesh, dihedral, area, membrane, external, "
+             "contact, energy,\n"
              "elastic, residual, skipped and clamped; '<' and '>' compare.",
 };
 

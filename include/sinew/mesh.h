@@ -7,6 +7,10 @@
 #include "sinew/vec.h"
 
 typedef struct sn_triangle { sn_index v[3]; } sn_triangle; /* counter-clockwise seen from outside */
+/* Does its boundary run from a to b? */
+static inline bool sn_triangle_runs(const sn_triangle *t, sn_index a, sn_index b) {
+    return (t->v[0] == a && t->v[1] == b) || (t->v[1] == a && t->v[2] == b) || (t->v[2] == a && t->v[0] == b);
+}
 
 /* One number, or a few, per vertex: a painted map, a colour, a custom PLY property. */
 typedef struct sn_attribute {
@@ -77,6 +81,15 @@ sn_index sn_mesh_components(const sn_mesh *mesh, const sn_topology *topology, sn
 /* ---- measures ----------------------------------------------------------------------------------------------------- */
 
 typedef struct sn_box { sn_vec3 low, high; } sn_box; /* empty: low > high */
+#define SN_EMPTY_BOX ((sn_box){{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}})
+static inline void sn_box_add(sn_box *box, sn_vec3 p) {
+    box->low = sn_min3(box->low, p);
+    box->high = sn_max3(box->high, p);
+}
+static inline bool sn_boxes_meet(const sn_box *a, const sn_box *b) {
+    return a->low.x <= b->high.x && b->low.x <= a->high.x && a->low.y <= b->high.y && b->low.y <= a->high.y && a->low.z <= b->high.z &&
+           b->low.z <= a->high.z;
+}
 sn_box sn_mesh_box(const sn_mesh *mesh);
 double sn_box_diagonal(sn_box box); /* 0 for an empty box */
 double sn_mesh_area(const sn_mesh *mesh);

@@ -57,9 +57,9 @@ typedef struct sn_contact_settings {
     sn_index voxels_total; /* or about so many in all, as near to cubes as that goes: n_max of [K21] 3.2; 0 = by `voxels` */
 } sn_contact_settings;
 
-/* External constraints ([R18] 4.3) of the candidates in the rigs; off by default. */
-#define SN_EXTERNAL_STIFFNESS 10.0
+#define SN_EXTERNAL_STIFFNESS 10.0 /* over that of the muscle's edges (bodies.md 3) */
 
+/* External constraints ([R18] 4.3) of the candidates in the rigs; off by default. */
 typedef struct sn_external_settings {
     bool enabled;
     double stiffness;                            /* over that of the muscle's edges; 0 to 1e12; default SN_EXTERNAL_STIFFNESS */

@@ -99,7 +99,7 @@ typedef struct sn_plan {
 
 /* What a picture or a table needs to know of a kind. */
 typedef struct sn_row_info {
-    const char *name;   /* "internal", "radial", "mesh", "dihedral", "area", "membrane", "volume" */
+    const char *name;   /* "internal", "radial", "mesh", "dihedral", "area", "membrane", "volume", "external", "contact" */
     const char *errors; /* what its errors are, and their unit: "error of surface edges, mean edges" */
     const char *lacks;  /* what a row whose error is not a number lacks: "no angle" */
     int points;         /* of a row; 0 = all vertices, in one row */

@@ -59,18 +59,12 @@ static void restore_mode(unsigned mode) { (void)mode; }
 
 /* ---- boxes ------------------------------------------------------------------------------------------------------------------ */
 
-static sn_box empty_box(void) { return (sn_box){sn_v3(INFINITY, INFINITY, INFINITY), sn_v3(-INFINITY, -INFINITY, -INFINITY)}; }
-
 static bool box_holds(sn_box box, sn_vec3 p) {
     return p.x >= box.low.x && p.y >= box.low.y && p.z >= box.low.z && p.x <= box.high.x && p.y <= box.high.y && p.z <= box.high.z;
 }
 
 static void box_add_triangle(sn_box *box, const sn_mesh *mesh, sn_index t) {
-    for (int k = 0; k < 3; k++) {
-        sn_vec3 p = mesh->positions[mesh->triangles[t].v[k]];
-        box->low = sn_min3(box->low, p);
-        box->high = sn_max3(box->high, p);
-    }
+    for (int k = 0; k < 3; k++) sn_box_add(box, mesh->positions[mesh->triangles[t].v[k]]);
 }
 
 /* ---- Embree's copy ------------------------------------------------------------------------------------------------------------ */
@@ -180,11 +174,6 @@ static bool meets(const sight *line, const sn_mesh *mesh, sn_index triangle, dou
 
 /* ---- the closed pieces of the surface ---------------------------------------------------------------------------------------- */
 
-/* Does the boundary of the triangle run from a to b? */
-static bool runs_along(sn_triangle t, sn_index a, sn_index b) {
-    return (t.v[0] == a && t.v[1] == b) || (t.v[1] == a && t.v[2] == b) || (t.v[2] == a && t.v[0] == b);
-}
-
 /* The triangle on the other side of the edge opposite to corner k; SN_NONE where the edge is a border, non-manifold or badly wound. */
 static sn_index across(const sn_surface *s, sn_index t, int k) {
     sn_index e = s->topology.triangle_edges[t][k];
@@ -192,8 +181,8 @@ static sn_index across(const sn_surface *s, sn_index t, int k) {
     const sn_edge *edge = &s->topology.edges[e];
     if (edge->triangle_count != 2) return SN_NONE;
     const sn_triangle *triangles = s->mesh->triangles;
-    bool first = runs_along(triangles[edge->triangle[0]], edge->v[0], edge->v[1]);
-    bool second = runs_along(triangles[edge->triangle[1]], edge->v[0], edge->v[1]);
+    bool first = sn_triangle_runs(&triangles[edge->triangle[0]], edge->v[0], edge->v[1]);
+    bool second = sn_triangle_runs(&triangles[edge->triangle[1]], edge->v[0], edge->v[1]);
     if (first == second) return SN_NONE;
     return edge->triangle[edge->triangle[0] == t];
 }
@@ -269,7 +258,7 @@ static bool crosses_itself(const sn_surface *s, const sn_index *label, const sn_
 
 /* Box and orientation of a closed piece, from the sign of the volume that it encloses; a sheet folded on itself encloses none. */
 static part measure_part(const sn_surface *s, const sn_index *piece, sn_index size) {
-    part p = {.box = empty_box()};
+    part p = {.box = SN_EMPTY_BOX};
     double volume = 0.0, size3 = 0.0; /* six times the volume, and the sum of its terms' sizes for rounding */
     sn_vec3 origin = s->mesh->positions[s->mesh->triangles[piece[0]].v[0]];
     for (sn_index i = 0; i < size; i++) {
@@ -311,7 +300,7 @@ static sn_status find_parts(sn_surface *s, sn_error *error) {
     sn_index *label = SN_NEW(sn_index, count), *piece = SN_NEW(sn_index, count);
     s->part_of = SN_NEW(sn_index, count);
     s->open = (sn_mesh){.vertex_count = s->mesh->vertex_count, .positions = s->mesh->positions, .triangles = SN_NEW(sn_triangle, count)};
-    s->open_box = empty_box();
+    s->open_box = SN_EMPTY_BOX;
     if (label == NULL || piece == NULL || s->part_of == NULL || s->open.triangles == NULL) {
         status = sn_fail_memory(error, "a search structure");
         goto cleanup;

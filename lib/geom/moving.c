@@ -35,13 +35,9 @@ static void list_corners(sn_moving *m) {
             if (m->across[t][k] == SN_NONE) m->rim[m->triangles[t].v[(k + 1) % 3]] = m->rim[m->triangles[t].v[(k + 2) % 3]] = true;
 }
 
-static bool runs_along(sn_triangle t, sn_index a, sn_index b) {
-    return (t.v[0] == a && t.v[1] == b) || (t.v[1] == a && t.v[2] == b) || (t.v[2] == a && t.v[0] == b);
-}
-
 static bool has_two_sides(const sn_mesh *mesh, const sn_edge *edge) {
-    return edge->triangle_count == 2 && runs_along(mesh->triangles[edge->triangle[0]], edge->v[0], edge->v[1]) !=
-                                            runs_along(mesh->triangles[edge->triangle[1]], edge->v[0], edge->v[1]);
+    return edge->triangle_count == 2 && sn_triangle_runs(&mesh->triangles[edge->triangle[0]], edge->v[0], edge->v[1]) !=
+                                            sn_triangle_runs(&mesh->triangles[edge->triangle[1]], edge->v[0], edge->v[1]);
 }
 
 static sn_status check_edge(const sn_mesh *mesh, const sn_edge *edge, sn_error *error) {
@@ -192,13 +188,9 @@ sn_index sn_moving_leaf(const sn_moving *moving, sn_index triangle) {
 }
 
 static sn_box box_of(const sn_moving *m, const sn_vec3 *positions, const node *n) {
-    sn_box box = {{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
+    sn_box box = SN_EMPTY_BOX;
     for (sn_index t = n->begin; t < n->end; t++)
-        for (int k = 0; k < 3; k++) {
-            sn_vec3 p = positions[m->triangles[t].v[k]];
-            box.low = sn_min3(box.low, p);
-            box.high = sn_max3(box.high, p);
-        }
+        for (int k = 0; k < 3; k++) sn_box_add(&box, positions[m->triangles[t].v[k]]);
     return box;
 }
 
@@ -221,11 +213,6 @@ void sn_moving_fit(const sn_moving *moving, const sn_vec3 *positions, sn_box *bo
     fit_node(moving, positions, &root, boxes);
 }
 
-static bool meet(const sn_box *a, const sn_box *b) {
-    return a->low.x <= b->high.x && b->low.x <= a->high.x && a->low.y <= b->high.y && b->low.y <= a->high.y && a->low.z <= b->high.z &&
-           b->low.z <= a->high.z;
-}
-
 /* The nodes still to be looked at: one for each level, and its sibling. */
 enum { MOST_WAITING = 64 };
 
@@ -234,7 +221,7 @@ void sn_moving_touch(const sn_moving *moving, const sn_box *boxes, const sn_box 
     waiting[count++] = 1;
     while (count > 0) {
         sn_index n = waiting[--count];
-        if (!meet(&boxes[n], box)) continue;
+        if (!sn_boxes_meet(&boxes[n], box)) continue;
         if (n >= leaves)
             touched[n - leaves] = true;
         else

@@ -278,8 +278,8 @@ void sn_contacts_measure(const sn_model_muscle *m, const sn_muscle_state *s, sn_
         double reach = contacts->margin + 1e-9 * m->diagonal;
         for (sn_index begin = collider->begin; begin < collider->end; begin += SN_CONTACT_BLOCK) {
             sn_contact_block b = sn_contact_block_at(contacts, collider, begin, s->points, NULL);
-            double distance = sn_approach_distance(&a, &b);
-            bool near = contacts->by_voxels || sn_approach_block_is_near(&b, distance, reach);
+            double distance = contacts->by_voxels ? -INFINITY : sn_approach_distance(&a, &b); /* these ask every vertex */
+            bool near = sn_approach_block_is_near(&b, distance, reach);
             for (sn_index r = b.begin; near && r < b.end; r++)
                 if (sn_approach_row_is_near(&a, &b, distance, sn_contact_point(&contacts->rows[r], s->points), reach))
                     measure_row(m, s, collider, r, out);

@@ -14,6 +14,12 @@
 #include "sinew/moving.h"
 #include "sinew/voxels.h"
 
+/* Of a body of that volume and surface, of a rod its diameter; 0: it encloses nothing, or that is not known (NaN). */
+static inline double sn_thickness(double volume, double area) {
+    double thickness = area > 0.0 ? 4.0 * fabs(volume) / area : 0.0;
+    return thickness > 0.0 ? thickness : 0.0;
+}
+
 /* ---- contact_reach.c: before any muscle is built ------------------------------------------------------------------------------------ */
 
 /* A surface of the scene that muscles may touch. */

@@ -145,9 +145,9 @@ static bool sort_rows(const contact_work *w, sn_index begin) {
     sn_contact_row *rows = w->contacts->rows + begin;
     sn_index count = m->contact_count - begin;
     placed_row *sorted = SN_NEW(placed_row, count);
-    sn_box box = {{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
+    sn_box box = SN_EMPTY_BOX;
     if (sorted == NULL) return false;
-    for (sn_index v = 0; v < m->vertex_count; v++) box.low = sn_min3(box.low, m->rest[v]), box.high = sn_max3(box.high, m->rest[v]);
+    for (sn_index v = 0; v < m->vertex_count; v++) sn_box_add(&box, m->rest[v]);
     for (sn_index i = 0; i < count; i++) sorted[i] = (placed_row){place_of(&box, m->rest[rows[i].point[0]]), i, rows[i]};
     qsort(sorted, (size_t)count, sizeof *sorted, compare_places);
     for (sn_index i = 0; i < count; i++) rows[i] = sorted[i].row;
@@ -158,7 +158,7 @@ static bool sort_rows(const contact_work *w, sn_index begin) {
 static double thickness_of(const sn_model_muscle *m) {
     double area = 0.0;
     for (sn_index t = 0; t < m->triangle_count; t++) area += m->rest_area[t];
-    double thickness = area > 0.0 ? 4.0 * fabs(m->rest_volume) / area : 0.0;
+    double thickness = sn_thickness(m->rest_volume, area);
     return thickness > 0.0 ? thickness : m->mean_edge; /* an open sheet has no volume */
 }
 

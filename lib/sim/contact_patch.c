@@ -23,32 +23,27 @@ static sn_status join_vertices(const sn_mesh *mesh, sn_mesh *joined, sn_index **
     return status;
 }
 
-/* Inside out counts as right side out, where there is an inside. */
-static void turn_outwards(sn_mesh *mesh, const char *name) {
+/* Inside out counts as right side out, where there is an inside; how thick that is. */
+static sn_status turn_outwards(sn_mesh *mesh, const char *name, double *thickness, sn_error *error) {
     sn_mesh_report report;
-    if (sn_mesh_inspect(mesh, &report, NULL) != SN_OK || !report.closed || !(report.volume < 0.0)) return;
+    sn_status status = sn_mesh_inspect(mesh, &report, error);
+    if (status != SN_OK || !report.closed) return status;
+    *thickness = sn_thickness(report.volume, report.area);
+    if (!(report.volume < 0.0)) return SN_OK;
     sn_log(SN_LOG_INFO, "surface \"%s\" is inside out: it is taken the other way round", name);
     for (sn_index t = 0; t < mesh->triangle_count; t++) {
         sn_index *v = mesh->triangles[t].v, last = v[2];
         v[2] = v[1], v[1] = last;
     }
-}
-
-static double thickness_of(const sn_mesh *mesh) {
-    sn_mesh_report report;
-    if (sn_mesh_inspect(mesh, &report, NULL) != SN_OK || !report.closed || !(report.area > 0.0)) return 0.0;
-    return 4.0 * fabs(report.volume) / report.area;
+    return SN_OK;
 }
 
 static sn_status make_surface(const sn_scene_surface *source, sn_contact_surface *out, sn_error *error) {
     sn_mesh joined = {0};
     if (!source->loaded) return sn_fail(error, SN_ERROR_INPUT, "it is not loaded");
     sn_status status = join_vertices(&source->envelope.mesh, &joined, &out->vertices, error);
-    if (status == SN_OK) {
-        turn_outwards(&joined, source->name);
-        out->thickness = thickness_of(&joined);
-        status = sn_moving_create(&joined, &out->moving, error);
-    }
+    if (status == SN_OK) status = turn_outwards(&joined, source->name, &out->thickness, error);
+    if (status == SN_OK) status = sn_moving_create(&joined, &out->moving, error);
     sn_mesh_free(&joined);
     if (status != SN_OK) return status;
     out->positions = SN_NEW(sn_vec3, out->moving.vertex_count);

@@ -32,21 +32,9 @@ typedef struct reach_work {
 
 /* ---- boxes ---------------------------------------------------------------------------------------------------------------------- */
 
-static const sn_box EMPTY = {{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
-
-static void extend(sn_box *box, sn_vec3 p) {
-    box->low = sn_min3(box->low, p);
-    box->high = sn_max3(box->high, p);
-}
-
 static sn_box mesh_box(const sn_mesh *mesh, double unit) {
     sn_box box = sn_mesh_box(mesh);
     return (sn_box){sn_scale(box.low, unit), sn_scale(box.high, unit)};
-}
-
-static bool overlap(const sn_box *a, const sn_box *b) {
-    return a->low.x <= b->high.x && b->low.x <= a->high.x && a->low.y <= b->high.y && b->low.y <= a->high.y && a->low.z <= b->high.z &&
-           b->low.z <= a->high.z;
 }
 
 /* Grow `box` by another one that has been carried by a joint (SN_NONE: it has not). */
@@ -54,7 +42,7 @@ static void extend_by(sn_box *box, const sn_box *rest, const sn_rigid *poses, sn
     for (int corner = 0; corner < 8 && rest->low.x <= rest->high.x; corner++) {
         sn_vec3 p = sn_v3(corner & 1 ? rest->high.x : rest->low.x, corner & 2 ? rest->high.y : rest->low.y,
                           corner & 4 ? rest->high.z : rest->low.z);
-        extend(box, joint == SN_NONE ? p : sn_rigid_apply(poses[joint], p));
+        sn_box_add(box, joint == SN_NONE ? p : sn_rigid_apply(poses[joint], p));
     }
 }
 
@@ -69,13 +57,13 @@ static sn_index joint_of(const sn_scene *scene, const sn_attachment *attachment)
 static void extend_by_surface(const reach_work *w, sn_index surface, const sn_surface_moment *at, sn_box *box) {
     const sn_scene_surface *s = &w->scene->surfaces[surface];
     sn_index n = s->envelope.mesh.vertex_count, step = n / 200 + 1;
-    for (sn_index v = 0; v < n; v += step) extend(box, sn_scene_surface_vertex(s, at, v));
+    for (sn_index v = 0; v < n; v += step) sn_box_add(box, sn_scene_surface_vertex(s, at, v));
 }
 
 static sn_box muscle_box(const reach_work *w, sn_index muscle, const sn_surface_moment *at) {
     const sn_muscle *rig = &w->scene->muscles[muscle].rig;
     const sn_box *rest = &w->muscles[muscle];
-    sn_box box = EMPTY;
+    sn_box box = SN_EMPTY_BOX;
     for (sn_index i = 0; i < rig->attachment_count; i++) {
         sn_carrier carrier = sn_scene_carrier(w->scene, rig->attachments[i].bone);
         if (carrier.kind == SN_CARRIER_SURFACE)
@@ -95,11 +83,11 @@ static sn_box muscle_box(const reach_work *w, sn_index muscle, const sn_surface_
 static bool takes_part(const sn_scene_muscle *muscle) { return muscle->enabled && !muscle->untouched; }
 
 static void look_at_bone(const reach_work *w, sn_index b) {
-    sn_box bone = EMPTY;
+    sn_box bone = SN_EMPTY_BOX;
     extend_by(&bone, &w->bones[b], w->poses, w->scene->bones[b].joint);
     for (sn_index i = 0; i < w->plan->muscle_count; i++) {
         bool *near = &w->plan->reach[(size_t)i * (size_t)w->plan->bone_count + (size_t)b];
-        *near = *near || overlap(&w->swept[i], &bone);
+        *near = *near || sn_boxes_meet(&w->swept[i], &bone);
     }
 }
 
@@ -107,7 +95,7 @@ static void look(const reach_work *w, double time, double share) {
     const sn_scene *scene = w->scene;
     sn_motion_run_in_poses(&scene->motion, time, share, w->poses);
     const sn_surface_moment at = {w->poses, time, share};
-    for (sn_index i = 0; i < scene->muscle_count; i++) w->swept[i] = takes_part(&scene->muscles[i]) ? muscle_box(w, i, &at) : EMPTY;
+    for (sn_index i = 0; i < scene->muscle_count; i++) w->swept[i] = takes_part(&scene->muscles[i]) ? muscle_box(w, i, &at) : SN_EMPTY_BOX;
     for (sn_index b = 0; b < scene->bone_count; b++)
         if (!scene->bones[b].passable) look_at_bone(w, b);
     sn_contact_surfaces_look(scene, &at, w->swept, w->plan);
@@ -166,11 +154,6 @@ static sn_status scaled_mesh(const sn_scene_bone *bone, sn_mesh *out, sn_error *
     return status;
 }
 
-static double thickness_of(const sn_mesh *mesh) {
-    double area = sn_mesh_area(mesh);
-    return area > 0.0 ? 4.0 * fabs(sn_mesh_volume(mesh)) / area : 0.0; /* of a rod its diameter */
-}
-
 /* As the scene says, or fine enough for the muscles and the bone, but no finer than is of use. */
 static double choose_cell(const reach_work *w, sn_index bone, double edge) {
     double told = w->scene->contact.cell, thickness = w->plan->thickness[bone], cell = edge / CELLS_PER_EDGE;
@@ -183,7 +166,7 @@ static double choose_cell(const reach_work *w, sn_index bone, double edge) {
 static sn_status take_field(const reach_work *w, const sn_model_options *options, sn_index bone, const sn_mesh *mesh, double edge,
                             sn_error *error) {
     const sn_scene_bone *source = &w->scene->bones[bone];
-    w->plan->thickness[bone] = thickness_of(mesh);
+    w->plan->thickness[bone] = sn_thickness(sn_mesh_volume(mesh), sn_mesh_area(mesh));
     sn_distance_field_params params = sn_distance_field_defaults(choose_cell(w, bone, edge));
     params.pool = options->pool;
     sn_status status = options->fields != NULL ? options->fields(options->user, source, mesh, &params, &w->plan->fields[bone], error)

@@ -51,16 +51,10 @@ void sn_contacts_sleep(const sn_model_muscle *m, sn_muscle_state *s) { keep_pose
 /* ---- the muscle as a whole
  * ---------------------------------------------------------------------------------------------------------------- */
 
-static void extend(sn_box *box, sn_vec3 p) {
-    box->low = sn_min3(box->low, p);
-    box->high = sn_max3(box->high, p);
-}
-
 /* before (point_count): the points before the step; targets: those of the attached ones after it, by sn_kinematics_target. */
 static sn_contact_whole see_whole(const sn_model_muscle *m, const sn_muscle_state *s, const sn_vec3 *before) {
-    sn_contact_whole w = {.box = {{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}},
-                          .reach = fmax(SLACK_EDGES * m->mean_edge, SLACK_SHARE * m->diagonal)};
-    for (sn_index i = 0; i < m->vertex_count; i++) extend(&w.box, before != NULL ? before[i] : sn_point_position(&s->points[i]));
+    sn_contact_whole w = {.box = SN_EMPTY_BOX, .reach = fmax(SLACK_EDGES * m->mean_edge, SLACK_SHARE * m->diagonal)};
+    for (sn_index i = 0; i < m->vertex_count; i++) sn_box_add(&w.box, before != NULL ? before[i] : sn_point_position(&s->points[i]));
     sn_index k = 0;
     for (sn_index site = 0; site < m->site_count; site++)
         for (; k < m->sites[site].end; k++) {

@@ -41,17 +41,11 @@ bool sn_hinge_constraint(const sn_vec3 p[4], double rest, double *value, sn_vec3
 
 /* ---- building the rows ---------------------------------------------------------------------------------------------------- */
 
-/* Does triangle t run from a to b? */
-static bool runs_along(const sn_triangle *t, sn_index a, sn_index b) {
-    for (int i = 0; i < 3; i++)
-        if (t->v[i] == a && t->v[(i + 1) % 3] == b) return true;
-    return false;
-}
-
 /* The row of an edge with two triangles; false where both triangles run the same way along it: they have no common outside. */
 static bool hinge_points(const sn_model_muscle *m, const sn_edge *edge, sn_hinge_row *row) {
     sn_index a = edge->v[0], b = edge->v[1];
-    bool first = runs_along(&m->triangles[edge->triangle[0]], a, b), second = runs_along(&m->triangles[edge->triangle[1]], a, b);
+    bool first = sn_triangle_runs(&m->triangles[edge->triangle[0]], a, b),
+         second = sn_triangle_runs(&m->triangles[edge->triangle[1]], a, b);
     if (first == second) return false;
     *row = (sn_hinge_row){{a, b, edge->opposite[first ? 0 : 1], edge->opposite[first ? 1 : 0]}};
     return true;

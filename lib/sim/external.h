@@ -87,8 +87,8 @@ SN_MUST_CHECK sn_status sn_externals_join(const sn_model *model, sn_index *paren
 /* Targets and rows of the members of a group, which has its members and points. */
 SN_MUST_CHECK sn_status sn_externals_build(sn_model *model, sn_group *g, sn_error *error);
 void sn_external_targets_free(sn_group *g);
-/* The tangent frame of a triangle: unit axes along its first edge, across it, along its normal; zeros where it has none. Its corner 0. */
-sn_vec3 sn_external_frame(const sn_moving_shape *shape, sn_index triangle, sn_vec3 axes[3]);
+/* The tangent frame of a triangle: unit axes along its first edge, across it, along its normal; zeros where it has none. */
+void sn_external_frame(const sn_moving_shape *shape, sn_index triangle, sn_vec3 axes[3]);
 
 /* ---- external_step.c; each does nothing for a group without such rows ---- */
 

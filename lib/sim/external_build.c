@@ -166,9 +166,9 @@ static sn_status keep_near(const work *w, const sn_mesh *mesh, const sn_moving *
     sn_moving_fit(whole, mesh->positions, boxes);
     for (sn_index i = 0; i < w->g->count; i++) {
         const sn_model_muscle *m = w->g->members[i];
-        sn_box box = {m->rest[0], m->rest[0]};
+        sn_box box = SN_EMPTY_BOX;
         double room = ROOM * m->diagonal;
-        for (sn_index v = 0; v < m->vertex_count; v++) box.low = sn_min3(box.low, m->rest[v]), box.high = sn_max3(box.high, m->rest[v]);
+        for (sn_index v = 0; v < m->vertex_count; v++) sn_box_add(&box, m->rest[v]);
         box = (sn_box){sn_sub(box.low, sn_v3(room, room, room)), sn_add(box.high, sn_v3(room, room, room))};
         sn_moving_touch(whole, boxes, &box, touched);
     }
@@ -318,13 +318,12 @@ static sn_status find_candidates(work *w, const sn_model_muscle *m, sn_error *er
 
 /* ---- rows ---------------------------------------------------------------------------------------------------------------------------- */
 
-sn_vec3 sn_external_frame(const sn_moving_shape *shape, sn_index triangle, sn_vec3 axes[3]) {
+void sn_external_frame(const sn_moving_shape *shape, sn_index triangle, sn_vec3 axes[3]) {
     const sn_index *v = shape->moving->triangles[triangle].v;
     sn_vec3 a = shape->positions[v[0]], b = shape->positions[v[1]], c = shape->positions[v[2]];
     axes[2] = sn_normalize(sn_area_vector(a, b, c));
     axes[0] = sn_normalize(sn_sub(b, a));
     axes[1] = sn_cross(axes[2], axes[0]);
-    return a;
 }
 
 /* The distance to the nearest of all its targets at rest. */

@@ -7,7 +7,7 @@
  *   two-level  A^-1 + 0.8 Z (ZT H Z)^-1 ZT with the scalar A: rigid motions of sections are solved for where the muscle is (two_level.c)
  *
  * One factor for a group of muscles that are solved together, a muscle alone being a group of one: their points are numbered one member
- * after the other.
+ * after the other. External constraints are in the scalar matrix alone, each with the k of its own muscle (couplings).
  *
  * Which of them a substep goes by is decided at its start; a matrix that is never asked for is never made.
  */

@@ -203,6 +203,25 @@ static inline void finish(simulation *s) {
     sn_scene_free(s->scene);
 }
 
+/* Muscle i of one run is, to the bit, muscle k of another. */
+static inline void assert_same_muscle(const simulation *a, sn_index i, const simulation *b, sn_index k) {
+    size_t n = (size_t)a->model->muscles[i].point_count;
+    assert_memory_equal(a->state->muscles[i].points, b->state->muscles[k].points, n * sizeof(sn_point));
+    assert_memory_equal(a->state->muscles[i].velocities, b->state->muscles[k].velocities, n * sizeof(sn_vec3));
+}
+
+/* Step until it is told to stop, and go on with another state, through bytes. */
+static inline void stop_and_reload(simulation *s, const sn_step_options *stop) {
+    char *bytes;
+    size_t size;
+    assert_int_equal(sn_step(s->model, s->state, stop, NULL), SN_STOPPED);
+    assert_int_equal(sn_state_pack(s->model, s->state, &bytes, &size, NULL), SN_OK);
+    sn_state_destroy(s->model, s->state);
+    assert_int_equal(sn_state_create(s->model, &s->state, NULL), SN_OK);
+    assert_int_equal(sn_state_unpack(s->model, bytes, size, s->state, NULL), SN_OK);
+    free(bytes);
+}
+
 static inline sn_vec3 position(const simulation *s, sn_index point) { return sn_point_position(&s->state->muscles[0].points[point]); }
 
 /* Greatest distance of any point from its rest position. */

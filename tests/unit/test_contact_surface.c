@@ -256,12 +256,6 @@ static void what_jumps_carries_the_muscle_along(void **state) {
 
 /* ---- what it shares with bones ---------------------------------------------------------------------------------------------------- */
 
-static void assert_same_points(const simulation *a, const simulation *b) {
-    size_t n = (size_t)a->model->muscles[0].point_count;
-    assert_memory_equal(a->state->muscles[0].points, b->state->muscles[0].points, n * sizeof(sn_point));
-    assert_memory_equal(a->state->muscles[0].velocities, b->state->muscles[0].velocities, n * sizeof(sn_vec3));
-}
-
 /* In the middle of a substep, through bytes and in another state; the statistics of one are looked at in every iteration. */
 static void a_step_goes_on_where_it_stopped(void **state) {
     (void)state;
@@ -276,19 +270,12 @@ static void a_step_goes_on_where_it_stopped(void **state) {
         for (int frame = 0; frame < 12; frame++) {
             const sn_step_options stop = {.stop_substep = 1, .stop_iteration = 1 + frame % 2};
             double *depths = SN_NEW(double, runs[1].model->muscles[0].vertex_count);
-            char *bytes;
-            size_t size;
             step_frames(&runs[0], 1, NULL);
-            assert_int_equal(sn_step(runs[1].model, runs[1].state, &stop, NULL), SN_STOPPED);
-            assert_int_equal(sn_state_pack(runs[1].model, runs[1].state, &bytes, &size, NULL), SN_OK);
-            sn_state_destroy(runs[1].model, runs[1].state);
-            assert_int_equal(sn_state_create(runs[1].model, &runs[1].state, NULL), SN_OK);
-            assert_int_equal(sn_state_unpack(runs[1].model, bytes, size, runs[1].state, NULL), SN_OK);
+            stop_and_reload(&runs[1], &stop);
             sn_contact_depths(runs[1].model, runs[1].state, 0, depths);
             free(depths);
-            free(bytes);
             step_frames(&runs[1], 1, NULL);
-            assert_same_points(&runs[0], &runs[1]);
+            assert_same_muscle(&runs[0], 0, &runs[1], 0);
         }
         for (int k = 0; k < 2; k++) finish(&runs[k]);
     }
@@ -368,7 +355,7 @@ static void off_is_absent(void **state) {
             runs[k] = start(&scenes[k]);
             step_frames(&runs[k], 8, NULL);
             assert_int_equal(runs[k].model->muscles[0].contact_count, 0);
-            assert_same_points(&runs[0], &runs[k]);
+            assert_same_muscle(&runs[0], 0, &runs[k], 0);
             assert_int_equal(sn_group_state_bytes(runs[0].model, &runs[0].model->groups[0]),
                              sn_group_state_bytes(runs[k].model, &runs[k].model->groups[0]));
         }

@@ -240,11 +240,6 @@ static void what_slides_keeps_its_distance_and_what_is_held_its_point(void **sta
 /* ---- order, threads, stopping, off ----------------------------------------------------------------------------------------------------
  */
 
-static void assert_same(const simulation *a, sn_index i, const simulation *b, sn_index k) {
-    assert_memory_equal(a->state->muscles[i].points, b->state->muscles[k].points,
-                        (size_t)a->model->muscles[i].point_count * sizeof(sn_point));
-}
-
 static void the_order_of_muscles_does_not_matter(void **state) {
     (void)state;
     for (int i = 0; i < 2; i++) {
@@ -260,8 +255,8 @@ static void the_order_of_muscles_does_not_matter(void **state) {
             runs[k] = start(&scenes[k]);
             step_frames(&runs[k], 8, NULL);
         }
-        assert_same(&runs[0], 0, &runs[1], 1);
-        assert_same(&runs[0], 1, &runs[1], 0);
+        assert_same_muscle(&runs[0], 0, &runs[1], 1);
+        assert_same_muscle(&runs[0], 1, &runs[1], 0);
         for (int k = 0; k < 2; k++) finish(&runs[k]);
     }
 }
@@ -279,17 +274,10 @@ static void a_step_goes_on_where_it_stopped(void **state) {
         }
         for (int frame = 0; frame < 8; frame++) {
             const sn_step_options stop = {.stop_substep = 1, .stop_iteration = 1 + frame % 2};
-            char *bytes;
-            size_t size;
             step_frames(&runs[0], 1, NULL);
-            assert_int_equal(sn_step(runs[1].model, runs[1].state, &stop, NULL), SN_STOPPED);
-            assert_int_equal(sn_state_pack(runs[1].model, runs[1].state, &bytes, &size, NULL), SN_OK);
-            sn_state_destroy(runs[1].model, runs[1].state);
-            assert_int_equal(sn_state_create(runs[1].model, &runs[1].state, NULL), SN_OK);
-            assert_int_equal(sn_state_unpack(runs[1].model, bytes, size, runs[1].state, NULL), SN_OK);
-            free(bytes);
+            stop_and_reload(&runs[1], &stop);
             step_frames(&runs[1], 1, NULL);
-            for (sn_index k = 0; k < 2; k++) assert_same(&runs[0], k, &runs[1], k);
+            for (sn_index k = 0; k < 2; k++) assert_same_muscle(&runs[0], k, &runs[1], k);
         }
         for (int k = 0; k < 2; k++) finish(&runs[k]);
     }
@@ -320,7 +308,7 @@ static void off_is_absent(void **state) {
             assert_int_equal(runs[k].model->group_count, 2);
             step_frames(&runs[k], 6, NULL);
             for (sn_index m = 0; m < 2; m++) {
-                assert_same(&runs[0], m, &runs[k], m);
+                assert_same_muscle(&runs[0], m, &runs[k], m);
                 assert_int_equal(runs[k].model->muscles[m].external_count, 0);
                 assert_int_equal(sn_group_state_bytes(runs[0].model, &runs[0].model->groups[m]),
                                  sn_group_state_bytes(runs[k].model, &runs[k].model->groups[m]));
