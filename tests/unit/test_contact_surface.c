@@ -321,7 +321,6 @@ static void sleepers_wake_for_what_comes(void **state) {
         for (int comes = 0; comes < 2; comes++) {
             sn_scene scene;
             make_ball(&scene, METHODS[i], 0.015, comes ? coming : staying);
-            drive(&scene.surfaces[0], 2, 1.0, staying);
             sn_vertex_track_free(&scene.surfaces[0].track);
             drive(&scene.surfaces[0], 49, 2.0, comes ? coming : staying);
             scene.last_frame = 40;

@@ -74,7 +74,7 @@ static void the_search_ends_alike_wherever_it_starts(void **state) {
     uint64_t seed = 11;
     const sn_index starts[] = {0, f.mesh.triangle_count - 1, SN_NONE, SN_INDEX_MAX, f.mesh.triangle_count / 3};
     for (int i = 0; i < 500; i++) {
-        sn_vec3 p = i % 2 ? draw(&f.mesh, &seed) : f.mesh.positions[i]; /* on a vertex many triangles are as near */
+        sn_vec3 p = i % 2 ? draw(&f.mesh, &seed) : f.mesh.positions[i % f.mesh.vertex_count]; /* on a vertex many triangles are as near */
         sn_closest first = sn_moving_closest(&f.shape, starts[0], p);
         for (int k = 1; k < 5; k++) {
             sn_closest other = sn_moving_closest(&f.shape, starts[k], p);
