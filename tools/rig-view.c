@@ -18,7 +18,7 @@ static struct {
     int64_t samples, columns, substeps, frame_count;
     int law, scheme, solver, precision, stretch, preconditioner;
     int64_t contact_samples;
-    bool legend, contact, no_contact;
+    bool legend, contact, no_contact, externals, no_externals;
     cli_list bones, bone_lists, states;
 } given = {.camera = "auto", .zoom = 1.0, .samples = 9, .legend = true};
 
@@ -39,8 +39,8 @@ static const cli_option options[] = {
     {0, "state", "FILE", CLI_LIST, &given.states, 0, 0, 0, NULL,
      "draw the scene at a state of simulate, coloured by constraint error; one tile each"},
     {0, "error", "LIST", CLI_TEXT, &given.error, 0, 0, 0, NULL,
-     "which error: mesh (default), internal, radial, dihedral, area, membrane, volume, contact; or pressure, penetration; several with\n"
-     "commas, one tile each"},
+     "which error: mesh (default), internal, radial, dihedral, area, membrane, volume, external, contact; or pressure, penetration;\n"
+     "several with commas, one tile each"},
     {0, "range", "NUMBER", CLI_NUMBER, &given.range, 0, 1e-300, 1e300, NULL,
      "end of the colours (default: a round number that few rows exceed, the same for all states)"},
     {0, "scheme", "SCHEME", CLI_CHOICE, &given.scheme, 0, 0, 0, sn_scheme_names, "as simulate was told: guarded, romeo or kohout"},
@@ -55,6 +55,8 @@ static const cli_option options[] = {
     {0, "contact", NULL, CLI_FLAG, &given.contact, 0, 0, 0, NULL, "as simulate was told"},
     {0, "no-contact", NULL, CLI_FLAG, &given.no_contact, 0, 0, 0, NULL, "as simulate was told"},
     {0, "contact-samples", "N", CLI_INTEGER, &given.contact_samples, 0, 0, 3, NULL, "as simulate was told"},
+    {0, "externals", NULL, CLI_FLAG, &given.externals, 0, 0, 0, NULL, "as simulate was told"},
+    {0, "no-externals", NULL, CLI_FLAG, &given.no_externals, 0, 0, 0, NULL, "as simulate was told"},
     {.kind = CLI_HEADING, .help = "From where:"},
     {0, "camera", "VIEW", CLI_TEXT, &given.camera, 0, 0, 0, NULL,
      "auto (default: across the long axis), front, back, left, right, top, bottom, or AZIMUTH:ELEVATION in degrees"},
@@ -230,7 +232,7 @@ static kind_list parse_kinds(const cli *c) {
             kind++;
         if (kind == SN_FIGURES || all.count == KINDS_MAX)
             cli_usage_error(
-                c, "--error: '%.*s' is none of mesh, internal, radial, dihedral, area, membrane, volume, contact, pressure, penetration",
+                c, "--error: '%.*s' is none of mesh, internal, radial, dihedral, area, membrane, volume, external, contact, pressure, penetration",
                 (int)length, text);
         all.items[all.count++] = (sn_state_figure)kind;
     }
@@ -499,6 +501,7 @@ static void apply_settings(const cli *c, sn_scene *scene) {
     if (cli_given(c, "substeps")) scene->solver.substeps = (sn_index)given.substeps;
     if (cli_given(c, "rate")) scene->rate = given.rate;
     if (given.contact || given.no_contact) scene->contact.enabled = given.contact;
+    if (given.externals || given.no_externals) scene->externals.enabled = given.externals;
     if (cli_given(c, "contact-samples")) scene->contact.samples = (sn_index)given.contact_samples;
     for (sn_index i = 0; cli_given(c, "law") && i < scene->muscle_count; i++) scene->muscles[i].law = (sn_fiber_law)given.law;
 }

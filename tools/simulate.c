@@ -24,7 +24,8 @@ typedef struct choices {
     double rate, preroll, run_in, tolerance, target_error;
     int64_t substeps, iterations, save_every;
     int format, law, solver, scheme, hinges, anisotropy, stretch, preconditioner, precision;
-    bool plan, no_sleep;
+    bool plan, no_sleep, externals, no_externals;
+    double external_stiffness;
     fiber_choices fibers;
     contact_choices contact;
 } choices;
@@ -92,6 +93,12 @@ static const cli_option OPTIONS[] = {
      "voxel: N along each axis of a bone (default 64); total:N for about N in all, as near to cubes as that goes"},
     {0, "bone-hits", "WHAT", CLI_CHOICE, &given.contact.bone_hits, 0, 0, 0, sn_bone_hits_names,
      "voxel: vertices onto which a bone moves follow it (default), follow it and stop, or are ignored"},
+    {0, NULL, NULL, CLI_HEADING, NULL, 0, 0, 0, NULL, "External constraints, absent unless asked for:"},
+    {0, "externals", NULL, CLI_FLAG, &given.externals, 0, 0, 0, NULL,
+     "the candidates of attach-detect --glue tie muscles to each other and to surfaces, whatever the scene says"},
+    {0, "no-externals", NULL, CLI_FLAG, &given.no_externals, 0, 0, 0, NULL, "they do not, whatever it says"},
+    {0, "external-stiffness", "FACTOR", CLI_NUMBER, &given.external_stiffness, 0, 0, 1e12, NULL,
+     "over that of the muscle's edges (default 10)"},
     {0, NULL, NULL, CLI_HEADING, NULL, 0, 0, 0, NULL, "Fibres through the volume, absent unless asked for:"},
     {0, "fibers", NULL, CLI_FLAG, &given.fibers.frames, 0, 0, 0, NULL, "with -o: their frames too, as VTP, PVD and PC2"},
     {0, "lengths", "FILE", CLI_TEXT, &given.fibers.lengths, 0, 0, 0, NULL,
@@ -171,6 +178,19 @@ static void choose_method(job *j) {
         sn_solver_change(solver, SN_SOLVER_XPBD);
 }
 
+static void apply_externals(job *j) {
+    sn_external_settings *externals = &j->scene.externals;
+    if (given.externals && given.no_externals) cli_usage_error(&j->c, "--externals and --no-externals exclude each other");
+    if (given.externals) externals->enabled = true;
+    if (given.no_externals) externals->enabled = false;
+    if (cli_given(&j->c, "external-stiffness")) externals->stiffness = given.external_stiffness;
+    if (cli_given(&j->c, "external-stiffness") && !externals->enabled)
+        cli_warn(&j->c, "--external-stiffness has no effect: external constraints are off (--externals turns them on)");
+    if (externals->enabled && j->scene.solver.method == SN_SOLVER_XPBD &&
+        (j->scene.solver.scheme != SN_SCHEME_GUARDED || j->scene.solver.precision == SN_PRECISION_SINGLE))
+        cli_warn(&j->c, "external constraints are left out: they run under qn, and under xpbd in the guarded scheme and in double");
+}
+
 static void apply_options(job *j) {
     sn_scene *scene = &j->scene;
     sn_index range[2];
@@ -202,6 +222,7 @@ static void apply_options(job *j) {
     if (cli_given(&j->c, "precision")) scene->solver.precision = (sn_precision)given.precision;
     if (j->c.threads > 0) scene->solver.threads = j->c.threads;
     contacts_apply(&j->c, &given.contact, scene);
+    apply_externals(j);
 }
 
 static void parse_stop(job *j) {
@@ -286,7 +307,7 @@ static sn_status load_scene(job *j, sn_error *error) {
     sn_blob blob = {0};
     sn_status status = sn_blob_read(j->c.inputs.items[0], &blob, error);
     if (status != SN_OK) return status;
-    bool bones = given.fibers.penetration || given.bone_frames != NULL || contacts_wanted(&j->c, &given.contact);
+    bool bones = given.fibers.penetration || given.bone_frames != NULL || contacts_wanted(&j->c, &given.contact) || given.externals;
     status = sn_scene_parse(&blob, bones, &j->scene, error);
     if (status == SN_OK) status = choose_setting(j, &blob, error);
     if (status == SN_OK) {
@@ -644,6 +665,27 @@ static void write_muscle_plan(const job *j, sn_json *json, const sn_plan_muscle 
     sn_json_close(json);
 }
 
+/* Muscles that are solved together. */
+static void write_coupled(const job *j, sn_json *json) {
+    const sn_model *model = j->model;
+    if (!j->scene.externals.enabled) return;
+    sn_json_array(json, "coupled");
+    for (sn_index g = 0; g < model->group_count; g++) {
+        sn_index rows = 0, members = 0;
+        for (sn_index i = 0; i < model->muscle_count; i++)
+            if (model->muscles[i].group == g) members++, rows += sn_row_count(model, i, SN_ROWS_EXTERNAL);
+        if (members < 2) continue;
+        sn_json_object(json, NULL);
+        sn_json_array(json, "muscles");
+        for (sn_index i = 0; i < model->muscle_count; i++)
+            if (model->muscles[i].group == g) sn_json_text(json, NULL, model->muscles[i].source->name);
+        sn_json_close(json);
+        sn_json_integer(json, "rows", rows);
+        sn_json_close(json);
+    }
+    sn_json_close(json);
+}
+
 static void write_plan_members(const job *j, sn_json *json, bool costs) {
     const sn_plan *plan = &j->model->plan;
     sn_index running = 0;
@@ -657,6 +699,7 @@ static void write_plan_members(const job *j, sn_json *json, bool costs) {
     }
     sn_json_close(json);
     contacts_plan(&j->contact, j->model, json);
+    write_coupled(j, json);
 }
 
 static sn_status print_plan(job *j, sn_error *error) {

@@ -23,6 +23,8 @@ typedef struct sn_moving {
 /* Of a valid mesh; its vertices keep their numbers. SN_ERROR_INPUT: an edge has more than two triangles, or two that run the same way, so
  * that it has no two sides. */
 SN_MUST_CHECK sn_status sn_moving_create(const sn_mesh *mesh, sn_moving *out, sn_error *error);
+/* Of any valid mesh: such edges are on the rim. */
+SN_MUST_CHECK sn_status sn_moving_create_any(const sn_mesh *mesh, sn_moving *out, sn_error *error);
 /* The triangles t with keep[t] (triangle_count), and the vertices on them: vertices (whole->vertex_count) gets the number of each in
  * `whole`. Edges to triangles that are left out are on the rim. At least one triangle must be kept. */
 SN_MUST_CHECK sn_status sn_moving_part(const sn_moving *whole, const bool *keep, sn_moving *out, sn_index *vertices, sn_error *error);

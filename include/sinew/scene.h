@@ -57,6 +57,15 @@ typedef struct sn_contact_settings {
     sn_index voxels_total; /* or about so many in all, as near to cubes as that goes: n_max of [K21] 3.2; 0 = by `voxels` */
 } sn_contact_settings;
 
+/* External constraints ([R18] 4.3) of the candidates in the rigs; off by default. */
+#define SN_EXTERNAL_STIFFNESS 10.0
+
+typedef struct sn_external_settings {
+    bool enabled;
+    double stiffness;                            /* over that of the muscle's edges; 0 to 1e12; default SN_EXTERNAL_STIFFNESS */
+    bool no_slide, no_soft, no_hard, no_minimum; /* such rows are left out */
+} sn_external_settings;
+
 /* How a fibre shortens its edges with activation: the goal lengths of sn_goal_length (sim.h). */
 typedef enum sn_fiber_law { SN_LAW_PROJECTED, SN_LAW_PAPER, SN_LAW_ISOCHORIC } sn_fiber_law;
 
@@ -103,6 +112,7 @@ typedef struct sn_scene_muscle {
     sn_index iterations;   /* per substep; 0 = the solver's */
     bool enabled;          /* false = left out */
     bool untouched;        /* no bone is felt; default false */
+    bool unbound;          /* none of its external constraints acts, and none of others on it; default false */
 } sn_scene_muscle;
 
 /* QN is the default: the error for the time is less (error-time). */
@@ -153,6 +163,7 @@ typedef struct sn_scene {
     sn_scene_muscle *muscles;
     sn_motion motion;
     sn_contact_settings contact;
+    sn_external_settings externals;
     sn_vec3 gravity;                  /* m/s^2; default 0 */
     double rate;                      /* frames per second; default 24 */
     sn_index first_frame, last_frame; /* inclusive; frame f is at time f / rate; default 0, 0 */
@@ -170,7 +181,7 @@ typedef struct sn_carrier {
 sn_carrier sn_scene_carrier(const sn_scene *scene, const char *name); /* name is nullable */
 /* The name of a bone, or, from bone_count on, of a surface: whatever a muscle may touch. */
 const char *sn_scene_touched_name(const sn_scene *scene, sn_index touched);
-/* Is an enabled muscle attached to this surface? */
+/* Is an enabled muscle attached to this surface, or tied to it by external constraints? */
 bool sn_scene_surface_carries(const sn_scene *scene, sn_index surface);
 /* Warn of loaded surfaces whose frames do not reach from the scene's first to its last. */
 void sn_scene_warn_of_times(const sn_scene *scene);

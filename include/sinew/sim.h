@@ -36,6 +36,7 @@
     X(AREA, area)                                                                                                                          \
     X(MEMBRANE, membrane)                                                                                                                  \
     X(VOLUME, volume)                                                                                                                      \
+    X(EXTERNAL, external)                                                                                                                  \
     X(CONTACT, contact)
 
 /* By the list. */
@@ -58,6 +59,7 @@ typedef enum sn_left_out {
     SN_OUT_OPEN_SURFACE, /* an open surface encloses no volume */
     SN_OUT_FLAT,         /* the rest volume is 0 */
     SN_OUT_NO_BONE,      /* no bone comes near it over the motion */
+    SN_OUT_NO_TARGET,    /* the document has no candidates for them, or none whose target takes part */
     SN_OUT_NOTHING       /* no row is left: every point is carried by a bone, or degenerate at rest */
 } sn_left_out;
 
@@ -184,6 +186,7 @@ typedef struct sn_model_muscle {
 #undef SN_MODEL_MEMBER
     sn_index vertex_count, point_count, triangle_count; /* of the surface; with the samples */
     sn_index kinematic_count, site_count;               /* points that bones carry, and by how many attachments */
+    sn_index external_count;                            /* vertices that external constraints tie to something */
     sn_index collider_count, contact_count;             /* bones and surfaces that it may touch, and rows of contact */
     sn_index patch_points, patch_boxes, feet_count;     /* vertices and boxes of those surfaces; rows of contact with them, the last ones */
     sn_index follower_count, pose_count;                /* points that surfaces carry; where there are any: joints of the scene */
@@ -200,6 +203,7 @@ typedef struct sn_model_muscle {
     double mass;                                        /* kg, all points together */
     double mean_edge, diagonal;                         /* m */
     sn_index iterations;                                /* per substep */
+    bool coupled;                                       /* its group has external constraints */
     bool contracts;                                     /* activation is felt: not under the scheme `kohout` */
     bool single;       /* projected in single precision; then, and only then, pairs: this four of rows and the next share no point */
     bool quasi_newton; /* the back end is `qn` */

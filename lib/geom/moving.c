@@ -39,31 +39,32 @@ static bool runs_along(sn_triangle t, sn_index a, sn_index b) {
     return (t.v[0] == a && t.v[1] == b) || (t.v[1] == a && t.v[2] == b) || (t.v[2] == a && t.v[0] == b);
 }
 
+static bool has_two_sides(const sn_mesh *mesh, const sn_edge *edge) {
+    return edge->triangle_count == 2 && runs_along(mesh->triangles[edge->triangle[0]], edge->v[0], edge->v[1]) !=
+                                            runs_along(mesh->triangles[edge->triangle[1]], edge->v[0], edge->v[1]);
+}
+
 static sn_status check_edge(const sn_mesh *mesh, const sn_edge *edge, sn_error *error) {
     if (edge->triangle_count > 2)
         return sn_fail(error, SN_ERROR_INPUT, "the edge between the vertices %ld and %ld has %ld triangles, so that it has no two sides",
                        (long)edge->v[0], (long)edge->v[1], (long)edge->triangle_count);
-    if (edge->triangle_count == 2 && runs_along(mesh->triangles[edge->triangle[0]], edge->v[0], edge->v[1]) ==
-                                         runs_along(mesh->triangles[edge->triangle[1]], edge->v[0], edge->v[1]))
+    if (edge->triangle_count == 2 && !has_two_sides(mesh, edge))
         return sn_fail(error, SN_ERROR_INPUT, "the triangles %ld and %ld turn opposite sides outwards", (long)edge->triangle[0],
                        (long)edge->triangle[1]);
     return SN_OK;
 }
 
 /* places (triangle_count): where each of the mesh's triangles is in the new order. */
-static sn_status link_triangles(const sn_mesh *mesh, const sn_topology *t, const sn_index *places, sn_moving *m, sn_error *error) {
-    sn_status status = SN_OK;
-    for (sn_index e = 0; e < t->edge_count && status == SN_OK; e++) status = check_edge(mesh, &t->edges[e], error);
-    for (sn_index i = 0; i < m->triangle_count && status == SN_OK; i++)
+static void link_triangles(const sn_mesh *mesh, const sn_topology *t, const sn_index *places, sn_moving *m) {
+    for (sn_index i = 0; i < m->triangle_count; i++)
         for (int k = 0; k < 3; k++) {
             sn_index source = m->sources[i], e = t->triangle_edges[source][k];
-            sn_index other = e == SN_NONE ? SN_NONE : t->edges[e].triangle[t->edges[e].triangle[0] == source];
-            m->across[i][k] = other == SN_NONE ? SN_NONE : places[other];
+            bool good = e != SN_NONE && has_two_sides(mesh, &t->edges[e]);
+            m->across[i][k] = good ? places[t->edges[e].triangle[t->edges[e].triangle[0] == source]] : SN_NONE;
         }
-    return status;
 }
 
-static sn_status fill(const sn_mesh *mesh, sn_moving *m, sn_index *places, sn_error *error) {
+static sn_status fill(const sn_mesh *mesh, bool any, sn_moving *m, sn_index *places, sn_error *error) {
     sn_topology topology;
     sn_status status = sn_curve_order(mesh, m->sources, error);
     if (status != SN_OK) return status;
@@ -73,13 +74,14 @@ static sn_status fill(const sn_mesh *mesh, sn_moving *m, sn_index *places, sn_er
     }
     status = sn_topology_build(mesh, &topology, error);
     if (status != SN_OK) return status;
-    status = link_triangles(mesh, &topology, places, m, error);
+    for (sn_index e = 0; e < topology.edge_count && !any && status == SN_OK; e++) status = check_edge(mesh, &topology.edges[e], error);
+    link_triangles(mesh, &topology, places, m);
     sn_topology_free(&topology);
     if (status == SN_OK) list_corners(m);
     return status;
 }
 
-sn_status sn_moving_create(const sn_mesh *mesh, sn_moving *out, sn_error *error) {
+static sn_status create(const sn_mesh *mesh, bool any, sn_moving *out, sn_error *error) {
     *out = (sn_moving){0};
     sn_status status = sn_mesh_validate(mesh, error);
     if (status != SN_OK) return status;
@@ -87,11 +89,15 @@ sn_status sn_moving_create(const sn_mesh *mesh, sn_moving *out, sn_error *error)
     if (!make_room(out, mesh->vertex_count, mesh->triangle_count) || places == NULL)
         status = sn_fail_memory(error, "a moving surface");
     else
-        status = fill(mesh, out, places, error);
+        status = fill(mesh, any, out, places, error);
     free(places);
     if (status != SN_OK) sn_moving_free(out);
     return status;
 }
+
+sn_status sn_moving_create(const sn_mesh *mesh, sn_moving *out, sn_error *error) { return create(mesh, false, out, error); }
+
+sn_status sn_moving_create_any(const sn_mesh *mesh, sn_moving *out, sn_error *error) { return create(mesh, true, out, error); }
 
 void sn_moving_free(sn_moving *moving) {
     free(moving->triangles);

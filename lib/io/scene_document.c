@@ -1,6 +1,7 @@
 /* scene_document.c -- the scene document: bones, muscles, motion and solver settings, read and written. */
 #include "scene_build.h"
 #include "scene_contact.h"
+#include "scene_externals.h"
 #include "scene_surfaces.h"
 
 #include <stdlib.h>
@@ -81,7 +82,7 @@ static sn_status parse_globals(const sn_json_value *top, sn_scene *scene, sn_err
     sn_json_value name = sn_json_member(top, "name"), unit = sn_json_member(top, "metersPerUnit"), rate = sn_json_member(top, "rate"),
                   frames = sn_json_member(top, "frames"), preroll = sn_json_member(top, "preroll"), run_in = sn_json_member(top, "runIn"),
                   gravity = sn_json_member(top, "gravity"), solver = sn_json_member(top, "solver"),
-                  contact = sn_json_member(top, "contact");
+                  contact = sn_json_member(top, "contact"), externals = sn_json_member(top, "externals");
     sn_status status = sn_json_get_text(&name, &scene->name, error);
     if (status == SN_OK) status = sn_json_get_number(&unit, SN_JSON_POSITIVE, INFINITY, &scene->meters_per_unit, error);
     if (status == SN_OK) status = sn_json_get_number(&rate, SN_JSON_POSITIVE, INFINITY, &scene->rate, error);
@@ -90,6 +91,7 @@ static sn_status parse_globals(const sn_json_value *top, sn_scene *scene, sn_err
     if (status == SN_OK) status = sn_json_get_number(&run_in, 0.0, INFINITY, &scene->run_in, error);
     if (status == SN_OK) status = sn_json_get_vec3(&gravity, &scene->gravity, error);
     if (status == SN_OK) status = sn_contact_parse(&contact, &scene->contact, error);
+    if (status == SN_OK) status = sn_scene_externals_parse(&externals, &scene->externals, error);
     return status == SN_OK ? parse_solver(&solver, &scene->solver, error) : status;
 }
 
@@ -325,7 +327,7 @@ static sn_status parse_muscle(const sn_json_value *value, const reader *in, sn_s
     static const char *const known[] = {"name",    "rig",        "enabled",   "activation", "contraction", "restActivation",
                                         "tone",    "restLength", "law",       "stiffness",  "volumeRatio", "density",
                                         "damping", "iterations", "leastArea", "anisotropy", "mass",        "maps",
-                                        "stretch", "contact",    NULL};
+                                        "stretch", "contact",    "externals", NULL};
     sn_json_value name = sn_json_member(value, "name"), rig = sn_json_member(value, "rig"), enabled = sn_json_member(value, "enabled"),
                   activation = sn_json_member(value, "activation");
     sn_scene_muscle_defaults(out);
@@ -335,6 +337,7 @@ static sn_status parse_muscle(const sn_json_value *value, const reader *in, sn_s
     if (status == SN_OK) status = sn_json_get_text(&rig, &out->uri, error);
     if (status == SN_OK) status = sn_json_get_bool(&enabled, &out->enabled, error);
     if (status == SN_OK) status = sn_contact_left_out_parse(value, &out->untouched, error);
+    if (status == SN_OK) status = sn_scene_externals_left_out(value, &out->unbound, error);
     if (status == SN_OK) status = parse_muscle_numbers(value, out, error);
     if (status == SN_OK) status = parse_muscle_choices(value, out, error);
     if (status == SN_OK && out->enabled) status = take_rig(&rig, out, in, error);
@@ -362,14 +365,15 @@ static sn_status parse_muscles(const sn_json_value *value, const reader *in, sn_
 
 /* in: without its clock. */
 static sn_status parse_scene(const sn_json_value *top, reader in, sn_error *error) {
-    static const char *const known[] = {"format", "version", "name",  "metersPerUnit", "rate",     "frames",  "preroll", "runIn", "gravity",
-                                        "solver", "motion",  "bones", "muscles",       "surfaces", "contact", "history", NULL};
+    static const char *const known[] = {"format",  "version",  "name",    "metersPerUnit", "rate",    "frames",
+                                        "preroll", "runIn",    "gravity", "solver",        "motion",  "bones",
+                                        "muscles", "surfaces", "contact", "externals",     "history", NULL};
     sn_json_value motion = sn_json_member(top, "motion"), bones = sn_json_member(top, "bones"), muscles = sn_json_member(top, "muscles"),
                   surfaces = sn_json_member(top, "surfaces");
     sn_scene *scene = in.scene;
     sn_status status = sn_json_expect_format(top, FORMAT, NEWEST_VERSION, error);
     if (status == SN_OK) status = parse_globals(top, scene, error);
-    in.load_bones = in.load_bones || scene->contact.enabled;
+    in.load_bones = in.load_bones || scene->contact.enabled || scene->externals.enabled; /* which may tie muscles to them */
     in.clock = (sn_clock){scene->rate, scene->meters_per_unit, scene->first_frame, scene->last_frame, scene->rate};
     if (status == SN_OK) status = sn_motion_parse(&motion, in.clock, &scene->motion, error);
     if (status == SN_OK) status = parse_bones(&bones, &in, error);
@@ -467,6 +471,7 @@ static void write_muscle(const sn_scene_muscle *muscle, sn_json *json) {
     sn_json_text(json, "rig", muscle->uri);
     sn_json_bool(json, "enabled", muscle->enabled);
     if (muscle->untouched) sn_json_bool(json, "contact", false);
+    if (muscle->unbound) sn_json_bool(json, "externals", false);
     sn_activation_write(&muscle->activation, json);
     sn_json_number(json, "contraction", muscle->contraction);
     sn_json_number(json, "restActivation", muscle->rest_activation);
@@ -500,6 +505,7 @@ void sn_scene_write(const sn_scene *scene, sn_json *json) {
     sn_json_number(json, "runIn", scene->run_in);
     sn_json_vec3(json, "gravity", scene->gravity);
     sn_contact_write(scene, json);
+    sn_scene_externals_write(scene, json);
     write_solver(&scene->solver, json);
     sn_motion_write(&scene->motion, scene->meters_per_unit, json);
     sn_json_array(json, "bones");

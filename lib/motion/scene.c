@@ -66,6 +66,7 @@ void sn_scene_defaults(sn_scene *scene) {
     scene->meters_per_unit = 1.0;
     scene->rate = 24.0;
     scene->solver = sn_solver_defaults(SN_SOLVER_QN);
+    scene->externals.stiffness = SN_EXTERNAL_STIFFNESS;
 }
 
 /* ---- the end ---------------------------------------------------------------------------------------------------------- */
@@ -111,9 +112,22 @@ static bool hangs_on(const sn_scene *scene, const sn_muscle *rig, sn_index surfa
     return false;
 }
 
+/* Do external constraints tie it to the surface? */
+static bool is_tied_to(const sn_scene *scene, const sn_muscle *rig, sn_index surface) {
+    for (sn_index i = 0; i < rig->external_count; i++) {
+        sn_carrier carrier = sn_scene_carrier(scene, rig->externals[i].target);
+        if (carrier.kind == SN_CARRIER_SURFACE && carrier.index == surface && rig->externals[i].count > 0) return true;
+    }
+    return false;
+}
+
 bool sn_scene_surface_carries(const sn_scene *scene, sn_index surface) {
-    for (sn_index i = 0; i < scene->muscle_count; i++)
-        if (scene->muscles[i].enabled && hangs_on(scene, &scene->muscles[i].rig, surface)) return true;
+    for (sn_index i = 0; i < scene->muscle_count; i++) {
+        const sn_scene_muscle *muscle = &scene->muscles[i];
+        bool bound = scene->externals.enabled && !muscle->unbound;
+        if (!muscle->enabled) continue;
+        if (hangs_on(scene, &muscle->rig, surface) || (bound && is_tied_to(scene, &muscle->rig, surface))) return true;
+    }
     return false;
 }
 
@@ -380,6 +394,12 @@ static sn_status check_contact(const sn_scene *scene, sn_error *error) {
     return SN_OK;
 }
 
+static sn_status check_externals(const sn_scene *scene, sn_error *error) {
+    if (!within(scene->externals.stiffness, 0.0, 1e12))
+        return sn_fail(error, SN_ERROR_INPUT, "externals: stiffness is %g; it must be within 0 and 1e12", scene->externals.stiffness);
+    return SN_OK;
+}
+
 static sn_status check_solver(const sn_scene *scene, sn_error *error) {
     const sn_solver_settings *solver = &scene->solver;
     if (solver->substeps == SN_SUBSTEPS_AUTO && solver->method != SN_SOLVER_QN)
@@ -425,6 +445,7 @@ static sn_status check_clock(const sn_scene *scene, sn_error *error) {
 sn_status sn_scene_validate(const sn_scene *scene, sn_error *error) {
     sn_status status = check_clock(scene, error);
     if (status == SN_OK) status = check_contact(scene, error);
+    if (status == SN_OK) status = check_externals(scene, error);
     if (status == SN_OK) status = check_solver(scene, error);
     if (status == SN_OK) status = check_voxels(scene, error);
     if (status == SN_OK) status = sn_motion_validate(&scene->motion, error);

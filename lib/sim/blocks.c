@@ -15,6 +15,12 @@ double *sn_blocks_at(sn_blocks *b, sn_index row, sn_index column) {
     return b->blocks[b->count++].value;
 }
 
+sn_index sn_blocks_find(const sn_blocks *b, sn_index row, sn_index column) {
+    sn_index i = b->last[row];
+    while (b->blocks[i].column != column) i = b->blocks[i].next;
+    return i;
+}
+
 bool sn_blocks_create(sn_blocks *b, int size, sn_index rows) {
     *b = (sn_blocks){.size = size, .rows = rows, .last = SN_NEW(sn_index, rows)};
     if (b->last == NULL) return false;

@@ -29,6 +29,8 @@ void sn_blocks_clear(sn_blocks *b); /* the blocks stay, as zeros */
 void sn_blocks_free(sn_blocks *b);
 /* Where the block (row, column) is, made where it is missing; NULL: no memory. The next call may move it. */
 double *sn_blocks_at(sn_blocks *b, sn_index row, sn_index column);
+/* Which block is (row, column); it must be there. */
+sn_index sn_blocks_find(const sn_blocks *b, sn_index row, sn_index column);
 /* Make room for the entries of all blocks inside of the matrix, the lower triangle; false: no memory, or too many. */
 bool sn_blocks_close(sn_blocks *b);
 /* entries = stiffness x matrix + masses (rows) on the diagonal; stiffness (count) of the rows from first (count + 1) of each. */

@@ -19,9 +19,15 @@ typedef struct sn_group {
     bool halves;                     /* it may take a substep in halves, and those again */
     bool keeps_volume;               /* one of its members does */
     bool corotated, two_level;       /* all of them go by that matrix; some have that coarse space */
+    /* external constraints (external.h); nothing of it where no row ties a member to anything */
+    sn_index target_count;
+    struct sn_external_target *targets;   /* (target_count) */
+    sn_index target_points, target_boxes; /* vertices of those that move by themselves; boxes of all of them */
+    sn_index row_count;                   /* of all members */
 } sn_group;
 
-/* The groups of the model's muscles: today each muscle is one of its own. */
+/* The groups of the model's muscles: those that external constraints tie to each other, directly or over others, by name; each of the
+ * others is one of its own. */
 SN_MUST_CHECK sn_status sn_groups_build(sn_model *model, sn_error *error);
 void sn_groups_free(sn_model *model);
 /* One group of these muscles (count), to be freed. */

@@ -30,6 +30,8 @@ const char *sn_left_out_text(sn_left_out reason) {
         return "the rest volume is 0";
     case SN_OUT_NO_BONE:
         return "no bone comes near it over the motion";
+    case SN_OUT_NO_TARGET:
+        return "no candidate of the document ties it to what takes part (attach-detect --glue finds them)";
     case SN_OUT_NOTHING:
         return "no row is left: every point of it is carried by a bone, or degenerate";
     }
@@ -78,7 +80,7 @@ void sn_plan_count(const sn_build *build) {
     for (int kind = 0; kind < SN_ROW_KINDS; kind++) {
         sn_plan_group *group = &build->plan->groups[kind];
         const sn_row_ops *ops = sn_row_ops_of((sn_row_kind)kind);
-        if (group->reason == SN_RUNS && group->rows == 0) group->reason = SN_OUT_NOTHING;
+        if (group->reason == SN_RUNS && group->rows == 0 && !ops->shared) group->reason = SN_OUT_NOTHING; /* shared: still to be built */
         group->sweeps = sn_scheme_sweeps(&build->scene->solver, (sn_row_kind)kind);
         group->bytes = (size_t)group->rows * ops->bytes(m);
         if (ops->info.spring && group->rows > 0) measure_rigidity(build, (sn_row_kind)kind);

@@ -12,6 +12,7 @@
  * Which of them a substep goes by is decided at its start; a matrix that is never asked for is never made.
  */
 #include "blocks.h"
+#include "external.h"
 #include "frames.h"
 #include "qn.h"
 #include "two_level.h"
@@ -31,6 +32,14 @@ typedef struct rest_matrix {
     double *factor_stiffness; /* (count) */
 } rest_matrix;
 
+/* An external constraint's share of the scalar matrix, over the k of its muscle. */
+typedef struct coupling {
+    sn_index row, column; /* numbers of points; a column of free_count or more is a carried one */
+    sn_index entry;       /* of the matrix, where it is in it */
+    sn_index member;
+    double value;
+} coupling;
+
 struct sn_preconditioner {
     sn_index count;                  /* members of the group */
     const sn_model_muscle **members; /* (count) */
@@ -40,6 +49,9 @@ struct sn_preconditioner {
     sn_index *point_of;  /* (point_count) the reverse */
     double *mass;        /* (free_count) kg / h^2 of the last factor */
     rest_matrix scalar, corotated;
+    sn_index coupling_count;
+    size_t coupling_capacity;
+    coupling *couplings;      /* (coupling_count) */
     sn_frames *frames;        /* (count) none until they are asked for */
     sn_quat *turns;           /* (point_count) frames of the points; NULL = this substep goes by the scalar matrix */
     sn_two_level *coarse;     /* (count) NULL but under the two-level matrix */
@@ -113,8 +125,31 @@ static bool move_matrix(sn_preconditioner *p, rest_matrix *matrix, const sn_vec3
     return add_members(p, &matrix->blocks, positions);
 }
 
+/* Room for the couplings in the scalar matrix. */
+static bool make_couplings_room(const sn_preconditioner *p, sn_blocks *blocks) {
+    bool made = true;
+    for (sn_index i = 0; i < p->coupling_count && made; i++)
+        if (p->couplings[i].column < p->free_count) made = sn_blocks_at(blocks, p->couplings[i].row, p->couplings[i].column) != NULL;
+    return made;
+}
+
+/* Which entry each coupling is in: blocks of one number have one, in their order, but for those of carried points. */
+static bool place_couplings(sn_preconditioner *p, const sn_blocks *blocks) {
+    sn_index *entries = SN_NEW(sn_index, blocks->count), next = 0;
+    if (entries == NULL) return false;
+    for (sn_index i = 0; i < blocks->count; i++) entries[i] = blocks->blocks[i].column < blocks->rows ? next++ : SN_NONE;
+    for (sn_index i = 0; i < p->coupling_count; i++) {
+        coupling *c = &p->couplings[i];
+        if (c->column < p->free_count) c->entry = entries[sn_blocks_find(blocks, c->row, c->column)];
+    }
+    free(entries);
+    return true;
+}
+
 static bool build_members(sn_preconditioner *p, sn_blocks *blocks, int size) {
-    return sn_blocks_create(blocks, size, p->free_count) && add_members(p, blocks, NULL) && sn_blocks_close(blocks);
+    bool couples = size == 1 && p->coupling_count > 0;
+    return sn_blocks_create(blocks, size, p->free_count) && add_members(p, blocks, NULL) && (!couples || make_couplings_room(p, blocks)) &&
+           sn_blocks_close(blocks) && (!couples || place_couplings(p, blocks));
 }
 
 static void free_matrix(rest_matrix *matrix) {
@@ -144,6 +179,10 @@ static bool factor(sn_preconditioner *p, rest_matrix *matrix, double h, const do
             p->mass[i] = 1.0 / (p->members[k]->inverse_mass[p->point_of[i] - p->first[k]] * h * h);
     sn_blocks *b = &matrix->blocks;
     sn_blocks_entries(b, p->count, p->first_free, stiffness, p->mass);
+    for (sn_index i = 0; i < p->coupling_count && b->size == 1; i++) {
+        const coupling *c = &p->couplings[i];
+        if (c->column < p->free_count) b->entries[c->entry].value += stiffness[c->member] * c->value;
+    }
     sn_status status = matrix->factor == NULL ? sn_sparse_factor(b->size * p->free_count, b->entry_count, b->entries, &matrix->factor, NULL)
                                               : sn_sparse_refactor(matrix->factor, b->entries, NULL);
     matrix->factor_h = status == SN_OK ? h : 0.0;
@@ -221,8 +260,38 @@ sn_status sn_preconditioner_create(sn_index count, const sn_model_muscle *const 
     return SN_OK;
 }
 
+/* Who couples, and its member at hand. */
+typedef struct coupler {
+    sn_preconditioner *p;
+    sn_index member;
+} coupler;
+
+static bool add_coupling(void *user, const sn_rest_row *row) {
+    const coupler *of = user;
+    sn_preconditioner *p = of->p;
+    for (int i = 0; i < row->count; i++) {
+        sn_index at = p->number_of[p->first[of->member] + row->point[i]];
+        if (at >= p->free_count) continue;
+        for (int j = 0; j < row->count; j++) {
+            sn_index column = p->number_of[p->first[of->member] + row->point[j]];
+            if (column > at && column < p->free_count) continue; /* the upper triangle */
+            if (!sn_grow((void **)&p->couplings, &p->coupling_capacity, (size_t)p->coupling_count + 1, sizeof *p->couplings)) return false;
+            p->couplings[p->coupling_count++] =
+                (coupling){.row = at, .column = column, .member = of->member, .value = row->scale * row->weight[i] * row->weight[j]};
+        }
+    }
+    return true;
+}
+
+sn_status sn_preconditioner_couple(sn_preconditioner *p, const sn_group *g, sn_error *error) {
+    for (sn_index i = 0; i < g->count; i++)
+        if (!sn_externals_at_bind(g, i, add_coupling, &(coupler){p, i})) return sn_fail_memory(error, "the preconditioner");
+    return SN_OK;
+}
+
 void sn_preconditioner_destroy(sn_preconditioner *p) {
     if (p == NULL) return;
+    free(p->couplings);
     free_matrix(&p->scalar);
     free_matrix(&p->corotated);
     for (sn_index i = 0; i < p->count && p->frames != NULL; i++) sn_frames_free(&p->frames[i]);
@@ -447,6 +516,12 @@ static void add_carried(const sn_preconditioner *p, const rest_matrix *matrix, c
         sn_index to = p->point_of[block->row];
         double k = sn_blocks_stiffness(p->count, p->first_free, matrix->factor_stiffness, block->row);
         in[to] = sn_add_scaled(in[to], block_times(p, block, jump[p->point_of[block->column]]), k);
+    }
+    for (sn_index i = 0; i < p->coupling_count; i++) {
+        const coupling *c = &p->couplings[i];
+        if (c->column < p->free_count) continue;
+        sn_index to = p->point_of[c->row];
+        in[to] = sn_add_scaled(in[to], jump[p->point_of[c->column]], matrix->factor_stiffness[c->member] * c->value);
     }
 }
 

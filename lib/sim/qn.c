@@ -7,6 +7,7 @@
  * iterations.
  */
 #include "contact.h"
+#include "external.h"
 #include "qn.h"
 
 static const double ARMIJO = 1e-4;
@@ -17,7 +18,9 @@ static const double ENERGY_NOISE = 1e-13;
 static const double STEP_NOISE = 1e-14;
 /* No point moves further than this share of the muscle's size in one iteration: of its diagonal, or of how far its bones are apart. */
 static const double STEP_CAP = 0.1;
-/* Iterations of a torn step, and of one whose bones set out or stop, for each that the scene allows. */
+/* Iterations of a torn step, and of one whose bones set out or stop, for each that the scene allows; and of muscles that are tied to each
+ * other, whose matrix knows nothing of the way that a constraint leaves free: of twelve muscles of a dog's hind leg the median error over a
+ * motion is 1.3e-3 L after 10 iterations and 6e-4 after 20. */
 enum { TORN_EFFORT = 10, ABRUPT_EFFORT = 2 };
 /* No triangle shrinks below this share of its area in one step: hinges have no barrier against collapse. */
 static const double AREA_LIMIT = 0.3;
@@ -251,7 +254,7 @@ static void leave_residuals(const sn_group *g, sn_group_state *s) {
 static void iterate(const sn_group *g, sn_group_state *s, const sn_substep *substep) {
     sn_qn *qn = sn_qn_of(s);
     bool mends = qn->torn && !substep->halved; /* of a step that was halved, that is to help */
-    sn_index each = mends ? TORN_EFFORT : qn->torn || qn->abrupt ? ABRUPT_EFFORT : 1;
+    sn_index each = mends ? TORN_EFFORT : qn->torn || qn->abrupt || g->count > 1 ? ABRUPT_EFFORT : 1;
     for (sn_index i = each * substep->begin; i < each * substep->end && qn->stopped == SN_STOP_ITERATIONS; i++) {
         if (mends && i % TORN_EFFORT == 0) sn_qn_take_matrix_here(g, s, substep->h);
         if (qn->stopped == SN_STOP_ITERATIONS) search_once(g, s, substep->h, i);
@@ -287,6 +290,7 @@ static sn_verdict finish(const sn_group *g, sn_group_state *s, const sn_substep 
         settle_contacts(g->members[i], s->members[i], sn_qn_of(s));
         update_velocities(g->members[i], s->members[i], substep);
     }
+    sn_externals_keep(g, s);
     return SN_STEP_HOLDS;
 }
 
@@ -303,7 +307,8 @@ static sn_status create(const sn_group *g, sn_group_state *s, bool kept_only, sn
     if (!made) return sn_fail_memory(error, "the quasi-Newton solver");
     if (kept_only) return SN_OK;
     for (sn_index i = 0; g->keeps_volume && i < g->count; i++) s->members[i]->inputs->volume_gradient = part->volume_gradient + g->first[i];
-    return sn_preconditioner_create(g->count, g->members, &part->preconditioner, error);
+    sn_status status = sn_preconditioner_create(g->count, g->members, &part->preconditioner, error);
+    return status == SN_OK ? sn_preconditioner_couple(part->preconditioner, g, error) : status;
 }
 
 static void destroy(const sn_group *g, sn_group_state *s) {

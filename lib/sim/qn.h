@@ -76,6 +76,9 @@ double sn_objective_evaluate(const sn_objective *objective, const sn_point *poin
  * the other, and what is given by member is (count). */
 SN_MUST_CHECK sn_status sn_preconditioner_create(sn_index count, const sn_model_muscle *const *members, sn_preconditioner **out,
                                                  sn_error *error);
+/* The scalar matrix knows the external constraints of the group from here on, at the triangles that they are bound to; nothing where it has
+ * none. Each counts with the k of its own muscle. */
+SN_MUST_CHECK sn_status sn_preconditioner_couple(sn_preconditioner *p, const sn_group *g, sn_error *error);
 void sn_preconditioner_destroy(sn_preconditioner *p); /* NULL is fine */
 /* stiffness and factored_for by member. Go by the corotated matrix, its frames in turns (point_count; sn_preconditioner_turn writes them),
  * or by the scalar one (turns NULL), factored for (h, k), unless *factored_for, the k of the factor that the run goes by (NaN = none), is

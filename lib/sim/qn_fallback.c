@@ -2,6 +2,7 @@
  * qn_fallback.c -- what the back end `qn` does where a muscle or a step is beyond what it is for: a wreck is given up; a torn start stays
  * where it was, or is carried along with the bones; a step that tears a muscle is refused.   numerics.md 5, 7
  */
+#include "external.h"
 #include "qn.h"
 
 /* A smaller stretch than SN_QN_FAR_STRETCHED counts where bones are fast. */
@@ -80,6 +81,8 @@ static void restart(const sn_group *g, sn_group_state *s, sn_index member, doubl
     sn_muscle_state *muscle = s->members[member];
     sn_point *wreck = sn_qn_of(s)->trial + g->first[member];
     size_t bytes = (size_t)m->point_count * sizeof *wreck;
+    for (sn_index i = 0; i < g->point_count && g->row_count > 0; i++) s->previous[i] = sn_point_position(&s->points[i]);
+    sn_externals_find(g, s);
     double wrecked = energy_at_rest(g, s, h);
     memcpy(wreck, muscle->points, bytes);
     sn_kinematics_carry(m, muscle, muscle->points);

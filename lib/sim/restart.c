@@ -11,6 +11,7 @@
  */
 #include "backend.h"
 #include "contact.h"
+#include "external.h"
 
 static const char MAGIC[12] = "sinew state\n";
 enum { VERSION = 6, HEADER = sizeof MAGIC + sizeof(int32_t) + SN_HASH_LENGTH };
@@ -127,10 +128,23 @@ static void take_member(const sn_model_muscle *m, const sn_muscle_state *from, s
     sn_patches_fit(m, s);
 }
 
+/* What external constraints hold on to, for whoever looks at a state that was read: in a step what they do since its start, else where the
+ * points are. A step finds it anew. */
+static void find_externals(const sn_group *g, sn_group_state *s) {
+    bool inside = s->progress.parts < SN_SUBSTEP_PARTS && s->progress.size > 0;
+    sn_vec3 *previous = s->previous, *points = g->row_count > 0 && !inside ? SN_NEW(sn_vec3, g->point_count) : NULL;
+    for (sn_index i = 0; points != NULL && i < g->point_count; i++) points[i] = sn_point_position(&s->points[i]);
+    if (points != NULL) s->previous = points;
+    sn_externals_find(g, s);
+    s->previous = previous;
+    free(points);
+}
+
 static void take_group(const sn_backend *backend, const sn_group *g, const sn_group_state *read, sn_group_state *part) {
     GROUP_NUMBERS(SN_TAKE_NUMBER)
     SN_POINT_ARRAYS(SN_TAKE_ARRAY)
     for (sn_index i = 0; i < g->count; i++) take_member(g->members[i], read->members[i], part->members[i]);
+    find_externals(g, part);
     backend->take(g, read, part);
 }
 

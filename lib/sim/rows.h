@@ -151,6 +151,7 @@ typedef struct sn_row_ops {
     sn_row_info info;
     bool rigid;      /* its rows hold no energy that counts as elastic: a limit */
     bool guarded;    /* a row may have no value at some shapes, and is passed over there */
+    bool shared;     /* its rows have points of other members of the group, too, numbered from the muscle's first one */
     bool crushes;    /* projecting it may flatten triangles: the guarded scheme holds the least areas after it */
     bool per_volume; /* its stiffness is over the rest volume */
     /* Before anything is built: SN_RUNS, or why the scene needs no such rows. */
@@ -234,7 +235,8 @@ void sn_rest_longest(const sn_model_muscle *m, const sn_muscle_state *s, sn_long
 double sn_largest_strain(const sn_model_muscle *m, const sn_muscle_state *s);
 
 /* ---- statistics.c ---- */
-/* |dPhi/dx| / (k L) from inertia's share of the gradient, inertia (point_count), N: m (v - v predicted) / h. It is overwritten. */
+/* |dPhi/dx| / (k L) from inertia's share of the gradient, inertia (point_count), N: m (v - v predicted) / h. It is overwritten. NaN of a
+ * muscle that is tied to others: their rows are not at hand. */
 double sn_residual_measure(const sn_model_muscle *m, sn_muscle_state *s, sn_vec3 *inertia);
 void sn_statistics_measure(const sn_model_muscle *m, sn_muscle_state *s);
 

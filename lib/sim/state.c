@@ -3,6 +3,7 @@
  */
 #include "backend.h"
 #include "contact.h"
+#include "external.h"
 
 _Static_assert(sizeof(sn_point) == 32, "a point is one record of four doubles");
 _Static_assert(sizeof(sn_distance_row) == 8 && sizeof(sn_hinge_row) == 16, "rows are packed indices");
@@ -133,7 +134,15 @@ static void reset_muscle(const sn_model_muscle *m, sn_muscle_state *s, const sn_
     sn_kinematics_carry(m, s, s->points);
     sn_kinematics_place(m, s);
     sn_inputs_update(m, s, at->time);
-    sn_statistics_measure(m, s);
+}
+
+/* What ties its members to each other and to what moves by itself. */
+static void reset_externals(const sn_group *g, sn_group_state *s, const sn_scene *scene, const sn_surface_moment *at) {
+    if (g->row_count == 0) return;
+    sn_externals_aim(g, s, scene, at);
+    sn_externals_keep(g, s);
+    for (sn_index i = 0; i < g->point_count; i++) s->previous[i] = sn_point_position(&s->points[i]);
+    sn_externals_find(g, s);
 }
 
 void sn_state_reset(const sn_model *model, sn_state *state) {
@@ -147,8 +156,10 @@ void sn_state_reset(const sn_model *model, sn_state *state) {
     for (sn_index i = 0; i < model->group_count; i++) {
         state->groups[i].progress = (sn_progress){.parts = SN_SUBSTEP_PARTS, .size = SN_SUBSTEP_PARTS};
         state->groups[i].still = 0;
+        reset_externals(&model->groups[i], &state->groups[i], scene, &at);
         backend->reset(&model->groups[i], &state->groups[i]);
     }
+    for (sn_index i = 0; i < model->muscle_count; i++) sn_statistics_measure(&model->muscles[i], &state->muscles[i]);
 }
 
 void sn_state_positions(const sn_model *model, const sn_state *state, sn_index muscle, sn_vec3 *positions) {

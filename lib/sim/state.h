@@ -77,7 +77,10 @@ typedef struct sn_progress {
 #define SN_POINT_ARRAYS(X)                                                                                                                 \
     X(sn_point, points, g->point_count, SN_KEPT)                                                                                           \
     X(sn_vec3, velocities, g->point_count, SN_KEPT)                                                                                        \
-    X(sn_vec3, previous, g->point_count, SN_KEPT)
+    X(sn_vec3, previous, g->point_count, SN_KEPT)                                                                                          \
+    X(sn_vec3, target_points, g->target_points, SN_KEPT)        /* of targets that move by themselves, at the end of the step, m */        \
+    X(sn_vec3, target_points_placed, g->target_points, SN_KEPT) /* and at its beginning */                                                 \
+    X(sn_box, target_boxes, g->target_boxes, SN_LEFT)           /* room for those around targets where the step begins */
 
 /* The points of a group, how far it has come, and its members. */
 typedef struct sn_group_state {

@@ -36,11 +36,15 @@ static void measure_points(const sn_model_muscle *m, const sn_muscle_state *s, s
     }
 }
 
-/* Every row as if it could give way; rigid ones hold no energy. gradient (point_count) is added to. */
+/* Every row as if it could give way; rigid ones hold no energy. gradient (point_count) is added to, but by those that other muscles share.
+ */
 static double elastic_energy(const sn_model_muscle *m, const sn_muscle_state *s, sn_forces gradient) {
     double energy = 0.0;
-    for (int kind = 0; kind < SN_ROW_KINDS; kind++)
-        if (!sn_row_ops_of((sn_row_kind)kind)->rigid) energy += sn_rows_energy(m, s, (sn_row_kind)kind, s->points, gradient);
+    for (int kind = 0; kind < SN_ROW_KINDS; kind++) {
+        const sn_row_ops *ops = sn_row_ops_of((sn_row_kind)kind);
+        const sn_forces to = {ops->shared ? NULL : gradient.values, gradient.stride};
+        if (!ops->rigid) energy += sn_rows_energy(m, s, (sn_row_kind)kind, s->points, to);
+    }
     return energy;
 }
 
@@ -49,7 +53,7 @@ double sn_residual_measure(const sn_model_muscle *m, sn_muscle_state *s, sn_vec3
     s->statistics.elastic_energy = elastic_energy(m, s, (sn_forces){&inertia->x, 3});
     for (sn_index i = 0; i < m->point_count; i++)
         if (m->inverse_mass[i] > 0.0) sum += sn_norm2(inertia[i]);
-    return s->inputs->stiffness > 0.0 ? sqrt(sum) / (s->inputs->stiffness * m->diagonal) : NAN;
+    return s->inputs->stiffness > 0.0 && !m->coupled ? sqrt(sum) / (s->inputs->stiffness * m->diagonal) : NAN;
 }
 
 /* The errors of all rows but those of all points, which have been measured, and what the surface's say: its longest edge, and whether it is

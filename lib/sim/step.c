@@ -7,6 +7,7 @@
  */
 #include "backend.h"
 #include "contact.h"
+#include "external.h"
 
 /* How far into a frame: substeps done, and iterations of the next one. */
 typedef struct moment {
@@ -79,6 +80,7 @@ static void take_poses(const run *r, const sn_group *g, sn_group_state *s, sn_in
         sn_kinematics_aim(g->members[i], s->members[i], scene, &at);
         sn_contacts_aim(g->members[i], s->members[i], scene, &at);
     }
+    sn_externals_aim(g, s, scene, &at);
 }
 
 /* ---- rest ----------------------------------------------------------------------------------------------------------------------- */
@@ -96,6 +98,7 @@ static bool is_still(const run *r, const sn_model_muscle *m, const sn_muscle_sta
 
 /* Of a group that rests: does anything that it is told differ from what it was told last? */
 static bool is_woken(const sn_group *g, const sn_group_state *s, double time) {
+    if (sn_externals_moved(g, s)) return true;
     for (sn_index i = 0; i < g->count; i++) {
         const sn_model_muscle *m = g->members[i];
         bool same = sn_muscle_activation(m->source, time) == s->members[i]->inputs->activation;

@@ -9,6 +9,7 @@
 
 #include "backend.h"
 #include "contact.h"
+#include "external.h"
 
 /* ---- stages ----------------------------------------------------------------------------------------------------------------- */
 
@@ -33,11 +34,13 @@ static sn_verdict start(const sn_group *g, sn_group_state *s, const sn_substep *
         sn_contacts_gather(m, s->members[i], substep);
         if (m->single) sn_single_enter(m, s->members[i]);
     }
+    sn_externals_find(g, s);
     return SN_STEP_HOLDS;
 }
 
 static void resume(const sn_group *g, sn_group_state *s, const sn_substep *substep) {
     for (sn_index i = 0; i < g->count; i++) sn_contacts_gather(g->members[i], s->members[i], substep);
+    sn_externals_find(g, s);
 }
 
 static void project_kind(const sn_model_muscle *m, sn_muscle_state *s, sn_row_kind kind, const sn_scheme_rules *rules, double h,
@@ -55,18 +58,19 @@ static void project_kind(const sn_model_muscle *m, sn_muscle_state *s, sn_row_ki
     (m->single ? ops->sweep_single : ops->sweep)(m, s, kind, &sweep);
 }
 
-static void project(const sn_model_muscle *m, sn_muscle_state *s, const sn_substep *substep) {
+/* One iteration of one muscle. */
+static void project(const sn_model_muscle *m, sn_muscle_state *s, const sn_substep *substep, sn_index iteration) {
     sn_row_kind order[SN_MOST_SWEEPS];
     int count = sn_scheme_order(substep->rules, order);
-    sn_index end = substep->end < m->iterations ? substep->end : m->iterations;
-    for (sn_index i = substep->begin; i < end; i++)
-        for (int k = 0; k < count; k++) project_kind(m, s, order[k], substep->rules, substep->h, i == 0);
+    if (iteration >= m->iterations) return;
+    for (int k = 0; k < count; k++) project_kind(m, s, order[k], substep->rules, substep->h, iteration == 0);
 }
 
 static void iterate(const sn_group *g, sn_group_state *s, const sn_substep *substep) {
     if (substep->before != NULL) memcpy(substep->before, s->points, (size_t)g->point_count * sizeof *s->points);
+    for (sn_index k = substep->begin; k < substep->end; k++)
+        for (sn_index i = 0; i < g->count; i++) project(g->members[i], s->members[i], substep, k);
     for (sn_index i = 0; i < g->count; i++) {
-        project(g->members[i], s->members[i], substep);
         if (g->members[i]->single) sn_single_leave(g->members[i], s->members[i]);
         s->members[i]->statistics.residual = NAN;
     }
@@ -103,6 +107,7 @@ static sn_verdict finish(const sn_group *g, sn_group_state *s, const sn_substep 
         sn_contacts_finish(g->members[i], s->members[i]);
         update_velocities(g->members[i], s->members[i], substep);
     }
+    sn_externals_keep(g, s);
     return SN_STEP_HOLDS;
 }
 

@@ -771,3 +771,59 @@ s["muscles"][0].update(rig="bare.muscle.json", tone=0); json.dump(s, open("bare.
     simulate -q one.scene.json --rate 48 --frames 0:2 --state t.state > /dev/null
     simulate -q one.scene.json --rate 48 --frames 3:4 --from t.state > /dev/null
 }
+
+# The arm's muscles tied to each other by candidates, in glued/, with weights given.
+glue() {
+    mkdir -p glued
+    for m in biceps brachialis triceps; do
+        local others=() o
+        for o in biceps brachialis triceps; do [ $o = $m ] || others+=(--glue $o=$o.muscle.json); done
+        "$BIN/attach-detect" -q $m.muscle.json "${others[@]}" --reach 12mm "$@" -o glued/$m.muscle.json
+    done
+    /usr/bin/python3 - << 'END'
+import json
+s = json.load(open("arm.scene.json"))
+for m in s["muscles"]: m["rig"] = "glued/" + m["rig"]
+json.dump(s, open("tied.scene.json", "w"))
+s["muscles"].reverse()
+json.dump(s, open("turned.scene.json", "w"))
+END
+}
+
+@test "external constraints: off is absent; groups in the plan; any order, threads and stopping give the same bytes; they hold" {
+    glue
+    mkdir a b c
+    "$BIN/simulate" -q arm.scene.json --frames 0:30 -o a --log a.jsonl
+    "$BIN/simulate" -q tied.scene.json --frames 0:30 -o b --log b.jsonl
+    cmp a.jsonl b.jsonl; cmp a/biceps.pc2 b/biceps.pc2
+    "$BIN/simulate" --plan --externals tied.scene.json > plan.json
+    /usr/bin/python3 -c 'import json
+d = json.load(open("plan.json"))
+assert len(d["plan"]["coupled"]) == 1 and len(d["plan"]["coupled"][0]["muscles"]) >= 2 and d["plan"]["coupled"][0]["rows"] > 20, d["plan"]["coupled"]
+assert d["scene"]["externals"] == {"stiffness": 10, "slide": True, "soft": True, "hard": True, "minimum": True}'
+    "$BIN/simulate" -q tied.scene.json --externals --frames 0:30 -o a --log a.jsonl --threads 1
+    "$BIN/simulate" -q turned.scene.json --externals --frames 0:30 -o b --log b.jsonl --threads 4
+    for m in biceps brachialis triceps; do cmp a/$m.pc2 b/$m.pc2; done
+    sort a.jsonl > a.sorted; sort b.jsonl | cmp - a.sorted
+    "$BIN/simulate" -q tied.scene.json --externals --frames 0:12 -o c --log c1.jsonl --state s.state
+    "$BIN/simulate" -q tied.scene.json --externals --from s.state --frames 13:30 -o c --log c2.jsonl
+    cat c1.jsonl c2.jsonl | cmp - a.jsonl
+    "$BIN/simulate" -q tied.scene.json --externals --external-stiffness 1e-6 --frames 0:30 -o b --log loose.jsonl
+    /usr/bin/python3 -c 'import json
+def rms(name): return max(d["errors"]["external"]["rms"] for d in map(json.loads, open(name)) if "external" in d["errors"])
+assert rms("a.jsonl") < 0.3 * rms("loose.jsonl"), (rms("a.jsonl"), rms("loose.jsonl"))'
+}
+
+@test "external constraints to what is not there, or is another mesh, are refused; what does nothing is said" {
+    glue
+    sed 's/"biceps"/"bizeps"/g' glued/brachialis.muscle.json > other.json && mv other.json glued/brachialis.muscle.json
+    run -1 "$BIN/simulate" -q tied.scene.json --externals --frames 0:1
+    [[ $output == *'muscle "brachialis"'*'"bizeps"'* ]]
+    "$BIN/simulate" -q tied.scene.json --frames 0:1
+    glue
+    "$BIN/simulate" tied.scene.json --external-stiffness 5 --frames 0:1 > log 2> err
+    grep -q 'external-stiffness has no effect' err
+    "$BIN/simulate" tied.scene.json --externals --solver xpbd --precision single --frames 0:1 > log 2> err
+    grep -q 'external constraints are left out' err
+    run -2 "$BIN/simulate" tied.scene.json --externals --no-externals
+}

@@ -1,0 +1,128 @@
+/*
+ * external_step.c -- external constraints in a step: where targets are that move by themselves, and what each row holds on to from its
+ * start to its end.   bodies.md 3
+ *
+ * The point that a vertex slides on is looked for where the step begins. Beside a member of the group it stays the same mean of that
+ * member's points, with its normal as it was; beside what moves by itself the search goes on from there with the vertex carried along.
+ */
+#include "external.h"
+
+#include <string.h>
+
+/* ---- what moves by itself ------------------------------------------------------------------------------------------------------------ */
+
+static sn_vec3 place_of(const sn_scene *scene, const sn_external_target *t, const sn_surface_moment *at, sn_index v) {
+    if (t->touched >= scene->bone_count)
+        return sn_scene_surface_vertex(&scene->surfaces[t->touched - scene->bone_count], at, t->vertices[v]);
+    const sn_scene_bone *bone = &scene->bones[t->touched];
+    sn_vec3 rest = sn_scale(bone->mesh.positions[t->vertices[v]], bone->meters_per_unit);
+    return bone->joint == SN_NONE ? rest : sn_rigid_apply(at->poses[bone->joint], rest);
+}
+
+void sn_externals_aim(const sn_group *g, sn_group_state *s, const sn_scene *scene, const sn_surface_moment *at) {
+    if (g->target_points == 0) return;
+    sn_surface_moment all = sn_kinematics_moment(s->members[0], scene, at);
+    for (sn_index i = 0; i < g->target_count; i++) {
+        const sn_external_target *t = &g->targets[i];
+        for (sn_index v = 0; t->member == SN_NONE && v < t->moving.vertex_count; v++)
+            s->target_points[t->first_point + v] = place_of(scene, t, &all, v);
+    }
+}
+
+void sn_externals_keep(const sn_group *g, sn_group_state *s) {
+    if (g->target_points > 0) memcpy(s->target_points_placed, s->target_points, (size_t)g->target_points * sizeof *s->target_points);
+}
+
+bool sn_externals_moved(const sn_group *g, const sn_group_state *s) {
+    return g->target_points > 0 &&
+           memcmp(s->target_points, s->target_points_placed, (size_t)g->target_points * sizeof *s->target_points) != 0;
+}
+
+/* ---- shapes ------------------------------------------------------------------------------------------------------------------------- */
+
+static sn_moving_shape shape_before(const sn_group *g, const sn_group_state *s, const sn_external_target *t) {
+    const sn_vec3 *positions = t->member != SN_NONE ? s->previous + g->first[t->member] : s->target_points_placed + t->first_point;
+    return (sn_moving_shape){&t->moving, positions, s->target_boxes + t->first_box};
+}
+
+static sn_moving_shape shape_after(const sn_group_state *s, const sn_external_target *t) {
+    return (sn_moving_shape){&t->moving, s->target_points + t->first_point, NULL};
+}
+
+/* ---- rows ---------------------------------------------------------------------------------------------------------------------------- */
+
+/* A point of a target over the step: base: the muscle's first point in the group. */
+static sn_external_foot foot_of(const sn_group *g, const sn_group_state *s, const sn_external_target *t, const sn_closest *at,
+                                sn_index base) {
+    sn_external_foot foot = {.weight = {0}};
+    if (t->member == SN_NONE) {
+        sn_moving_shape after = shape_after(s, t);
+        foot.place = sn_moving_point(&after, at);
+        return foot;
+    }
+    const sn_index *v = t->moving.triangles[at->triangle].v;
+    for (int k = 0; k < 3; k++) foot.point[k] = g->first[t->member] + v[k] - base, foot.weight[k] = at->barycentric[k];
+    return foot;
+}
+
+/* Where a vertex slides: on the nearest of its targets. */
+static void find_slide(const sn_group *g, const sn_group_state *s, const sn_externals *all, const sn_external_row *row, sn_index base,
+                       sn_external_hold *hold) {
+    sn_vec3 at = s->previous[base + row->point], normal = {0, 0, 0};
+    sn_closest best = {.distance = INFINITY};
+    const sn_external_target *on = NULL;
+    for (sn_index c = row->begin; c < row->end; c++) {
+        const sn_external_target *t = &g->targets[all->candidates[c]];
+        sn_moving_shape shape = shape_before(g, s, t);
+        bool known = hold->target == (double)all->candidates[c];
+        sn_closest foot = sn_moving_closest(&shape, known ? (sn_index)hold->triangle : row->triangle, at);
+        if (!(foot.distance < best.distance)) continue;
+        best = foot, on = t;
+        sn_moving_side(&shape, &foot, at, &normal);
+    }
+    if (on == NULL) return;
+    hold->target = (double)(on - g->targets), hold->triangle = (double)best.triangle;
+    if (on->member == SN_NONE) { /* the vertex is carried along, and looks again */
+        sn_moving_shape before = shape_before(g, s, on), after = shape_after(s, on);
+        sn_vec3 carried = sn_add(at, sn_sub(sn_moving_point(&after, &best), sn_moving_point(&before, &best)));
+        best = sn_moving_walk(&after, best.triangle, carried);
+        sn_moving_side(&after, &best, carried, &normal);
+    }
+    hold->normal = normal;
+    hold->slide = foot_of(g, s, on, &best, base);
+}
+
+/* The point that it was bound to, and where its tangent frame puts the vertex. */
+static void find_bound(const sn_group *g, const sn_group_state *s, const sn_externals *all, const sn_external_row *row, sn_index base,
+                       sn_external_hold *hold) {
+    const sn_external_target *t = &g->targets[all->candidates[row->begin]];
+    sn_moving_shape shape = t->member != SN_NONE ? shape_before(g, s, t) : shape_after(s, t);
+    sn_closest at = {.triangle = row->triangle, .barycentric = {row->barycentric[0], row->barycentric[1], row->barycentric[2]}};
+    sn_vec3 axes[3];
+    sn_external_frame(&shape, row->triangle, axes);
+    hold->bound = foot_of(g, s, t, &at, base);
+    hold->offset = sn_add_scaled(sn_add_scaled(sn_scale(axes[0], row->offset.x), axes[1], row->offset.y), axes[2], row->offset.z);
+}
+
+static void find_member(const sn_group *g, sn_group_state *s, sn_index member) {
+    const sn_model_muscle *m = g->members[member];
+    const sn_externals *all = sn_externals_of(m);
+    sn_external_hold *holds = sn_external_holds_of(s->members[member]);
+    for (sn_index r = 0; r < m->external_count; r++) {
+        const sn_external_row *row = &all->rows[r];
+        bool slides = row->weights[SN_EXTERNAL_SLIDE] > 0.0 || row->least > -INFINITY;
+        holds[r].normal = sn_v3(0, 0, 0);
+        if (slides) find_slide(g, s, all, row, g->first[member], &holds[r]);
+        if (row->weights[SN_EXTERNAL_SOFT] > 0.0 || row->weights[SN_EXTERNAL_HARD] > 0.0)
+            find_bound(g, s, all, row, g->first[member], &holds[r]);
+    }
+}
+
+void sn_externals_find(const sn_group *g, sn_group_state *s) {
+    if (g->row_count == 0) return;
+    for (sn_index i = 0; i < g->target_count; i++) {
+        sn_moving_shape shape = shape_before(g, s, &g->targets[i]);
+        sn_moving_fit(&g->targets[i].moving, shape.positions, s->target_boxes + g->targets[i].first_box);
+    }
+    for (sn_index i = 0; i < g->count; i++) find_member(g, s, i);
+}

@@ -1,0 +1,465 @@
+/* test_external.c -- external constraints (external*.c, group.c): weights, energies, momentum, groups, what slides and what is held,
+ * targets that move by themselves, order of muscles, stopping, sleep, and all of it off. */
+#include "contact_scene.h"
+
+#include "../../lib/sim/external.h"
+#include "../../lib/sim/qn.h"
+#include "sim_inside.h"
+#include "sinew/rig.h"
+
+static const sn_solver_method METHODS[2] = {SN_SOLVER_XPBD, SN_SOLVER_QN};
+
+/* Candidates of a muscle of the scene to meshes in its unit. */
+static void tie(sn_scene_muscle *muscle, sn_index count, const sn_neighbour *targets, const double weights[3]) {
+    sn_neighbours_params params = sn_neighbours_defaults();
+    params.target_count = count, params.targets = targets;
+    params.reach = 0.02 / muscle->rig.meters_per_unit;
+    memcpy(params.weights, weights, sizeof params.weights);
+    sn_externals_free(muscle->rig.externals, muscle->rig.external_count);
+    muscle->rig.has_externals = true;
+    assert_int_equal(sn_find_neighbours(&muscle->rig, &params, NULL, &muscle->rig.external_count, &muscle->rig.externals, NULL), SN_OK);
+}
+
+/* Each to the other. */
+static void tie_pair(sn_scene *scene, const double weights[3]) {
+    for (int i = 0; i < 2; i++) {
+        const sn_neighbour other = {scene->muscles[1 - i].name, &scene->muscles[1 - i].rig.mesh, false};
+        tie(&scene->muscles[i], 1, &other, weights);
+        assert_true(scene->muscles[i].rig.external_count == 1 && scene->muscles[i].rig.externals[0].count > 8);
+    }
+}
+
+static const double SLIDE[3] = {1, 0, 0}, SOFT[3] = {0, 1, 0}, HARD[3] = {0, 0, 1}, MIXED[3] = {0.5, 0.25, 0.75};
+
+/* Two spindles side by side, 2 mm apart, between the same bones. */
+static void make_pair(sn_scene *scene, sn_solver_method method, const double weights[3]) {
+    fusiform small = FUSIFORM, other;
+    small.rings = 15, small.sectors = 10, small.structure = false;
+    other = small;
+    other.offset.x += 0.062;
+    make_scene(scene, &small);
+    add_muscle(scene, "neighbour", &other);
+    scene->solver = sn_solver_defaults(method);
+    for (int i = 0; i < 2; i++) scene->muscles[i].stiffness_relaxed = scene->muscles[i].stiffness_active = 2000.0;
+    tie_pair(scene, weights);
+    scene->externals.enabled = true;
+}
+
+static double greatest_error(const simulation *s, sn_index muscle) {
+    return sn_rows_residual(&s->model->muscles[muscle], &s->state->muscles[muscle], SN_ROWS_EXTERNAL, NULL).max;
+}
+
+/* ---- groups and rows --------------------------------------------------------------------------------------------------------------- */
+
+static void weights_are_those_of_the_paper(void **state) {
+    (void)state;
+    static const double told[4][3] = {{1, 0, 0}, {0, 0.5, 0.5}, {0.5, 0.25, 0.75}, {0.25, 0, 0}};
+    static const double right[4][3] = {{1, 0, 0}, {0, 0.5, 0.5}, {0.5, 0.125, 0.375}, {0.25, 0, 0}}; /* eqs 11 to 13 */
+    for (int i = 0; i < 4; i++) {
+        sn_scene scene;
+        make_pair(&scene, SN_SOLVER_QN, told[i]);
+        simulation s = start(&scene);
+        const sn_externals *all = sn_externals_of(&s.model->muscles[0]);
+        for (sn_index r = 0; r < s.model->muscles[0].external_count; r++)
+            for (int k = 0; k < 3; k++) assert_true(fabs(all->rows[r].weights[k] - right[i][k]) < 1e-15);
+        finish(&s);
+    }
+}
+
+static void muscles_that_touch_are_one_group_and_rest_is_rest(void **state) {
+    (void)state;
+    for (int i = 0; i < 2; i++) {
+        sn_scene scene;
+        fusiform lone = FUSIFORM;
+        make_pair(&scene, METHODS[i], MIXED);
+        lone.offset.x -= 0.2;
+        add_muscle(&scene, "lone", &lone);
+        simulation s = start(&scene);
+        assert_int_equal(s.model->group_count, 2);
+        assert_int_equal(s.model->muscles[0].group, s.model->muscles[1].group);
+        assert_true(s.model->muscles[2].group != s.model->muscles[0].group);
+        assert_true(s.model->muscles[0].coupled && !s.model->muscles[2].coupled);
+        assert_true(s.model->plan.muscles[0].groups[SN_ROWS_EXTERNAL].rows > 8);
+        assert_int_equal(s.model->plan.muscles[2].groups[SN_ROWS_EXTERNAL].reason, SN_OUT_NO_TARGET);
+        step_frames(&s, 12, NULL);
+        for (sn_index k = 0; k < 3; k++) {
+            const sn_model_muscle *m = &s.model->muscles[k];
+            for (sn_index v = 0; v < m->point_count; v++)
+                assert_true(sn_distance(m->rest[v], sn_point_position(&s.state->muscles[k].points[v])) < 1e-10);
+        }
+        assert_true(greatest_error(&s, 0) < 1e-9 && greatest_error(&s, 1) < 1e-9);
+        finish(&s);
+    }
+}
+
+/* The energy's slope along random ways of all points of both muscles. */
+static void gradients_are_of_the_energy(void **state) {
+    (void)state;
+    const double *const types[] = {SLIDE, SOFT, HARD, MIXED};
+    for (int type = 0; type < 4; type++) {
+        sn_scene scene;
+        make_pair(&scene, SN_SOLVER_QN, types[type]);
+        simulation s = start(&scene);
+        const sn_group *g = &s.model->groups[0];
+        const sn_group_state *all = &s.state->groups[0];
+        sn_index n = g->point_count;
+        sn_point *at = SN_NEW(sn_point, n);
+        sn_vec3 *gradient = SN_NEW(sn_vec3, n), *way = SN_NEW(sn_vec3, n), sum = {0, 0, 0};
+        uint64_t random = 3;
+        memcpy(at, all->points, (size_t)n * sizeof *at);
+        for (sn_index i = 0; i < n; i++) {
+            at[i].x += 4e-3 * (sn_random(&random) - 0.5), at[i].y += 4e-3 * (sn_random(&random) - 0.5),
+                at[i].z += 4e-3 * (sn_random(&random) - 0.5);
+            way[i] = sn_v3(sn_random(&random) - 0.5, sn_random(&random) - 0.5, sn_random(&random) - 0.5);
+        }
+        for (sn_index k = 0; k < 2; k++) {
+            double energies[2], slope = 0.0, step = 1e-8;
+            memset(gradient, 0, (size_t)n * sizeof *gradient);
+            sn_index first = g->first[k];
+            const sn_model_muscle *m = g->members[k];
+            sn_rows_external.energy(m, all->members[k], SN_ROWS_EXTERNAL, at + first, 100.0, (sn_forces){&gradient[first].x, 3});
+            for (sn_index i = 0; i < n; i++) slope += sn_dot(gradient[i], way[i]), sum = sn_add(sum, gradient[i]);
+            for (int side = 0; side < 2; side++) {
+                for (sn_index i = 0; i < n; i++)
+                    sn_put(&at[i], sn_add_scaled(sn_point_position(&at[i]), way[i], side == 0 ? -step : 2.0 * step));
+                energies[side] = sn_rows_external.energy(m, all->members[k], SN_ROWS_EXTERNAL, at + first, 100.0, (sn_forces){NULL, 3});
+            }
+            for (sn_index i = 0; i < n; i++) sn_put(&at[i], sn_add_scaled(sn_point_position(&at[i]), way[i], -step));
+            assert_true(fabs(slope) > 1e-6);
+            assert_true(fabs((energies[1] - energies[0]) / (2.0 * step) - slope) < 1e-5 * (1.0 + fabs(slope)));
+        }
+        assert_true(sn_norm(sum) < 1e-12); /* what pulls one way pulls the other */
+        free(at), free(gradient), free(way);
+        finish(&s);
+    }
+}
+
+/* Free muscles, of which one is hit: what the one loses the other gains. */
+static void momentum_of_a_free_pair_is_kept(void **state) {
+    (void)state;
+    for (int i = 0; i < 2; i++) {
+        sn_scene scene;
+        fusiform small = FUSIFORM, other;
+        small.rings = 9, small.sectors = 8, small.structure = false, small.pinned = 0.0;
+        other = small;
+        other.offset.x += 0.062;
+        make_scene(&scene, &small);
+        add_muscle(&scene, "neighbour", &other);
+        scene.solver = sn_solver_defaults(METHODS[i]);
+        for (int k = 0; k < 2; k++) {
+            scene.muscles[k].stiffness_relaxed = scene.muscles[k].stiffness_active = 2000.0;
+            scene.muscles[k].damping = 0.0;
+        }
+        tie_pair(&scene, MIXED);
+        scene.externals.enabled = true;
+        simulation s = start(&scene);
+        for (sn_index v = 0; v < s.model->muscles[0].point_count; v++) s.state->muscles[0].velocities[v] = sn_v3(-0.1, 0.02, 0.0);
+        double mass = s.model->muscles[0].mass;
+        step_frames(&s, 6, NULL);
+        sn_vec3 sum = {0, 0, 0}, second = {0, 0, 0};
+        for (sn_index k = 0; k < 2; k++)
+            for (sn_index v = 0; v < s.model->muscles[k].point_count; v++) {
+                sn_vec3 p = sn_scale(s.state->muscles[k].velocities[v], 1.0 / s.model->muscles[k].inverse_mass[v]);
+                sum = sn_add(sum, p);
+                if (k == 1) second = sn_add(second, p);
+            }
+        double most = METHODS[i] == SN_SOLVER_QN ? 1e-3 : 1e-10; /* qn stops at its tolerance */
+        assert_true(sn_distance(sum, sn_scale(sn_v3(-0.1, 0.02, 0.0), mass)) < most * 0.1 * mass);
+        assert_true(second.x < -0.01 * mass); /* it has been pulled along */
+        finish(&s);
+    }
+}
+
+/* ---- what slides, what is held ------------------------------------------------------------------------------------------------------- */
+
+static void bend(sn_scene *scene, double angle) { set_keys(&scene->motion.joints[0].angle, 0.0, 0.0, 0.4, angle); }
+
+/* From the point that row r of the first muscle is bound to, to its vertex: now or at rest. */
+static sn_vec3 away(const simulation *s, sn_index r, bool at_rest) {
+    const sn_model_muscle *m = &s->model->muscles[0];
+    const sn_externals *all = sn_externals_of(m);
+    const sn_external_row *row = &all->rows[r];
+    const sn_external_target *t = &s->model->groups[m->group].targets[all->candidates[row->begin]];
+    const sn_muscle_state *other = s->state->groups[m->group].members[t->member];
+    sn_vec3 u = at_rest ? m->rest[row->point] : sn_point_position(&s->state->muscles[0].points[row->point]);
+    for (int k = 0; k < 3; k++) {
+        sn_index v = t->moving.triangles[row->triangle].v[k];
+        sn_vec3 p = at_rest ? s->model->groups[m->group].members[t->member]->rest[v] : sn_point_position(&other->points[v]);
+        u = sn_add_scaled(u, p, -row->barycentric[k]);
+    }
+    return u;
+}
+
+/* How far the vertices have gone from their places beside the neighbour in the mean, m. */
+static double mean_slip(const simulation *s) {
+    double sum = 0.0;
+    sn_index count = s->model->muscles[0].external_count;
+    for (sn_index r = 0; r < count; r++) sum += sn_distance(away(s, r, false), away(s, r, true)) / count;
+    return sum;
+}
+
+static double mean_error(const simulation *s) {
+    double sum = 0.0;
+    sn_index count = s->model->muscles[0].external_count;
+    double *errors = SN_NEW(double, count);
+    sn_row_errors(s->model, s->state, 0, SN_ROWS_EXTERNAL, errors);
+    for (sn_index r = 0; r < count; r++) sum += errors[r] * s->model->muscles[0].mean_edge / count;
+    free(errors);
+    return sum;
+}
+
+/* The first one's lower end goes 3 cm along it, the neighbour stays: what slides keeps its distance and moves along, what is soft or hard
+ * keeps its point. */
+static void what_slides_keeps_its_distance_and_what_is_held_its_point(void **state) {
+    (void)state;
+    for (int i = 0; i < 2; i++) {
+        const double *const types[] = {SLIDE, SOFT, HARD};
+        double slip[4], error[4];
+        for (int k = 0; k < 4; k++) {
+            sn_scene scene;
+            make_pair(&scene, METHODS[i], types[k % 3]);
+            for (int e = 0; e < 2; e++) {
+                sn_attachment *end = &scene.muscles[1].rig.attachments[e];
+                free(end->bone);
+                end->bone = sn_strdup("upper");
+            }
+            scene.motion.joints[0].point = sn_v3(0.0, 0.2, 0.0);
+            bend(&scene, -0.15);
+            if (k == 3) scene.externals.stiffness = 1e-9; /* as good as not there */
+            simulation s = start(&scene);
+            step_frames(&s, 14, NULL);
+            slip[k] = mean_slip(&s), error[k] = mean_error(&s);
+            assert_false(s.state->muscles[0].statistics.torn || s.state->muscles[1].statistics.torn);
+            finish(&s);
+        }
+        assert_true(slip[0] > 0.003 && slip[2] < 0.25 * slip[0]);
+        for (int k = 0; k < 3; k++) assert_true(error[k] < 0.3 * error[3]);
+    }
+}
+
+/* ---- order, threads, stopping, off ----------------------------------------------------------------------------------------------------
+ */
+
+static void assert_same(const simulation *a, sn_index i, const simulation *b, sn_index k) {
+    assert_memory_equal(a->state->muscles[i].points, b->state->muscles[k].points,
+                        (size_t)a->model->muscles[i].point_count * sizeof(sn_point));
+}
+
+static void the_order_of_muscles_does_not_matter(void **state) {
+    (void)state;
+    for (int i = 0; i < 2; i++) {
+        sn_scene scenes[2];
+        simulation runs[2];
+        for (int k = 0; k < 2; k++) {
+            make_pair(&scenes[k], METHODS[i], MIXED);
+            bend(&scenes[k], 0.6);
+            if (k == 1) {
+                sn_scene_muscle first = scenes[k].muscles[0];
+                scenes[k].muscles[0] = scenes[k].muscles[1], scenes[k].muscles[1] = first;
+            }
+            runs[k] = start(&scenes[k]);
+            step_frames(&runs[k], 8, NULL);
+        }
+        assert_same(&runs[0], 0, &runs[1], 1);
+        assert_same(&runs[0], 1, &runs[1], 0);
+        for (int k = 0; k < 2; k++) finish(&runs[k]);
+    }
+}
+
+static void a_step_goes_on_where_it_stopped(void **state) {
+    (void)state;
+    for (int i = 0; i < 2; i++) {
+        sn_scene scenes[2];
+        simulation runs[2];
+        for (int k = 0; k < 2; k++) {
+            make_pair(&scenes[k], METHODS[i], MIXED);
+            bend(&scenes[k], 0.8);
+            scenes[k].solver.iterations = 3;
+            runs[k] = start(&scenes[k]);
+        }
+        for (int frame = 0; frame < 8; frame++) {
+            const sn_step_options stop = {.stop_substep = 1, .stop_iteration = 1 + frame % 2};
+            char *bytes;
+            size_t size;
+            step_frames(&runs[0], 1, NULL);
+            assert_int_equal(sn_step(runs[1].model, runs[1].state, &stop, NULL), SN_STOPPED);
+            assert_int_equal(sn_state_pack(runs[1].model, runs[1].state, &bytes, &size, NULL), SN_OK);
+            sn_state_destroy(runs[1].model, runs[1].state);
+            assert_int_equal(sn_state_create(runs[1].model, &runs[1].state, NULL), SN_OK);
+            assert_int_equal(sn_state_unpack(runs[1].model, bytes, size, runs[1].state, NULL), SN_OK);
+            free(bytes);
+            step_frames(&runs[1], 1, NULL);
+            for (sn_index k = 0; k < 2; k++) assert_same(&runs[0], k, &runs[1], k);
+        }
+        for (int k = 0; k < 2; k++) finish(&runs[k]);
+    }
+}
+
+/* Switched off, with a stiffness of 0, of a muscle that has none of it, with all types off or all weights 0: each is as no candidates. */
+static void off_is_absent(void **state) {
+    (void)state;
+    static const double none[3] = {0, 0, 0};
+    for (int i = 0; i < 2; i++) {
+        sn_scene scenes[6];
+        simulation runs[6];
+        for (int k = 0; k < 6; k++) {
+            make_pair(&scenes[k], METHODS[i], k == 5 ? none : MIXED);
+            bend(&scenes[k], 0.6);
+            sn_external_settings *e = &scenes[k].externals;
+            if (k == 0)
+                for (int j = 0; j < 2; j++) {
+                    sn_externals_free(scenes[k].muscles[j].rig.externals, scenes[k].muscles[j].rig.external_count);
+                    scenes[k].muscles[j].rig.externals = NULL, scenes[k].muscles[j].rig.external_count = 0;
+                }
+            if (k == 1) e->enabled = false;
+            if (k == 2) e->stiffness = 0.0;
+            if (k == 3) scenes[k].muscles[1].unbound = true;
+            if (k == 4) e->no_slide = e->no_soft = e->no_hard = e->no_minimum = true;
+            if (k == 5) e->no_minimum = true;
+            runs[k] = start(&scenes[k]);
+            assert_int_equal(runs[k].model->group_count, 2);
+            step_frames(&runs[k], 6, NULL);
+            for (sn_index m = 0; m < 2; m++) {
+                assert_same(&runs[0], m, &runs[k], m);
+                assert_int_equal(runs[k].model->muscles[m].external_count, 0);
+                assert_int_equal(sn_group_state_bytes(runs[0].model, &runs[0].model->groups[m]),
+                                 sn_group_state_bytes(runs[k].model, &runs[k].model->groups[m]));
+            }
+        }
+        for (int k = 0; k < 6; k++) finish(&runs[k]);
+    }
+}
+
+static void what_is_not_there_is_named(void **state) {
+    (void)state;
+    sn_scene scene;
+    sn_model *model;
+    sn_error error;
+    make_pair(&scene, SN_SOLVER_QN, SLIDE);
+    free(scene.muscles[0].rig.externals[0].target);
+    scene.muscles[0].rig.externals[0].target = sn_strdup("nobody");
+    assert_int_equal(sn_model_create(&scene, &model, &error), SN_ERROR_INPUT);
+    assert_non_null(strstr(error.text, "nobody"));
+    sn_scene_free(&scene);
+    make_pair(&scene, SN_SOLVER_QN, SLIDE);
+    scene.muscles[0].rig.externals[0].distances[3] += 0.05; /* of another shape */
+    assert_int_equal(sn_model_create(&scene, &model, &error), SN_ERROR_INPUT);
+    assert_non_null(strstr(error.text, "attach-detect"));
+    sn_scene_free(&scene);
+    make_pair(&scene, SN_SOLVER_QN, SLIDE); /* one that is left out is not missed */
+    scene.muscles[1].enabled = false;
+    simulation s = start(&scene);
+    assert_int_equal(s.model->muscles[0].external_count, 0);
+    step_frames(&s, 2, NULL);
+    finish(&s);
+}
+
+/* ---- targets that move by themselves ---------------------------------------------------------------------------------------------------
+ */
+
+/* A free spindle beside a plate of bone that goes as the keys say; its candidates are to the plate. */
+static void make_beside(sn_scene *scene, sn_solver_method method, const double weights[3], sn_pose_key *keys) {
+    fusiform small = FUSIFORM;
+    small.rings = 15, small.sectors = 10, small.structure = false, small.pinned = 0.0;
+    make_scene(scene, &small);
+    scene->solver = sn_solver_defaults(method);
+    scene->muscles[0].stiffness_relaxed = scene->muscles[0].stiffness_active = 2000.0;
+    scene->muscles[0].damping = 0.0;
+    sn_mesh *plate = add_solid(scene, "plate", keys, 2);
+    make_box(sn_v3(0.032, -0.4, -0.3), sn_v3(0.06, 0.4, 0.5), plate);
+    const sn_neighbour target = {"plate", plate, false};
+    tie(&scene->muscles[0], 1, &target, weights);
+    assert_true(scene->muscles[0].rig.external_count == 1 && scene->muscles[0].rig.externals[0].count > 4);
+    scene->externals.enabled = true;
+}
+
+static void sliding_along_a_plane_is_free(void **state) {
+    (void)state;
+    for (int i = 0; i < 2; i++) {
+        sn_scene scene;
+        make_beside(&scene, METHODS[i], SLIDE, keys_to(0.0, 1.0, shifted(sn_v3(0, 0, 0))));
+        scene.externals.no_minimum = true;
+        simulation s = start(&scene);
+        const sn_model_muscle *m = &s.model->muscles[0];
+        for (sn_index v = 0; v < m->point_count; v++) s.state->muscles[0].velocities[v] = sn_v3(0.0, 0.05, 0.1);
+        step_frames(&s, 12, NULL);
+        for (sn_index v = 0; v < m->point_count; v++) {
+            sn_vec3 right = sn_add(m->rest[v], sn_scale(sn_v3(0.0, 0.05, 0.1), 0.5));
+            assert_true(sn_distance(sn_point_position(&s.state->muscles[0].points[v]), right) < 1e-9);
+        }
+        finish(&s);
+    }
+}
+
+/* The plate turns and moves: what hangs on it by hard constraints alone goes along, to what its inertia allows. */
+static void what_is_hard_goes_along_with_a_bone(void **state) {
+    (void)state;
+    for (int i = 0; i < 2; i++) {
+        sn_scene scene;
+        sn_rigid by = {sn_quat_axis_angle(sn_v3(0, 0, 1), 0.5), {0.05, 0.02, 0.1}};
+        make_beside(&scene, METHODS[i], HARD, keys_to(0.0, 0.5, by));
+        scene.muscles[0].damping = 5.0;
+        scene.last_frame = 48;
+        simulation s = start(&scene);
+        const sn_model_muscle *m = &s.model->muscles[0];
+        step_frames(&s, 48, NULL);
+        double most = 0.0;
+        for (sn_index v = 0; v < m->point_count; v++)
+            most = fmax(most, sn_distance(sn_point_position(&s.state->muscles[0].points[v]), sn_rigid_apply(by, m->rest[v])));
+        assert_true(most < 0.02);
+        assert_true(greatest_error(&s, 0) * m->mean_edge < 1e-3);
+        finish(&s);
+    }
+}
+
+/* Under a rigid motion of all there is no row has an error. */
+static void rigid_motion_costs_nothing(void **state) {
+    (void)state;
+    sn_scene scene;
+    sn_rigid by = {sn_quat_axis_angle(sn_normalize(sn_v3(1, 2, 3)), 1.3), {0.3, -0.2, 0.1}};
+    make_pair(&scene, SN_SOLVER_QN, MIXED);
+    simulation s = start(&scene);
+    sn_group_state *g = &s.state->groups[0];
+    for (sn_index v = 0; v < s.model->groups[0].point_count; v++) {
+        g->previous[v] = sn_rigid_apply(by, sn_point_position(&g->points[v]));
+        sn_put(&g->points[v], g->previous[v]);
+    }
+    sn_externals_find(&s.model->groups[0], g);
+    for (sn_index k = 0; k < 2; k++) assert_true(greatest_error(&s, k) * s.model->muscles[k].mean_edge < 1e-10);
+    finish(&s);
+}
+
+static void a_group_sleeps_and_wakes_as_one(void **state) {
+    (void)state;
+    for (int i = 0; i < 2; i++) {
+        sn_scene scene;
+        make_pair(&scene, METHODS[i], MIXED);
+        scene.last_frame = 40;
+        set_keys(&scene.motion.joints[0].angle, 1.0, 0.0, 1.3, 0.5);
+        simulation s = start(&scene);
+        step_frames(&s, 24, NULL);
+        for (int k = 0; k < 2; k++) assert_true(s.state->muscles[k].statistics.asleep);
+        step_frames(&s, 4, NULL);
+        for (int k = 0; k < 2; k++) assert_false(s.state->muscles[k].statistics.asleep);
+        finish(&s);
+    }
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(weights_are_those_of_the_paper),
+        cmocka_unit_test(muscles_that_touch_are_one_group_and_rest_is_rest),
+        cmocka_unit_test(gradients_are_of_the_energy),
+        cmocka_unit_test(momentum_of_a_free_pair_is_kept),
+        cmocka_unit_test(what_slides_keeps_its_distance_and_what_is_held_its_point),
+        cmocka_unit_test(the_order_of_muscles_does_not_matter),
+        cmocka_unit_test(a_step_goes_on_where_it_stopped),
+        cmocka_unit_test(off_is_absent),
+        cmocka_unit_test(what_is_not_there_is_named),
+        cmocka_unit_test(sliding_along_a_plane_is_free),
+        cmocka_unit_test(what_is_hard_goes_along_with_a_bone),
+        cmocka_unit_test(rigid_motion_costs_nothing),
+        cmocka_unit_test(a_group_sleeps_and_wakes_as_one),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
