@@ -90,7 +90,7 @@ typedef struct sn_contacts {
     sn_contact_row *rows;   /* (m->contact_count) by collider */
     double margin;          /* m: asked for */
     double friction;
-    double begin, resolve; /* s: margins grow to what is asked from `begin` on, in `resolve`; 0 = never */
+    double begin, resolve; /* s: of a run that starts anew, margins grow to what is asked from `begin` on, in `resolve`; 0 = never */
     bool by_voxels;        /* of all colliders */
     sn_bone_hits bone_hits;
 } sn_contacts;
@@ -217,6 +217,8 @@ bool sn_contact_voxels_touch(const sn_collider *collider, const sn_rigid *pose, 
 
 /* The poses of the colliders at that moment; at->poses may be NULL. */
 void sn_contacts_aim(const sn_model_muscle *m, sn_muscle_state *s, const sn_scene *scene, const sn_surface_moment *at);
+/* Margins grow from the first frame of this run on, however it is stopped and continued. */
+void sn_contacts_begin(const sn_model_muscle *m, sn_muscle_state *s);
 /* They are where they start; nothing pushes. */
 void sn_contacts_reset(const sn_model_muscle *m, sn_muscle_state *s);
 /* Has a collider moved that is near the muscle, or a margin grown, in the step that began at `since` (s)? */

@@ -20,7 +20,7 @@ static const double SAFE_WAY = 0.3;
 /* What a row is held out of, at rest. */
 typedef struct rest_collider {
     const sn_distance_field *field;
-    sn_moving_shape shape; /* of a patch: field is NULL */
+    sn_moving_shape patch, whole; /* of a surface: field is NULL */
 } rest_collider;
 
 /* What the rows of one muscle are made in. */
@@ -72,13 +72,20 @@ static void find_excluded(contact_work *w, sn_index bone) {
 
 /* ---- rows ------------------------------------------------------------------------------------------------------------------------ */
 
+/* Where the whole surface has a point inside, and the patch may not know it: its nearest point there may be where it was cut off. Deep
+ * points are taken to be as far in as the patch is from them, so that they stay when they come to face it. */
+static double margin_of_surface(const rest_collider *rest, sn_vec3 at, double most) {
+    sn_closest in_whole = sn_moving_closest(&rest->whole, 0, at), in_patch = sn_moving_closest(&rest->patch, 0, at);
+    double whole = sn_moving_side(&rest->whole, &in_whole, at, NULL), patch = sn_moving_side(&rest->patch, &in_patch, at, NULL);
+    return whole < 0.0 ? fmin(whole, -in_patch.distance) : fmin(most, fmin(whole, patch));
+}
+
 /* What it had at rest, where that is less than what is asked. */
 static float margin_of(const contact_work *w, const sn_contact_row *row) {
     sn_vec3 at = sn_v3(0, 0, 0);
     for (int i = 0; i < 3; i++) at = sn_add_scaled(at, w->build->model->rest[row->point[i]], (double)row->weight[i]);
-    if (w->rest.field != NULL) return (float)fmin(w->contacts->margin, sn_distance_field_at(w->rest.field, at, NULL));
-    sn_closest foot = sn_moving_closest(&w->rest.shape, 0, at);
-    return (float)fmin(w->contacts->margin, sn_moving_side(&w->rest.shape, &foot, at, NULL));
+    if (w->rest.field == NULL) return (float)margin_of_surface(&w->rest, at, w->contacts->margin);
+    return (float)fmin(w->contacts->margin, sn_distance_field_at(w->rest.field, at, NULL));
 }
 
 static void add_row(contact_work *w, sn_contact_row row) {
@@ -193,27 +200,37 @@ static bool add_bone(contact_work *w, sn_index bone) {
 
 static sn_index muscle_of(const sn_build *build) { return (sn_index)(build->source - build->scene->muscles); }
 
-/* Its rows, with the surface at rest in positions and boxes; *made: it has some, and owns the patch. */
+/* A surface, or a part of it, at rest. */
+typedef struct rest_shape {
+    sn_vec3 *positions;
+    sn_box *boxes;
+} rest_shape;
+
+static sn_moving_shape lay(const sn_scene_surface *surface, const sn_moving *moving, const sn_index *vertices, rest_shape *room) {
+    room->positions = SN_NEW(sn_vec3, moving->vertex_count);
+    room->boxes = SN_NEW(sn_box, sn_moving_box_count(moving));
+    if (room->positions == NULL || room->boxes == NULL) return (sn_moving_shape){.moving = NULL};
+    for (sn_index v = 0; v < moving->vertex_count; v++) room->positions[v] = surface->envelope.mesh.positions[vertices[v]];
+    sn_moving_fit(moving, room->positions, room->boxes);
+    return (sn_moving_shape){moving, room->positions, room->boxes};
+}
+
+/* Its rows; *made: it has some, and owns the patch. */
 static bool add_patch_rows(contact_work *w, sn_index surface, sn_patch *patch, bool *made) {
-    const struct sn_contact_plan *plan = w->build->contact;
+    const sn_contact_surface *whole = &w->build->contact->surfaces[surface];
     sn_model_muscle *m = w->build->model;
     sn_index colliders = m->collider_count;
-    sn_vec3 *positions = SN_NEW(sn_vec3, patch->moving.vertex_count);
-    sn_box *boxes = SN_NEW(sn_box, sn_moving_box_count(&patch->moving));
-    bool enough = positions != NULL && boxes != NULL;
-    for (sn_index v = 0; enough && v < patch->moving.vertex_count; v++)
-        positions[v] = patch->surface->envelope.mesh.positions[patch->vertices[v]];
-    if (enough) {
-        double thickness = plan->surfaces[surface].thickness;
-        sn_moving_fit(&patch->moving, positions, boxes);
-        w->rest = (rest_collider){.shape = {&patch->moving, positions, boxes}};
-        enough = add_rows(w, (sn_collider){.bone = plan->bone_count + surface,
+    rest_shape rooms[2] = {{NULL, NULL}, {NULL, NULL}};
+    w->rest = (rest_collider){.patch = lay(patch->surface, &patch->moving, patch->vertices, &rooms[0]),
+                              .whole = lay(patch->surface, &whole->moving, whole->vertices, &rooms[1])};
+    bool enough = w->rest.patch.moving != NULL && w->rest.whole.moving != NULL;
+    double thickness = whole->thickness;
+    if (enough)
+        enough = add_rows(w, (sn_collider){.bone = w->build->contact->bone_count + surface,
                                            .joint = SN_NONE,
                                            .patch = patch,
                                            .limit = SAFE_WAY * fmin(thickness_of(m), thickness > 0.0 ? thickness : INFINITY)});
-    }
-    free(positions);
-    free(boxes);
+    for (int i = 0; i < 2; i++) free(rooms[i].positions), free(rooms[i].boxes);
     *made = m->collider_count > colliders;
     return enough;
 }

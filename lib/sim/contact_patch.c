@@ -23,27 +23,69 @@ static sn_status join_vertices(const sn_mesh *mesh, sn_mesh *joined, sn_index **
     return status;
 }
 
-/* Inside out counts as right side out, where there is an inside; how thick that is. */
-static sn_status turn_outwards(sn_mesh *mesh, const char *name, double *thickness, sn_error *error) {
+/* Triangles of pieces that have no rim: closed (triangle_count). Returns how many; -1 = out of memory. */
+static sn_index find_closed(const sn_mesh *mesh, const sn_topology *topology, bool *closed) {
+    sn_index *piece = SN_NEW(sn_index, mesh->triangle_count), count = 0;
+    sn_index pieces = piece != NULL ? sn_mesh_components(mesh, topology, piece) : 0;
+    bool *open = SN_NEW(bool, pieces);
+    bool enough = piece != NULL && open != NULL;
+    for (sn_index e = 0; enough && e < topology->edge_count; e++)
+        if (topology->edges[e].triangle_count != 2) open[piece[topology->edges[e].triangle[0]]] = true;
+    for (sn_index t = 0; enough && t < mesh->triangle_count; t++) count += closed[t] = !open[piece[t]];
+    free(piece);
+    free(open);
+    return enough ? count : -1;
+}
+
+/* Each closed piece with its inside inside, a cavity within another as it is; open pieces have no inside and stay. */
+static sn_status turn_pieces(sn_mesh *mesh, const bool *closed, sn_index count, sn_index *turned, sn_error *error) {
+    sn_mesh part = *mesh; /* lends all but its triangles */
+    if ((part.triangles = SN_NEW(sn_triangle, count)) == NULL) return sn_fail_memory(error, "a surface");
+    part.triangle_count = 0;
+    for (sn_index t = 0; t < mesh->triangle_count; t++)
+        if (closed[t]) part.triangles[part.triangle_count++] = mesh->triangles[t];
+    sn_status status = sn_orient_outward(&part, turned, error);
+    for (sn_index t = 0, next = 0; t < mesh->triangle_count && status == SN_OK; t++)
+        if (closed[t]) mesh->triangles[t] = part.triangles[next++];
+    free(part.triangles);
+    return status;
+}
+
+/* Inside out counts as right side out, where there is an inside. */
+static sn_status turn_outwards(sn_mesh *mesh, const char *name, sn_error *error) {
+    sn_topology topology;
+    sn_index turned = 0;
+    sn_status status = sn_topology_build(mesh, &topology, error);
+    if (status != SN_OK) return status;
+    bool *closed = SN_NEW(bool, mesh->triangle_count);
+    sn_index count = closed != NULL ? find_closed(mesh, &topology, closed) : -1;
+    if (count < 0)
+        status = sn_fail_memory(error, "a surface");
+    else if (count > 0)
+        status = turn_pieces(mesh, closed, count, &turned, error);
+    free(closed);
+    sn_topology_free(&topology);
+    if (status == SN_OK && turned > 0)
+        sn_log(SN_LOG_INFO, "surface \"%s\" is inside out, or %ld of its pieces: what is closed is taken the other way round", name,
+               (long)turned);
+    return status;
+}
+
+static double thickness_of(const sn_mesh *mesh) {
     sn_mesh_report report;
-    sn_status status = sn_mesh_inspect(mesh, &report, error);
-    if (status != SN_OK || !report.closed) return status;
-    *thickness = sn_thickness(report.volume, report.area);
-    if (!(report.volume < 0.0)) return SN_OK;
-    sn_log(SN_LOG_INFO, "surface \"%s\" is inside out: it is taken the other way round", name);
-    for (sn_index t = 0; t < mesh->triangle_count; t++) {
-        sn_index *v = mesh->triangles[t].v, last = v[2];
-        v[2] = v[1], v[1] = last;
-    }
-    return SN_OK;
+    if (sn_mesh_inspect(mesh, &report, NULL) != SN_OK || !report.closed) return 0.0;
+    return sn_thickness(report.volume, report.area);
 }
 
 static sn_status make_surface(const sn_scene_surface *source, sn_contact_surface *out, sn_error *error) {
     sn_mesh joined = {0};
     if (!source->loaded) return sn_fail(error, SN_ERROR_INPUT, "it is not loaded");
     sn_status status = join_vertices(&source->envelope.mesh, &joined, &out->vertices, error);
-    if (status == SN_OK) status = turn_outwards(&joined, source->name, &out->thickness, error);
-    if (status == SN_OK) status = sn_moving_create(&joined, &out->moving, error);
+    if (status == SN_OK) status = turn_outwards(&joined, source->name, error);
+    if (status == SN_OK) {
+        out->thickness = thickness_of(&joined);
+        status = sn_moving_create(&joined, &out->moving, error);
+    }
     sn_mesh_free(&joined);
     if (status != SN_OK) return status;
     out->positions = SN_NEW(sn_vec3, out->moving.vertex_count);

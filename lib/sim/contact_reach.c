@@ -126,13 +126,65 @@ static span span_of(const sn_scene *scene) {
     return all;
 }
 
-static void look_through(const reach_work *w) {
+/* ---- moments at which something turns: a bone at its keys, a surface at its frames ------------------------------------------------------
+ */
+
+/* Of all joints and surfaces, ascending; owned by the caller. */
+typedef struct turns {
+    sn_index count;
+    double *times;
+} turns;
+
+static void add_turns(turns *all, const double *times, sn_index count) {
+    for (sn_index i = 0; i < count; i++, all->count++)
+        if (all->times != NULL) all->times[all->count] = times[i];
+}
+
+/* Into all->times, or, NULL, counts alone. */
+static void collect_turns(const sn_scene *scene, turns *all) {
+    all->count = 0;
+    for (sn_index j = 0; j < scene->motion.joint_count; j++) {
+        const sn_joint *joint = &scene->motion.joints[j];
+        if (joint->kind == SN_JOINT_HINGE) add_turns(all, joint->angle.times, joint->angle.count);
+        for (sn_index k = 0; joint->kind != SN_JOINT_HINGE && k < joint->key_count; k++) add_turns(all, &joint->keys[k].time, 1);
+    }
+    for (sn_index i = 0; i < scene->surface_count; i++)
+        if (scene->surfaces[i].solid) add_turns(all, scene->surfaces[i].track.times, scene->surfaces[i].track.sample_count);
+}
+
+static int compare_times(const void *a, const void *b) {
+    double p = *(const double *)a, q = *(const double *)b;
+    return (p > q) - (p < q);
+}
+
+/* Each time once. */
+static sn_status find_turns(const sn_scene *scene, turns *all, sn_error *error) {
+    *all = (turns){0};
+    collect_turns(scene, all);
+    if ((all->times = SN_NEW(double, all->count)) == NULL) return sn_fail_memory(error, "contact");
+    collect_turns(scene, all);
+    qsort(all->times, (size_t)all->count, sizeof *all->times, compare_times);
+    sn_index count = 0;
+    for (sn_index i = 0; i < all->count; i++)
+        if (count == 0 || all->times[i] != all->times[count - 1]) all->times[count++] = all->times[i];
+    all->count = count;
+    return SN_OK;
+}
+
+/* Evenly, and where something turns: what comes near for a frame alone is seen at any rate. */
+static sn_status look_through(const reach_work *w, sn_error *error) {
+    turns at;
+    sn_status status = find_turns(w->scene, &at, error);
+    if (status != SN_OK) return status;
+    for (sn_index i = 0; i < at.count && i < MOST_LOOKS; i++) look(w, at.times[i], 1.0);
+    free(at.times);
     span all = span_of(w->scene);
     double looks = fmin(ceil((all.end - all.begin) * LOOKS_A_SECOND), MOST_LOOKS);
     for (double i = 0.0; i < looks; i++) look(w, all.begin + (all.end - all.begin) * i / looks, 1.0);
     look(w, all.end, 1.0);
     for (int i = 0; w->scene->run_in > 0.0 && i < RUN_IN_PLACES * RUN_IN_SHARES; i++)
         look(w, all.begin + (all.end - all.begin) * (i / RUN_IN_SHARES) / RUN_IN_PLACES, i % RUN_IN_SHARES / (double)RUN_IN_SHARES);
+    return SN_OK;
 }
 
 /* ---- fields ----------------------------------------------------------------------------------------------------------------------- */
@@ -236,9 +288,9 @@ sn_status sn_contact_plan_create(const sn_scene *scene, const sn_model_options *
     if (status == SN_OK) status = sn_contact_surfaces_make(scene, w.plan, error);
     if (status == SN_OK) {
         measure_rest(&w);
-        look_through(&w);
-        status = make_fields(&w, options, error);
+        status = look_through(&w, error);
     }
+    if (status == SN_OK) { status = make_fields(&w, options, error); }
     free(w.bones);
     free(w.muscles);
     free(w.swept);

@@ -17,8 +17,12 @@ enum { LAST_SWEEPS = 4 };
  */
 
 /* How far margins have grown at a time of the scene's, in [0,1]. */
-static double share_resolved(const sn_contacts *contacts, double time) {
-    return fmin(fmax((time - contacts->begin) / contacts->resolve, 0.0), 1.0);
+static double share_resolved(const sn_contacts *contacts, const sn_muscle_state *s, double time) {
+    return fmin(fmax((time - s->inputs->resolve_begin) / contacts->resolve, 0.0), 1.0);
+}
+
+void sn_contacts_begin(const sn_model_muscle *m, sn_muscle_state *s) {
+    s->inputs->resolve_begin = m->collider_count > 0 ? sn_contacts_of(m)->begin : 0.0;
 }
 
 void sn_contacts_aim(const sn_model_muscle *m, sn_muscle_state *s, const sn_scene *scene, const sn_surface_moment *at) {
@@ -31,7 +35,7 @@ void sn_contacts_aim(const sn_model_muscle *m, sn_muscle_state *s, const sn_scen
     }
     sn_patches_aim(m, s, scene, at);
     if (m->collider_count == 0 || !(contacts->resolve > 0.0)) return;
-    s->inputs->resolved = share_resolved(contacts, at->time);
+    s->inputs->resolved = share_resolved(contacts, s, at->time);
 }
 
 static void keep_poses(const sn_model_muscle *m, sn_muscle_state *s) {
@@ -118,7 +122,7 @@ bool sn_contacts_moved(const sn_model_muscle *m, const sn_muscle_state *s, doubl
         sn_approach a = sn_approach_of(m, s, c);
         if (any_comes_near(contacts, s, &a, &w)) return true;
     }
-    return s->inputs->resolved > 0.0 && share_resolved(contacts, since) < 1.0;
+    return s->inputs->resolved > 0.0 && share_resolved(contacts, s, since) < 1.0;
 }
 
 static bool passes_too_far(const sn_contacts *contacts, const sn_muscle_state *s, const sn_approach *a, const sn_contact_whole *w) {

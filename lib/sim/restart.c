@@ -14,7 +14,7 @@
 #include "external.h"
 
 static const char MAGIC[12] = "sinew state\n";
-enum { VERSION = 5, HEADER = sizeof MAGIC + sizeof(int32_t) + SN_HASH_LENGTH };
+enum { VERSION = 6, HEADER = sizeof MAGIC + sizeof(int32_t) + SN_HASH_LENGTH };
 
 /* ---- the numbers of a group and of its members ------------------------------------------------------------------------------ */
 
@@ -63,7 +63,8 @@ static bool is_motion(const sn_bone_motion *b) {
     X(contraction, part->contraction >= -ROUNDING && part->contraction <= 1.0 + ROUNDING)                                                  \
     X(stiffness, part->stiffness >= 0.0 && isfinite(part->stiffness))                                                                      \
     X(volume_goal, isfinite(part->volume_goal))                                                                                            \
-    X(bones, is_motion(&part->bones))
+    X(bones, is_motion(&part->bones))                                                                                                      \
+    X(resolve_begin, isfinite(part->resolve_begin))
 
 static void pass_member_numbers(sn_cursor *c, sn_muscle_state *s) {
     {

@@ -127,6 +127,7 @@ static void reset_muscle(const sn_model_muscle *m, sn_muscle_state *s, const sn_
         s->points[i].w = m->inverse_mass[i];
         s->velocities[i] = sn_v3(0, 0, 0);
     }
+    sn_contacts_begin(m, s);
     sn_kinematics_aim(m, s, scene, at);
     sn_contacts_aim(m, s, scene, at);
     sn_contacts_reset(m, s);

@@ -297,6 +297,12 @@ beside_skin() {
     "$BIN/simulate" -q contact.scene.json --contact -o c --log c1.jsonl --frames 0:17 --state s.state
     "$BIN/simulate" -q contact.scene.json --contact -o c --log c2.jsonl --frames 18:30 --from s.state
     cat c1.jsonl c2.jsonl | cmp - a.jsonl
+    # margins go on growing from where the first run began
+    "$BIN/simulate" -q contact.scene.json --contact --resolve 1 -o b --log b.jsonl
+    "$BIN/simulate" -q contact.scene.json --contact --resolve 1 -o c --log c1.jsonl --frames 0:17 --state s.state
+    "$BIN/simulate" -q contact.scene.json --contact --resolve 1 -o c --log c2.jsonl --frames 18:30 --from s.state
+    cat c1.jsonl c2.jsonl | cmp - b.jsonl
+    run -1 cmp a.jsonl b.jsonl
     /usr/bin/python3 -c '
 import json, sys
 scene = json.load(open("contact.scene.json"))

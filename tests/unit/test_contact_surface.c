@@ -421,6 +421,83 @@ static void seams_and_turned_surfaces_do_not_matter(void **state) {
     for (int k = 0; k < 3; k++) finish(&runs[k]);
 }
 
+/* Beside a muscle a ball that is inside out, and far away a large one that is not: each piece has an inside of its own; a cavity stays one.
+ */
+static void add_piece(sn_mesh *mesh, const capsule *ball, bool inside_out) {
+    sn_mesh more = {0};
+    make_capsule(ball, 8, &more);
+    sn_index vertices = mesh->vertex_count, triangles = mesh->triangle_count;
+    mesh->positions = sn_realloc(mesh->positions, (size_t)(vertices + more.vertex_count), sizeof *mesh->positions);
+    mesh->triangles = sn_realloc(mesh->triangles, (size_t)(triangles + more.triangle_count), sizeof *mesh->triangles);
+    for (sn_index v = 0; v < more.vertex_count; v++) mesh->positions[mesh->vertex_count++] = more.positions[v];
+    for (sn_index t = 0; t < more.triangle_count; t++) {
+        const sn_index *v = more.triangles[t].v;
+        mesh->triangles[mesh->triangle_count++] =
+            (sn_triangle){{vertices + v[0], vertices + v[inside_out ? 2 : 1], vertices + v[inside_out ? 1 : 2]}};
+    }
+    sn_mesh_free(&more);
+}
+
+static void each_piece_is_turned_for_itself(void **state) {
+    (void)state;
+    sn_scene scene;
+    make_ball(&scene, SN_SOLVER_QN, 0.018, swelling);
+    sn_scene_surface *s = &scene.surfaces[0];
+    sn_mesh_free(&s->envelope.mesh);
+    sn_vertex_track_free(&s->track);
+    const capsule balls[3] = {{{HEART, HEART}, 0.018}, {{{1, 0, 0}, {1, 0, 0}}, 0.2}, {{{1, 0, 0}, {1, 0, 0}}, 0.1}};
+    for (int k = 0; k < 3; k++) add_piece(&s->envelope.mesh, &balls[k], k != 1);
+    drive(s, 25, 1.0, swelling);
+    simulation run = start(&scene);
+    step_frames(&run, 16, NULL);
+    assert_int_equal(run.model->plan.muscles[0].overlaps, 0);
+    assert_true(greatest_move(&run) > 0.004);
+    finish(&run);
+}
+
+/* In one frame of a thousand a second alone the plate is in the muscle: it is in reach. */
+static sn_vec3 flashing(sn_vec3 p, double time) { return sn_v3(p.x - (fabs(time - 0.108) < 5e-4 ? 0.3 : 0.0), p.y, p.z); }
+
+static void what_comes_for_a_frame_is_in_reach(void **state) {
+    (void)state;
+    sn_scene scene;
+    make_soft(&scene, SN_SOLVER_QN);
+    sn_scene_surface *s = add_surface(&scene, SN_SURFACE_DRIVEN);
+    make_box(sn_v3(0.3, -0.05, 0.06), sn_v3(0.304, 0.05, 0.14), &s->envelope.mesh);
+    drive(s, 201, 0.2, flashing);
+    simulation run = start(&scene);
+    assert_int_equal(run.model->muscles[0].collider_count, 1);
+    finish(&run);
+}
+
+/* The patch is a part of the surface: whether a muscle lies in it at rest is asked of all of it, and it stays there. */
+static void margins_are_of_the_whole_surface(void **state) {
+    (void)state;
+    sn_scene scene;
+    make_soft(&scene, SN_SOLVER_QN);
+    sn_scene_surface *s = add_surface(&scene, SN_SURFACE_DRIVEN);
+    const capsule around = {{{0, 0, 0.1}, {0, 0, 0.1}}, 0.4};
+    make_capsule(&around, 8, &s->envelope.mesh);
+    s->envelope.mesh.positions[0] = sn_v3(0.036, 0, 0.1); /* a thorn that comes near */
+    drive(s, 2, 1.0, staying);
+    simulation run = start(&scene);
+    const sn_model_muscle *m = &run.model->muscles[0];
+    const sn_contacts *contacts = sn_contacts_of(m);
+    sn_surface *whole;
+    assert_int_equal(sn_surface_create(&s->envelope.mesh, &whole, NULL), SN_OK);
+    assert_int_equal(m->collider_count, 1);
+    assert_true(contacts->colliders[0].patch->moving.triangle_count < s->envelope.mesh.triangle_count / 4);
+    for (sn_index r = 0; r < m->contact_count; r++) {
+        double distance = sn_surface_signed_distance(whole, m->rest[contacts->rows[r].point[0]], NULL);
+        assert_true((double)contacts->rows[r].margin < fmin(contacts->margin, distance) + 1e-6);
+    }
+    assert_int_equal(run.model->plan.muscles[0].overlaps, m->contact_count);
+    step_frames(&run, 20, NULL);
+    assert_true(greatest_move(&run) < 1e-4);
+    sn_surface_destroy(whole);
+    finish(&run);
+}
+
 static void what_has_no_two_sides_is_refused(void **state) {
     (void)state;
     sn_scene scene;
@@ -474,6 +551,9 @@ int main(void) {
         cmocka_unit_test(off_is_absent),
         cmocka_unit_test(what_hangs_on_it_does_not_feel_it_there),
         cmocka_unit_test(seams_and_turned_surfaces_do_not_matter),
+        cmocka_unit_test(each_piece_is_turned_for_itself),
+        cmocka_unit_test(what_comes_for_a_frame_is_in_reach),
+        cmocka_unit_test(margins_are_of_the_whole_surface),
         cmocka_unit_test(what_has_no_two_sides_is_refused),
         cmocka_unit_test(friction_takes_along),
     };
