@@ -183,3 +183,29 @@ for name, m in on.items():
     assert abs(m["edge"] - 1 - (converged[name]["edge"] - 1)) <= 0.1 * (converged[name]["edge"] - 1) + 0.01, (name, m, converged[name])
 END
 }
+
+@test "soleus, tibialis anterior and peroneus longus of a leg over an ankle that turns: none enters a bone, no triangle collapses, and they come to rest as in the converged solve" {
+    [ -d "$DATA/leg-vhf" ] || skip "no leg-vhf in DATA"
+    [ "$CONFIG" != sanitize ] || skip "too slow under the sanitizers"
+    "$BATS_TEST_DIRNAME/../../share/examples/leg/ankle.sh" "$BIN" "$DATA/leg-vhf/meshes" leg 2> err
+    cd leg
+    mkdir on converged
+    "$BIN/simulate" -q ankle.scene.json --contact --grid-cache cache --frames 0:60 -o on --log on.jsonl --state 60.state
+    "$BIN/simulate" -q ankle.scene.json --contact --grid-cache cache --from 60.state --frames 61:72 -o on --log end.jsonl
+    "$BIN/simulate" -q ankle.scene.json --contact --grid-cache cache --from 60.state --frames 61:72 --iterations 400 --tolerance 1e-9 -o converged \
+        --log converged.jsonl
+    /usr/bin/python3 << 'END'
+import json
+def read(*names): return [json.loads(line) for name in names for line in open(name)]
+way = read("on.jsonl", "end.jsonl")
+end, converged = ({d["muscle"]: d for d in read(name) if d["frame"] == 72} for name in ("end.jsonl", "converged.jsonl"))
+assert len(way) == 3 * 73 and len(end) == len(converged) == 3
+for name, last in end.items():
+    mine = [d for d in way if d["muscle"] == name]
+    assert sum(d["contacts"] for d in mine) > 50 and max(d["largest_edge_ratio"] for d in mine) > 1.4, name
+    for d in mine:
+        assert d["nan"] == 0 and not d["torn"] and d["penetration"] <= 5e-4 and d["smallest_triangle"] >= 0.05, d
+    strain = converged[name]["largest_edge_ratio"] - 1
+    assert last["penetration"] <= 1e-4 and abs(last["largest_edge_ratio"] - 1 - strain) <= 0.1 * strain, (last, converged[name])
+END
+}
