@@ -128,6 +128,7 @@ void contacts_log(const sn_model *model, const sn_statistics *s, const sn_plan_m
     sn_json_integer(json, "contacts", s->contacts);
     sn_json_number(json, "overlap", s->overlap);
     sn_json_number(json, "penetration", s->penetration);
+    if (s->leaps > 0) sn_json_integer(json, "leaps", s->leaps);
     if (s->penetration_bone == SN_NONE) return;
     sn_json_integer(json, "penetration_vertex", s->penetration_vertex);
     sn_json_text(json, "penetration_bone", sn_scene_touched_name(model->scene, s->penetration_bone));

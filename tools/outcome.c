@@ -128,6 +128,9 @@ static void tell_explosion(outcome *o, const sn_state *state, sn_index muscle, s
                       o->moment, name, (int)s->largest_edge[0], (int)s->largest_edge[1], s->largest_edge_ratio, may_help);
 }
 
+/* A bit of outcome.told beside those of sn_explosion. */
+enum { TOLD_LEAPS = 1 << 16 };
+
 /* Each sign is told once of each muscle, where it shows first: later frames only follow from that one. */
 static void check_explosions(outcome *o, const sn_state *state) {
     static const sn_explosion SIGNS[] = {SN_EXPLODED_VOLUME, SN_EXPLODED_EDGE, SN_EXPLODED_SOLVER};
@@ -242,12 +245,21 @@ static bool add_tear(outcome *o, sn_index muscle, sn_index frame) {
     return true;
 }
 
+/* In the first frame in which a bone is too fast for contact. */
+static void check_leaps(outcome *o, const sn_state *state, sn_index muscle) {
+    if (state->muscles[muscle].statistics.leaps == 0 || (o->told[muscle] & TOLD_LEAPS)) return;
+    o->told[muscle] |= TOLD_LEAPS;
+    cli_warn(o->c, "%s: a bone goes too far in the shortest of steps for contact with muscle \"%s\", and may have passed through it",
+             o->moment, name_of(o, muscle));
+}
+
 sn_status outcome_take(outcome *o, const sn_state *state, double seconds, sn_error *error) {
     bool added = add_frame(o, state, seconds);
     for (sn_index i = 0; added && i < o->model->muscle_count; i++) {
         const sn_statistics *s = &state->muscles[i].statistics;
         if (s->torn) added = add_tear(o, i, state->frame);
         compare(o, s, i, state->frame);
+        check_leaps(o, state, i);
     }
     if (!added) return sn_fail_memory(error, "the figures of the frames");
     check_limits(o, state);

@@ -61,7 +61,7 @@ typedef struct outcome {
     outcome_worst worst[WORST_COUNT];
     char moment[80]; /* what is looked at, for messages: "frame 12" */
     bool runs_in;    /* that is in the pre-roll's run-in */
-    unsigned *told;  /* (model.muscle_count) bits of sn_explosion that were told already */
+    unsigned *told;  /* (model.muscle_count) bits of what was told already: sn_explosion, and leaps */
 } outcome;
 
 /* The limits of --fail-on; text is nullable. Bad ones are wrong usage. */

@@ -300,6 +300,7 @@ typedef struct sn_statistics {
     int64_t iterations, rejected_steps, refactorisations; /* steps: those that would have raised the energy */
     int64_t steps;                                        /* under xpbd too: substeps, or the parts in which they were taken */
     int64_t halvings;                                     /* steps that were too long, and were given up for two of half the length */
+    int64_t leaps; /* steps, the shortest there are, in which a bone still went too far for contact: it may have passed through */
     int64_t torn_substeps;                                /* that began torn */
     int64_t restarts;           /* wrecked shapes that were given up for the rest pose, carried along with the bones */
     sn_stop_reason stop_reason; /* of the last substep */

@@ -16,6 +16,8 @@ enum { EDGES_AROUND_ATTACHMENT = 2 };
 static const double DEFAULT_MARGIN = 0.1;
 /* A surface that passes by farther in a step than this share of the thinner of the two could pass through (numerics.md 7). */
 static const double SAFE_WAY = 0.3;
+/* A muscle of which such a share is inside a bone or surface at rest lies in it, as in a skin, and is not to be held out. */
+static const double SHARE_INSIDE = 0.9;
 
 /* What a row is held out of, at rest. */
 typedef struct rest_collider {
@@ -169,6 +171,16 @@ static double thickness_of(const sn_model_muscle *m) {
     return thickness > 0.0 ? thickness : m->mean_edge; /* an open sheet has no volume */
 }
 
+/* Of the rows from begin on, those of vertices. A muscle is dragged along and torn by what it lies in, were it held out of that. */
+static bool lies_inside(const contact_work *w, sn_index bone, sn_index begin) {
+    sn_index inside = 0, count = w->build->model->contact_count - begin;
+    for (sn_index r = begin; r < begin + count; r++) inside += w->contacts->rows[r].margin < 0.0f;
+    if (count == 0 || (double)inside < SHARE_INSIDE * (double)count) return false;
+    sn_log(SN_LOG_WARNING, "muscle \"%s\" lies in \"%s\" at rest, with %ld of %ld free vertices: it is not held out of that",
+           w->build->source->name, sn_scene_touched_name(w->build->scene, bone), (long)inside, (long)count);
+    return true;
+}
+
 /* Rows of the muscle's points and this collider, which gets their numbers and a place where there are any. */
 static bool add_rows(contact_work *w, sn_collider collider) {
     sn_model_muscle *m = w->build->model;
@@ -176,6 +188,10 @@ static bool add_rows(contact_work *w, sn_collider collider) {
     collider.begin = m->contact_count;
     if (!by_voxels) find_excluded(w, collider.bone); /* [K21] spares fixed points alone, and it has no samples */
     add_vertices(w);
+    if (!by_voxels && lies_inside(w, collider.bone, collider.begin)) {
+        m->contact_count = collider.begin;
+        return true;
+    }
     if (!by_voxels) add_samples(w);
     collider.end = m->contact_count;
     if (collider.end == collider.begin) return true;

@@ -54,6 +54,7 @@ static bool is_motion(const sn_bone_motion *b) {
     X(statistics.refactorisations, is_count(part->statistics.refactorisations))                                                            \
     X(statistics.steps, is_count(part->statistics.steps))                                                                                  \
     X(statistics.halvings, is_count(part->statistics.halvings))                                                                            \
+    X(statistics.leaps, is_count(part->statistics.leaps))                                                                                  \
     X(statistics.torn_substeps, is_count(part->statistics.torn_substeps))                                                                  \
     X(statistics.restarts, is_count(part->statistics.restarts))                                                                            \
     X(statistics.residual, !(part->statistics.residual < 0.0)) /* NaN: inside a substep */

@@ -143,9 +143,12 @@ static sn_verdict stage_inputs(const step *at) {
 
 /* Bones that would pass by too far make it too long; so that none passes through a muscle thinner than its way. */
 static sn_verdict stage_sweep(const step *at) {
-    if (at->part.begin > 0 || at->s->progress.size == 1) return SN_STEP_HOLDS;
-    for (sn_index i = 0; i < at->g->count; i++)
-        if (sn_contacts_too_far(at->g->members[i], at->s->members[i], &at->part)) return SN_STEP_REFUSED;
+    if (at->part.begin > 0) return SN_STEP_HOLDS;
+    for (sn_index i = 0; i < at->g->count; i++) {
+        if (!sn_contacts_too_far(at->g->members[i], at->s->members[i], &at->part)) continue;
+        if (at->s->progress.size > 1) return SN_STEP_REFUSED;
+        at->s->members[i]->statistics.leaps++; /* there is no shorter one */
+    }
     return SN_STEP_HOLDS;
 }
 
@@ -301,7 +304,7 @@ static void clear_counters(sn_state *state, sn_index muscle_count) {
         statistics->skipped_edges = statistics->skipped_hinges = statistics->clamped_hinges = 0;
         statistics->held_triangles = statistics->skipped_triangles = statistics->torn_substeps = 0;
         statistics->iterations = statistics->rejected_steps = statistics->refactorisations = statistics->restarts = 0;
-        statistics->steps = statistics->halvings = 0;
+        statistics->steps = statistics->halvings = statistics->leaps = 0;
     }
 }
 

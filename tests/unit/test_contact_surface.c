@@ -254,6 +254,50 @@ static void what_jumps_carries_the_muscle_along(void **state) {
     }
 }
 
+/* Each part of such a way is shorter than what contact follows, or it is counted. */
+static sn_vec3 leaping(sn_vec3 p, double time) { return sn_v3(p.x - 3.0 * fmin(fmax(24.0 * time - 3.0, 0.0), 1.0), p.y, p.z); }
+
+static void what_leaps_too_far_is_counted(void **state) {
+    (void)state;
+    for (int i = 0; i < 2; i++)
+        for (int far = 0; far < 2; far++) {
+            sn_scene scene;
+            make_soft(&scene, METHODS[i]);
+            sn_scene_surface *s = add_surface(&scene, SN_SURFACE_DRIVEN);
+            make_box(sn_v3(0.036, -0.05, 0.06), sn_v3(0.04, 0.05, 0.14), &s->envelope.mesh);
+            drive(s, 25, 1.0, far ? leaping : jumping);
+            simulation run = start(&scene);
+            step_frames(&run, 3, NULL);
+            assert_int_equal(run.state->muscles[0].statistics.leaps, 0);
+            step_frames(&run, 1, NULL);
+            assert_int_equal(run.state->muscles[0].statistics.leaps > 0, far);
+            assert_int_equal(run.state->muscles[0].statistics.nan_points, 0);
+            step_frames(&run, 1, NULL);
+            assert_int_equal(run.state->muscles[0].statistics.leaps, 0); /* of one frame */
+            finish(&run);
+        }
+}
+
+/* A skin that shrinks onto the muscle within it leaves that alone; one that has it half inside pushes. */
+static sn_vec3 passing(sn_vec3 p, double time) { return sn_v3(p.x - 0.02 * fmin(4.0 * time, 1.0), p.y, p.z); }
+
+static void what_lies_in_a_skin_is_not_held_out_of_it(void **state) {
+    (void)state;
+    for (int i = 0; i < 2; i++)
+        for (int half = 0; half < 2; half++) {
+            sn_scene scene;
+            make_soft(&scene, METHODS[i]);
+            sn_scene_surface *s = add_surface(&scene, SN_SURFACE_DRIVEN);
+            make_box(sn_v3(half ? 0.01 : -0.1, -0.1, -0.1), sn_v3(0.1, 0.1, 0.4), &s->envelope.mesh);
+            drive(s, 25, 1.0, passing);
+            simulation run = start(&scene);
+            assert_int_equal(run.model->plan.muscles[0].groups[SN_ROWS_CONTACT].rows > 0, half);
+            step_frames(&run, 10, NULL);
+            assert_int_equal(greatest_move(&run) > 1e-3, half);
+            finish(&run);
+        }
+}
+
 /* ---- what it shares with bones ---------------------------------------------------------------------------------------------------- */
 
 /* In the middle of a substep, through bytes and in another state; the statistics of one are looked at in every iteration. */
@@ -476,9 +520,9 @@ static void margins_are_of_the_whole_surface(void **state) {
     sn_scene scene;
     make_soft(&scene, SN_SOLVER_QN);
     sn_scene_surface *s = add_surface(&scene, SN_SURFACE_DRIVEN);
-    const capsule around = {{{0, 0, 0.1}, {0, 0, 0.1}}, 0.4};
+    const capsule around = {{{0, 0, -0.25}, {0, 0, -0.25}}, 0.4}; /* up to three quarters of the muscle */
     make_capsule(&around, 8, &s->envelope.mesh);
-    s->envelope.mesh.positions[0] = sn_v3(0.036, 0, 0.1); /* a thorn that comes near */
+    s->envelope.mesh.positions[0] = sn_v3(0.036, 0, 0.05); /* a thorn that comes near */
     drive(s, 2, 1.0, staying);
     simulation run = start(&scene);
     const sn_model_muscle *m = &run.model->muscles[0];
@@ -491,7 +535,7 @@ static void margins_are_of_the_whole_surface(void **state) {
         double distance = sn_surface_signed_distance(whole, m->rest[contacts->rows[r].point[0]], NULL);
         assert_true((double)contacts->rows[r].margin < fmin(contacts->margin, distance) + 1e-6);
     }
-    assert_int_equal(run.model->plan.muscles[0].overlaps, m->contact_count);
+    assert_in_range(run.model->plan.muscles[0].overlaps, m->contact_count / 2, m->contact_count * 9 / 10);
     step_frames(&run, 20, NULL);
     assert_true(greatest_move(&run) < 1e-4);
     sn_surface_destroy(whole);
@@ -545,6 +589,8 @@ int main(void) {
         cmocka_unit_test(what_swells_pushes_and_is_not_entered),
         cmocka_unit_test(what_collapses_is_survived),
         cmocka_unit_test(what_jumps_carries_the_muscle_along),
+        cmocka_unit_test(what_leaps_too_far_is_counted),
+        cmocka_unit_test(what_lies_in_a_skin_is_not_held_out_of_it),
         cmocka_unit_test(a_step_goes_on_where_it_stopped),
         cmocka_unit_test(a_state_that_is_read_knows_its_surfaces),
         cmocka_unit_test(sleepers_wake_for_what_comes),
