@@ -13,6 +13,8 @@
 enum { VERTICES_PER_CHUNK = 256 };
 /* The ends of a line of sight lie on surfaces, and this share of it near them does not count. */
 static const double SIGHT_ENDS = 1e-6;
+/* A vertex that has entered a surface sees out of it where it comes out within so many times its depth: near the place where it went in. */
+static const double WAY_OUT = 2.0;
 
 /* What a vertex finds on a target; triangle SN_NONE = nothing. */
 typedef struct found {
@@ -34,6 +36,7 @@ typedef struct body {
     sn_surface *surface; /* NULL = out of reach: neither searched nor in the way */
     sn_box box;
     bool hides;
+    double outward; /* 1, or -1 where its faces look inwards */
 } body;
 
 typedef struct search {
@@ -198,19 +201,41 @@ static sn_status search_target(search *s, sn_index t, bool superficial, sn_trace
 
 /* ---- the nearest targets of each vertex that nothing hides -------------------------------------------------------------------------- */
 
-/* Does the line from a vertex to its target cross another surface, or the muscle itself? */
+/* From a point, along a unit direction, over a length. */
+typedef struct sight {
+    sn_vec3 from, direction;
+    double length;
+} sight;
+
+static bool comes_out(const body *b, const sight *line, const sn_ray_hit *hit) {
+    const sn_index *v = b->mesh->triangles[hit->triangle].v;
+    sn_vec3 area = sn_area_vector(b->mesh->positions[v[0]], b->mesh->positions[v[1]], b->mesh->positions[v[2]]);
+    if (!(b->outward * sn_dot(area, line->direction) > 0.0)) return false;
+    return hit->distance <= WAY_OUT * sn_surface_closest(b->surface, line->from, INFINITY).distance;
+}
+
+static bool crosses(const body *b, const sight *line) {
+    double ends = SIGHT_ENDS * line->length;
+    sn_ray_hit hit = sn_surface_ray(b->surface, line->from, line->direction, ends, line->length - ends);
+    if (hit.triangle == SN_NONE) return false;
+    if (!comes_out(b, line, &hit)) return true;
+    return sn_surface_ray(b->surface, line->from, line->direction, hit.distance + ends, line->length - ends).triangle != SN_NONE;
+}
+
+/* Does the line from a vertex to its target cross another surface, or the muscle itself? Muscles overlap at rest: leaving one that the
+ * vertex has entered a little is no crossing. */
 static bool is_hidden(const search *s, const candidate *c) {
     sn_vec3 from = s->muscle->mesh.positions[c->vertex], to = c->found.closest.point, way = sn_sub(to, from);
     double length = sn_norm(way);
     if (!(length > SIGHT_ENDS * s->reach)) return false;
-    sn_vec3 direction = sn_scale(way, 1.0 / length);
+    const sight line = {from, sn_scale(way, 1.0 / length), length};
     sn_box box = {sn_min3(from, to), sn_max3(from, to)};
     for (sn_index i = 0; i < s->body_count; i++) {
         const body *b = &s->bodies[i];
         bool own = i == s->body_count - 1;
         if (i == c->target || !b->hides || b->surface == NULL || sn_box_gap(box, b->box) > 0.0) continue;
         if (own && c->found.distance <= 0.0) continue; /* it looks back through its own muscle */
-        if (sn_surface_ray(b->surface, from, direction, SIGHT_ENDS * length, (1.0 - SIGHT_ENDS) * length).triangle != SN_NONE) return true;
+        if (crosses(b, &line)) return true;
     }
     return false;
 }
@@ -321,6 +346,7 @@ static sn_status check_targets(const search *s, sn_error *error) {
 /* plain: only rays are cast at it */
 static sn_status open_body(const search *s, body *b, bool plain, sn_error *error) {
     b->box = sn_mesh_box(b->mesh);
+    b->outward = sn_mesh_volume(b->mesh) < 0.0 ? -1.0 : 1.0;
     if (sn_box_gap(b->box, sn_mesh_box(&s->muscle->mesh)) > s->reach) return SN_OK;
     return plain ? sn_surface_create_plain(b->mesh, &b->surface, error) : sn_surface_create(b->mesh, &b->surface, error);
 }

@@ -261,6 +261,27 @@ static void an_overlap_is_kept_as_it_is(void **state) {
     assert_true(inside > 3 && held >= inside);
 }
 
+/* A thin lid over the muscle's tip, which pokes 0.01 through it: from there the neighbour behind the lid is seen, from elsewhere not. */
+static void what_a_vertex_has_entered_a_little_hides_nothing(void **state) {
+    fixture *f = *state;
+    sn_mesh lid = shape_sphere(24, 48);
+    for (sn_index v = 0; v < lid.vertex_count; v++) {
+        sn_vec3 p = lid.positions[v];
+        lid.positions[v] = sn_v3(0.99 + 0.02 * p.x, 2 * p.y, 2 * p.z);
+    }
+    const sn_mesh *obstacle = &lid;
+    f->params.obstacle_count = 1;
+    f->params.obstacles = &obstacle;
+    for (int inside_out = 0; inside_out < 2; inside_out++) {
+        assert_int_equal(find(f, 1, NULL), SN_OK);
+        assert_int_equal(f->count, 1);
+        assert_true(f->found.hidden > 0);
+        for (sn_index k = 0; k < f->externals[0].count; k++) assert_true(f->muscle.mesh.positions[f->externals[0].vertices[k]].x > 0.97);
+        for (sn_index t = 0; t < lid.triangle_count; t++) shape_flip(&lid, t);
+    }
+    sn_mesh_free(&lid);
+}
+
 static void a_target_out_of_reach_is_not_searched(void **state) {
     fixture *f = *state;
     for (sn_index v = 0; v < f->neighbour.vertex_count; v++) f->neighbour.positions[v].x += 0.16;
@@ -336,6 +357,7 @@ int main(void) {
         TEST(what_is_behind_another_surface_is_no_neighbour),
         TEST(the_nearest_targets_are_kept),
         TEST(an_overlap_is_kept_as_it_is),
+        TEST(what_a_vertex_has_entered_a_little_hides_nothing),
         TEST(a_target_out_of_reach_is_not_searched),
         TEST(maps_out_of_range_are_counted_and_others_refused),
         TEST(weights_share_what_sliding_leaves),
