@@ -18,6 +18,7 @@ void neighbours_free(neighbour_result *result) {
         free(result->targets[i].name);
     }
     free(result->targets);
+    free(result->twin);
     bones_free(&result->muscles);
     bones_free(&result->obstacles);
     *result = (neighbour_result){0};
@@ -134,6 +135,7 @@ static void load_range(void *user, sn_index begin, sn_index end, sn_index chunk)
         if (file->status == SN_OK) file->status = judge(l, i, &file->error);
         if (file->status == SN_OK && file->used) continue;
         sn_muscle_free(&l->targets[i].muscle);
+        if (file->status == SN_OK && l->itself[i]) continue; /* its name may be another */
         free(l->targets[i].name);
         l->targets[i].name = NULL;
     }
@@ -147,6 +149,10 @@ static sn_status take_near(const listing *l, neighbour_result *out, sn_error *er
             return l->files->items[i].status;
         }
         out->itself += l->itself[i];
+        if (l->itself[i] && out->twin == NULL && l->muscle->name != NULL && strcmp(l->targets[i].name, l->muscle->name) != 0) {
+            out->twin = l->targets[i].name;
+            l->targets[i].name = NULL;
+        }
         if (l->files->items[i].used) {
             out->targets[out->target_count++] = l->targets[i];
             l->targets[i] = (neighbour_target){0};
@@ -381,6 +387,8 @@ void neighbours_say(const cli *c, const neighbour_result *result, const sn_muscl
         cli_say(c, "%ld rows begin in their target, the deepest at %.3g mm: the muscles overlap at rest", (long)all.entered,
                 -all.least * mm);
     if (all.rows == 0) warn_nothing(c, result, muscle);
+    if (result->twin != NULL)
+        cli_warn(c, "muscle \"%s\": \"%s\" of the lists has the same mesh, and was taken for it", muscle->name, result->twin);
     if (all.idle > 0) cli_warn(c, "%ld of %ld rows have no weight: they do nothing", (long)all.idle, (long)all.rows);
     if (result->found.clamped > 0)
         cli_warn(c, "%ld painted weights are not within 0 to 1 and were cut to it; maps of 0 to 255 must be divided by 255",

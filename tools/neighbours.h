@@ -35,6 +35,7 @@ typedef struct neighbour_result {
     bone_list muscles, obstacles; /* those of the lists; `used`: near by box */
     int listed, passed_over;      /* muscles of the lists; those too far by box */
     int itself;                   /* files of the lists that are the muscle itself */
+    char *twin;                   /* the name of one that has the mesh, but not the name, of the muscle; NULL = there is none */
     double nearest;               /* gap of the boxes of the nearest muscle passed over, document units; INFINITY = none was */
     double reach, tendon;         /* in use, document units; tendon 0 = no rule */
     size_t target_count;

@@ -361,8 +361,11 @@ layer() { awk -v z="$1" 'NR > 2 && NF == 3 { $3 = z } NF == 4 { t = $3; $3 = $4;
     attach -q --muscles rigs --hidden --targets 1 rigs/sheet.muscle.json -o c.json
     [ "$(grep '"target"' c.json)" = "$(grep '"target"' a.json)" ]
     printf '# two of them\nNEAR\trigs/near.muscle.json\nrigs/sheet.muscle.json\n' > list.txt
-    attach -q --muscles list.txt rigs/sheet.muscle.json -o d.json
+    attach --muscles list.txt rigs/sheet.muscle.json -o d.json 2> err
+    [ ! -s err ]
     [ "$(grep '"target"' d.json | sed 's/NEAR/near/')" = "$(grep '"target"' a.json)" ]
+    sed 's/"name": "sheet"/"name": "twin"/' rigs/sheet.muscle.json > twin.muscle.json
+    attach --muscles rigs twin.muscle.json 2>&1 > /dev/null | grep -q '"sheet" of the lists has the same mesh, and was taken for it'
     printf '%s\n' near.off > bones.txt
     attach -q --glue far.off --obstacles bones.txt sheet.off | grep -q '"target"' && return 1
     attach -q --glue far.off --obstacles bones.txt --hidden sheet.off | grep -q '"target": "far"'
