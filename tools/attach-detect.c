@@ -4,6 +4,7 @@
 #include "bones.h"
 #include "cli.h"
 #include "grips.h"
+#include "neighbours.h"
 #include "selector.h"
 
 #include <stdio.h>
@@ -15,13 +16,14 @@ static const unsigned method_bits[] = {SN_ATTACH_CONTACT | SN_ATTACH_PROXIMITY, 
 enum { METHOD_AREA = 3, METHOD_NONE = 4 };
 static const char *const pair_names[] = {"nearby", "all", NULL};
 
-static cli_list bone_texts, list_files, pin_texts, glue_files;
+static cli_list bone_texts, list_files, pin_texts;
 static int method, pairs, bone_unit = -1, bone_up; /* bone_unit -1: the muscle's */
 static sn_length distance = {-1.0, 0.0}, pair_distance = {-1.0, 0.0}, landmark_distance = {-1.0, 0.0};
-static sn_length reach = {-1.0, 0.0}, minimum_distance = {-1.0, 0.0};
 static int64_t voxels;
-static const char *landmark_file, *skeleton_file, *weight_texts[3];
-static const char *const weight_names[3] = {"slide", "soft", "hard"};
+static const char *landmark_file;
+static neighbour_request neighbours = {.reach = {-1.0, 0.0}, .minimum = {-1.0, 0.0}, .tendon = {-1.0, 0.0}, .targets = 2, .hold = 1};
+static int tendons;
+static const char *const tendon_names[] = {"soft", "hard", NULL};
 
 static const cli_option options[] = {
     {.kind = CLI_HEADING, .help = "Bones:"},
@@ -50,17 +52,31 @@ static const cli_option options[] = {
     {0, "voxels", "N", CLI_INTEGER, &voxels, CLI_RESULT, 1, 134217728, NULL,
      "contact also in the cells that the bone's surface runs through, of about N in its box"},
     {.kind = CLI_HEADING, .help = "Neighbours, for external constraints:"},
-    {0, "glue", "[NAME=]FILE", CLI_LIST, &glue_files, CLI_RESULT | CLI_FILE, 0, 0, NULL,
+    {0, "glue", "[NAME=]FILE", CLI_LIST, &neighbours.glue, CLI_RESULT | CLI_FILE, 0, 0, NULL,
      "another muscle (document or mesh), any number of times: find where the surfaces face each other"},
-    {0, "skeleton", "[NAME=]FILE", CLI_TEXT, &skeleton_file, CLI_RESULT | CLI_FILE, 0, 0, NULL,
+    {0, "muscles", "LIST", CLI_LIST, &neighbours.lists, CLI_RESULT | CLI_FILES, 0, 0, NULL,
+     "a folder of rigs (*.muscle.json), or a text file with a muscle a line: FILE, or NAME, a tab and FILE; those near by box are "
+     "searched"},
+    {0, "envelope", "[NAME=]FILE", CLI_TEXT, &neighbours.envelope, CLI_RESULT | CLI_FILE, 0, 0, NULL,
      "a mesh that envelops the skeleton: the same, and it holds in what faces nothing else"},
-    {0, "reach", "LENGTH", CLI_LENGTH, &reach, CLI_RESULT, 0, 0, NULL, "how far a neighbour may be (default 5mm)"},
-    {0, "minimum-distance", "LENGTH", CLI_LENGTH, &minimum_distance, CLI_RESULT, 0, 0, NULL,
+    {0, "skeleton", "[NAME=]FILE", CLI_TEXT, &neighbours.envelope, CLI_RESULT | CLI_FILE, 0, 0, NULL, "the same as --envelope"},
+    {0, "reach", "LENGTH", CLI_LENGTH, &neighbours.reach, CLI_RESULT, 0, 0, NULL, "how far a neighbour may be (default 5mm)"},
+    {0, "targets", "N", CLI_INTEGER, &neighbours.targets, CLI_RESULT, 0, 1000, NULL,
+     "most neighbours of a vertex, the nearest that it faces; 0: all (default 2)"},
+    {0, "obstacles", "LIST", CLI_LIST, &neighbours.obstacles, CLI_RESULT | CLI_FILES, 0, 0, NULL,
+     "bones, as for --bones, that hide neighbours behind them as the bones given for attachments do"},
+    {0, "hidden", NULL, CLI_FLAG, &neighbours.hidden, CLI_RESULT, 0, 0, NULL, "keep neighbours that lie behind another muscle or a bone"},
+    {0, "minimum-distance", "LENGTH", CLI_LENGTH, &neighbours.minimum, CLI_RESULT, 0, 0, NULL,
      "what is kept from a neighbour, where it is so at rest (default 0)"},
-    {0, "slide", "W", CLI_TEXT, &weight_texts[0], CLI_RESULT, 0, 0, NULL,
+    {0, "weights", "SOURCE", CLI_CHOICE, &neighbours.source, CLI_RESULT, 0, 0, weight_source_names,
+     "uniform: --slide, --soft, --hard (default); painted: maps of these names; rule: tendons are held, bellies slide"},
+    {0, "slide", "W", CLI_TEXT, &neighbours.weights[0], CLI_RESULT, 0, 0, NULL,
      "weight of sliding: 0 to 1, or the name of a painted map (default 1)"},
-    {0, "soft", "W", CLI_TEXT, &weight_texts[1], CLI_RESULT, 0, 0, NULL, "weight of the soft constraint (default 0)"},
-    {0, "hard", "W", CLI_TEXT, &weight_texts[2], CLI_RESULT, 0, 0, NULL, "weight of the hard constraint (default 0)"},
+    {0, "soft", "W", CLI_TEXT, &neighbours.weights[1], CLI_RESULT, 0, 0, NULL, "weight of the soft constraint (default 0)"},
+    {0, "hard", "W", CLI_TEXT, &neighbours.weights[2], CLI_RESULT, 0, 0, NULL, "weight of the hard constraint (default 0)"},
+    {0, "tendons", "TYPE", CLI_CHOICE, &tendons, CLI_RESULT, 0, 0, tendon_names, "how --weights rule holds tendons: soft (default), hard"},
+    {0, "tendon-length", "LENGTH", CLI_LENGTH, &neighbours.tendon, CLI_RESULT, 0, 0, NULL,
+     "how far from attachments --weights rule sees tendon (default: a tenth of the muscle's length)"},
 };
 
 static const cli_tool tool = {
@@ -77,7 +93,7 @@ static const cli_tool tool = {
 
 static bool wants_attachments(void) { return bone_texts.count > 0 || list_files.count > 0 || pin_texts.count > 0 || landmark_file != NULL; }
 
-static bool wants_neighbours(void) { return glue_files.count > 0 || skeleton_file != NULL; }
+static bool wants_neighbours(void) { return neighbours_wanted(&neighbours); }
 
 /* ---- pins ------------------------------------------------------------------------------------------------------------- */
 
@@ -145,6 +161,7 @@ typedef struct outcome {
     sn_landmarks landmarks;
     const sn_muscle *muscle;
     sn_attach_report report;
+    neighbour_result neighbours;
 } outcome;
 
 static double mean(const double *values, sn_index count) {
@@ -198,19 +215,6 @@ static void write_area(sn_json *json, const outcome *o, const sn_attach_area *ar
     sn_json_close(json);
 }
 
-static void write_externals(sn_json *json, const sn_muscle *muscle) {
-    if (!muscle->has_externals) return;
-    sn_json_array(json, "externals");
-    for (sn_index i = 0; i < muscle->external_count; i++) {
-        sn_json_object(json, NULL);
-        sn_json_text(json, "target", muscle->externals[i].target);
-        sn_json_text(json, "fascia", muscle->externals[i].fascia);
-        sn_json_integer(json, "vertices", muscle->externals[i].count);
-        sn_json_close(json);
-    }
-    sn_json_close(json);
-}
-
 static void write_report(sn_json *json, const void *data) {
     const outcome *o = data;
     sn_json_text(json, "method", method_names[method]);
@@ -226,18 +230,16 @@ static void write_report(sn_json *json, const void *data) {
     sn_json_array(json, "pairs");
     for (sn_index i = 0; i < o->report.pair_count; i++) write_pair(json, o, &o->report.pairs[i]);
     sn_json_close(json);
-    write_externals(json, o->muscle);
+    if (wants_neighbours()) neighbours_write(json, &o->neighbours, o->muscle);
 }
 
-static void say_results(const cli *c, const sn_muscle *muscle) {
+static void say_results(const cli *c, const outcome *o) {
+    const sn_muscle *muscle = o->muscle;
     for (sn_index i = 0; i < muscle->attachment_count && wants_attachments(); i++) {
         const sn_attachment *a = &muscle->attachments[i];
         cli_say(c, "%s: %ld vertices by %s", a->bone, (long)a->count, a->method);
     }
-    for (sn_index i = 0; i < muscle->external_count && wants_neighbours(); i++) {
-        const sn_external *e = &muscle->externals[i];
-        cli_say(c, "%s: %ld vertices by %s fascia", e->target, (long)e->count, e->fascia);
-    }
+    if (wants_neighbours()) neighbours_say(c, &o->neighbours, muscle);
 }
 
 /* ---- warnings --------------------------------------------------------------------------------------------------------- */
@@ -374,106 +376,25 @@ static sn_status detect(cli *c, sn_muscle *muscle, const pin_list *pins, outcome
     return status;
 }
 
+static void set_bone_frame(const cli *c, const sn_muscle *muscle, bone_list *bones) {
+    bones->meters_per_unit = muscle->meters_per_unit;
+    bones->given_unit = bone_unit >= 0 ? cli_unit_meters[bone_unit] : 0.0;
+    bones->up_given = cli_given(c, "bone-up");
+    bones->up_y = cli_given(c, "bone-up") ? bone_up == 1 : c->read.up_y;
+}
+
 static sn_status attach(cli *c, sn_muscle *muscle, const pin_list *pins, outcome *o, sn_error *error) {
-    o->bones.meters_per_unit = muscle->meters_per_unit;
-    o->bones.given_unit = bone_unit >= 0 ? cli_unit_meters[bone_unit] : 0.0;
-    o->bones.up_given = cli_given(c, "bone-up");
-    o->bones.up_y = cli_given(c, "bone-up") ? bone_up == 1 : c->read.up_y;
     sn_status status = bones_load(&o->bones, c->threads, error);
     if (status == SN_OK) status = load_landmarks(&o->bones, muscle->meters_per_unit, &o->landmarks, error);
     return status == SN_OK ? detect(c, muscle, pins, o, error) : status;
 }
 
-/* ---- neighbours ------------------------------------------------------------------------------------------------------- */
+/* ---- lists of files in the history ------------------------------------------------------------------------------------ */
 
-typedef struct neighbour_list {
-    sn_index count;
-    sn_muscle *muscles;    /* (count) each target as a muscle; its mesh in the muscle's unit */
-    char **names;          /* (count) */
-    sn_neighbour *targets; /* (count) what the library sees */
-} neighbour_list;
-
-static void free_neighbours(neighbour_list *list) {
-    for (sn_index i = 0; i < list->count; i++) {
-        sn_muscle_free(&list->muscles[i]);
-        free(list->names[i]);
-    }
-    free(list->muscles);
-    free(list->names);
-    free(list->targets);
-}
-
-/* A document is in its own unit; a bare mesh is read like the muscle, or in the muscle's unit where that is a document. */
-static sn_status load_neighbour(const cli *c, const char *text, double meters_per_unit, neighbour_list *list, bool envelope,
-                                sn_error *error) {
-    sn_index i = list->count;
-    sn_muscle *target = &list->muscles[i];
-    const char *file = text;
-    sn_document *document = NULL;
-    sn_blob blob = {0};
-    sn_read_options read = c->read;
-    if (read.meters_per_unit == 0.0) read.meters_per_unit = meters_per_unit;
-    if (strchr(text, '=') == NULL || !cli_split(text, &list->names[i], &file)) file = text;
-    list->count++;
-    sn_status status = sn_blob_read(file, &blob, error);
-    if (status == SN_OK) status = sn_muscle_parse(&blob, &read, target, &document, error);
-    if (status != SN_OK) sn_error_set_file(error, file);
-    sn_blob_free(&blob);
-    sn_document_free(document);
-    if (status != SN_OK) return status;
-    double scale = target->meters_per_unit / meters_per_unit;
-    for (sn_index v = 0; v < target->mesh.vertex_count && scale != 1.0; v++)
-        target->mesh.positions[v] = sn_scale(target->mesh.positions[v], scale);
-    if (list->names[i] == NULL) list->names[i] = sn_strdup(target->name != NULL ? target->name : file);
-    if (list->names[i] == NULL) return sn_fail_memory(error, "the neighbours");
-    list->targets[i] = (sn_neighbour){list->names[i], &target->mesh, envelope};
-    return SN_OK;
-}
-
-static sn_status load_neighbours(const cli *c, double meters_per_unit, neighbour_list *list, sn_error *error) {
-    size_t most = (size_t)glue_files.count + 1;
-    list->muscles = SN_NEW(sn_muscle, most);
-    list->names = SN_NEW(char *, most);
-    list->targets = SN_NEW(sn_neighbour, most);
-    if (list->muscles == NULL || list->names == NULL || list->targets == NULL) return sn_fail_memory(error, "the neighbours");
-    sn_status status = SN_OK;
-    for (int i = 0; i < glue_files.count && status == SN_OK; i++)
-        status = load_neighbour(c, glue_files.items[i], meters_per_unit, list, false, error);
-    if (status == SN_OK && skeleton_file != NULL) status = load_neighbour(c, skeleton_file, meters_per_unit, list, true, error);
-    return status;
-}
-
-/* A number, or the name of a map painted on the muscle. */
-static sn_status read_weight(const sn_muscle *muscle, int kind, sn_neighbours_params *params, sn_error *error) {
-    const char *text = weight_texts[kind];
-    if (text == NULL || sn_parse_number(text, &params->weights[kind], NULL) == SN_OK) return SN_OK;
-    const sn_attribute *map = sn_mesh_attribute(&muscle->mesh, text);
-    if (map == NULL || map->components != 1)
-        return sn_fail(error, SN_ERROR_INPUT, "--%s %s: the muscle has no painted map of that name; give a number within 0 to 1",
-                       weight_names[kind], text);
-    params->maps[kind] = map->values;
-    return SN_OK;
-}
-
-static sn_status find_neighbours(cli *c, sn_muscle *muscle, sn_error *error) {
-    neighbour_list list = {0};
-    sn_neighbours_params params = sn_neighbours_defaults();
-    params.reach = cli_length(reach, muscle->meters_per_unit);
-    params.minimum = fmax(cli_length(minimum_distance, muscle->meters_per_unit), 0.0);
-    params.threads = c->threads;
-    sn_status status = load_neighbours(c, muscle->meters_per_unit, &list, error);
-    for (int k = 0; k < 3 && status == SN_OK; k++) status = read_weight(muscle, k, &params, error);
-    if (status == SN_OK) {
-        sn_externals_free(muscle->externals, muscle->external_count);
-        muscle->externals = NULL;
-        muscle->external_count = 0;
-        muscle->has_externals = true;
-        params.target_count = list.count;
-        params.targets = list.targets;
-        status = sn_find_neighbours(muscle, &params, &c->trace, &muscle->external_count, &muscle->externals, error);
-    }
-    free_neighbours(&list);
-    return status;
+static sn_status hash_list(const void *user, const char *value, char out[SN_HASH_LENGTH], sn_error *error) {
+    const outcome *o = user;
+    return neighbours_listed(&o->neighbours, value) ? neighbours_hash(&o->neighbours, value, out, error)
+                                                    : bones_hash(&o->bones, value, out, error);
 }
 
 /* ---- the work --------------------------------------------------------------------------------------------------------- */
@@ -483,16 +404,18 @@ static sn_status work(cli *c, sn_error *error) {
     cli_muscle document = {0};
     outcome o = {.muscle = &document.muscle};
     unsigned changed = (wants_attachments() ? SN_SECTION_ATTACHMENTS : 0) | (wants_neighbours() ? SN_SECTION_EXTERNALS : 0);
-    c->hash_files = bones_hash;
-    c->hash_user = &o.bones;
+    c->hash_files = hash_list;
+    c->hash_user = &o;
     sn_status status = parse_pins(c, &pins, error);
     if (status == SN_OK) status = bones_name(c, &bone_texts, &list_files, &o.bones, error);
+    if (status == SN_OK) status = neighbours_name(c, &neighbours, &o.neighbours, error);
     if (status == SN_OK) status = cli_load(c, &document, error);
+    if (status == SN_OK) set_bone_frame(c, &document.muscle, &o.bones);
     if (status == SN_OK && wants_attachments()) status = attach(c, &document.muscle, &pins, &o, error);
-    if (status == SN_OK && wants_neighbours()) status = find_neighbours(c, &document.muscle, error);
+    if (status == SN_OK && wants_neighbours()) status = neighbours_find(c, &neighbours, &o.bones, &document.muscle, &o.neighbours, error);
     if (status == SN_OK || status == SN_STOPPED) {
         sn_status warned = warn(c, &o, status == SN_STOPPED, error);
-        say_results(c, &document.muscle);
+        say_results(c, &o);
         status = warned == SN_OK ? cli_save(c, &document, changed, error) : warned;
     }
     if (status == SN_OK) status = cli_report(c, write_report, &o, error);
@@ -501,6 +424,7 @@ static sn_status work(cli *c, sn_error *error) {
     sn_landmarks_free(&o.landmarks);
     cli_free(&document);
     free_pins(&pins);
+    neighbours_free(&o.neighbours);
     bones_free(&o.bones);
     return status;
 }
@@ -508,18 +432,35 @@ static sn_status work(cli *c, sn_error *error) {
 static void check_weights(const cli *c) {
     for (int k = 0; k < 3; k++) {
         double value;
-        if (weight_texts[k] == NULL) continue;
-        if (!wants_neighbours()) cli_usage_error(c, "--%s is for neighbours; give --glue or --skeleton", weight_names[k]);
-        if (sn_parse_number(weight_texts[k], &value, NULL) == SN_OK && !(value >= 0.0 && value <= 1.0))
-            cli_usage_error(c, "--%s %s: a weight is within 0 to 1", weight_names[k], weight_texts[k]);
+        const char *text = neighbours.weights[k];
+        if (text == NULL) continue;
+        if (!wants_neighbours()) cli_usage_error(c, "--%s is for neighbours; give --glue, --muscles or --envelope", weight_names[k]);
+        if (neighbours.source != WEIGHTS_UNIFORM)
+            cli_usage_error(c, "--%s has no meaning with --weights %s", weight_names[k], weight_source_names[neighbours.source]);
+        if (sn_parse_number(text, &value, NULL) == SN_OK && !(value >= 0.0 && value <= 1.0))
+            cli_usage_error(c, "--%s %s: a weight is within 0 to 1", weight_names[k], text);
     }
+}
+
+static void check_neighbours(const cli *c) {
+    static const char *const names[] = {"reach", "minimum-distance", "targets", "obstacles", "hidden", "weights"};
+    static const char *const of_rule[] = {"tendons", "tendon-length"};
+    for (size_t i = 0; i < sizeof names / sizeof *names; i++)
+        if (cli_given(c, names[i]) && !wants_neighbours())
+            cli_usage_error(c, "--%s is for neighbours; give --glue, --muscles or --envelope", names[i]);
+    for (size_t i = 0; i < sizeof of_rule / sizeof *of_rule; i++)
+        if (cli_given(c, of_rule[i]) && neighbours.source != WEIGHTS_RULE) cli_usage_error(c, "--%s needs --weights rule", of_rule[i]);
+    if (cli_given(c, "envelope") && cli_given(c, "skeleton")) cli_usage_error(c, "--skeleton is --envelope: give one of them");
+    if (neighbours.tendon.value == 0.0) cli_usage_error(c, "--tendon-length: 0 would be no tendon; for that it is --weights uniform");
+    neighbours.hold = tendons + 1;
+    check_weights(c);
 }
 
 static void check_usage(const cli *c) {
     if (!wants_attachments() && !wants_neighbours())
         cli_usage_error(
             c, "nothing to attach to; name bones with --bone or --bones, vertices with --pin, areas with --landmarks, or neighbours "
-               "with --glue");
+               "with --glue, --muscles or --envelope");
     if (method == METHOD_NONE && pin_texts.count == 0 && wants_attachments())
         cli_usage_error(c, "--method none attaches pins only; give a --pin");
     if (method == METHOD_NONE && landmark_file != NULL)
@@ -531,9 +472,7 @@ static void check_usage(const cli *c) {
         cli_usage_error(c, "--voxels has no meaning with --method %s", method_names[method]);
     if ((cli_given(c, "pairs") || cli_given(c, "pair-distance")) && list_files.count == 0)
         cli_usage_error(c, "--pairs is for the bones of a --bones LIST; those of --bone are taken as meant");
-    if ((reach.value >= 0.0 || minimum_distance.value >= 0.0) && !wants_neighbours())
-        cli_usage_error(c, "--reach and --minimum-distance are for neighbours; give --glue or --skeleton");
-    check_weights(c);
+    check_neighbours(c);
 }
 
 int main(int argc, char **argv) {
@@ -545,6 +484,8 @@ int main(int argc, char **argv) {
     free(bone_texts.items);
     free(list_files.items);
     free(pin_texts.items);
-    free(glue_files.items);
+    free(neighbours.glue.items);
+    free(neighbours.lists.items);
+    free(neighbours.obstacles.items);
     return cli_finish(&c, status, &error);
 }

@@ -1,5 +1,5 @@
 /*
- * bones.c -- the bones that a tool is given: one by one, a line each in a list, or all of a folder.
+ * bones.c -- the bones, or the muscles, that a tool is given: one by one, a line each in a list, or all of a folder.
  */
 #include "bones.h"
 #include "folder.h"
@@ -29,6 +29,7 @@ static char *base_name(const char *file) {
 /* Takes ownership of name (NULL: the base name) and file. */
 static sn_status add_bone(bone_list *list, char *name, char *file, const char *list_name, sn_error *error) {
     void *items = list->items;
+    bool named = name != NULL;
     if (name == NULL && file != NULL) name = base_name(file);
     if (name == NULL || file == NULL || !sn_grow(&items, &list->capacity, list->count + 1, sizeof *list->items)) {
         free(name);
@@ -36,7 +37,7 @@ static sn_status add_bone(bone_list *list, char *name, char *file, const char *l
         return sn_fail_memory(error, "the bones");
     }
     list->items = items;
-    list->items[list->count++] = (bone){.name = name, .file = file, .list = list_name};
+    list->items[list->count++] = (bone){.name = name, .file = file, .named = named, .list = list_name};
     return SN_OK;
 }
 
@@ -58,6 +59,8 @@ static char *beside(const char *list_name, const char *file, size_t length) {
     return path;
 }
 
+static const char *kind_of(const bone_list *list) { return list->rigs ? "muscle" : "bone"; }
+
 static bool is_space(char c) { return c == ' ' || c == '\t' || c == '\r'; }
 
 /* One line of a list, from text up to end: "FILE", "NAME<TAB>FILE", a comment or nothing. */
@@ -68,7 +71,7 @@ static sn_status add_list_line(bone_list *list, const char *list_name, int64_t l
     const char *tab = memchr(text, '\t', (size_t)(end - text)), *file = tab != NULL ? tab : text;
     while (is_space(*file)) file++;
     if (memchr(file, '\t', (size_t)(end - file)) != NULL || memchr(text, '\0', (size_t)(end - text)) != NULL)
-        return sn_fail_at(error, SN_ERROR_INPUT, list_name, line, "not a bone: write FILE, or NAME, one tab, FILE");
+        return sn_fail_at(error, SN_ERROR_INPUT, list_name, line, "not a %s: write FILE, or NAME, one tab, FILE", kind_of(list));
     char *name = tab != NULL ? sn_strndup(text, (size_t)(tab - text)) : NULL;
     return add_bone(list, name, beside(list_name, file, (size_t)(end - file)), list_name, error);
 }
@@ -85,19 +88,26 @@ static sn_status add_list_file(bone_list *list, const char *list_name, sn_error 
         text = end + 1;
     }
     if (status == SN_OK && list->count == before)
-        status = sn_fail_at(error, SN_ERROR_INPUT, list_name, 0, "names no bone; write the file of a bone a line");
+        status =
+            sn_fail_at(error, SN_ERROR_INPUT, list_name, 0, "names no %s; write the file of a %s a line", kind_of(list), kind_of(list));
     sn_blob_free(&blob);
     return status;
 }
 
 static bool is_mesh(const char *name) { return sn_mesh_format_from_name(name) != SN_MESH_UNKNOWN; }
 
+static bool is_rig(const char *name) {
+    size_t length = strlen(name), tail = strlen(".muscle.json");
+    return length > tail && strcmp(name + length - tail, ".muscle.json") == 0;
+}
+
 static sn_status add_folder(bone_list *list, const char *folder, sn_error *error) {
     char **paths;
     int count;
-    sn_status status = folder_list(folder, is_mesh, &paths, &count, error);
+    sn_status status = folder_list(folder, list->rigs ? is_rig : is_mesh, &paths, &count, error);
     if (status == SN_OK && count == 0)
-        status = sn_fail_at(error, SN_ERROR_INPUT, folder, 0, "no mesh (.obj .ply .stl .off .vtk .vtp) is in it");
+        status = sn_fail_at(error, SN_ERROR_INPUT, folder, 0, "no %s is in it",
+                            list->rigs ? "rig (*.muscle.json)" : "mesh (.obj .ply .stl .off .vtk .vtp)");
     for (int i = 0; i < count && status == SN_OK; i++) {
         char *path = paths[i];
         paths[i] = NULL; /* the list has it now */

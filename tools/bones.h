@@ -1,4 +1,4 @@
-/* bones.h -- the bones that a tool is given: --bone [NAME=]FILE and --bones LIST, a file or a folder of meshes. */
+/* bones.h -- the bones that a tool is given: --bone [NAME=]FILE and --bones LIST, a file or a folder of meshes. Lists of muscles too. */
 #ifndef SINEW_TOOLS_BONES_H
 #define SINEW_TOOLS_BONES_H
 
@@ -6,6 +6,7 @@
 
 typedef struct bone {
     char *name, *file; /* owned */
+    bool named;        /* the list or the option gives the name; false: it is the file's base name */
     const char *list;  /* the --bones that names it, as given; NULL = named by --bone */
     bool used;         /* set by the tool: the result depends on its mesh */
     sn_mesh mesh;      /* once loaded: z up */
@@ -18,6 +19,7 @@ typedef struct bone {
 typedef struct bone_list {
     size_t count, capacity;
     bone *items;
+    bool rigs; /* set before naming: of muscles' rigs, in folders *.muscle.json; default bones, in folders every mesh */
     /* set before loading: */
     double meters_per_unit; /* to scale the meshes to; 0 = leave them in their own unit */
     double given_unit;      /* metres per unit of every file, whatever it says; 0 = what it says, or else meters_per_unit */

@@ -2,6 +2,7 @@
 #include "bones.h"
 #include "cli.h"
 #include "motion_view.h"
+#include "section_view.h"
 #include "sinew/sim.h"
 #include "sinew/view.h"
 
@@ -19,16 +20,27 @@ static struct {
     int law, scheme, solver, precision, stretch, preconditioner;
     int64_t contact_samples;
     bool legend, contact, no_contact, externals, no_externals;
-    cli_list bones, bone_lists, states;
-} given = {.camera = "auto", .zoom = 1.0, .samples = 9, .legend = true};
+    const char *cut;
+    sn_length cut_depth;
+    cli_list bones, bone_lists, states, neighbours;
+} given = {.cut_depth = {-1.0, 0.0}, .camera = "auto", .zoom = 1.0, .samples = 9, .legend = true};
 
 static const cli_option options[] = {
     {.kind = CLI_HEADING, .help = "What is drawn:"},
     {0, "show", "LIST", CLI_TEXT, &given.show, 0, 0, 0, NULL,
-     "any of surface, roots, structure, fibers, attachments, bones, joints, envelopes, fields, wire, with commas (default: what is there)"},
+     "any of surface, roots, structure, fibers, attachments, externals, bones, joints, envelopes, fields, wire, with commas (default: what "
+     "is\n"
+     "there)"},
     {'b', "bone", "[NAME=]FILE", CLI_LIST, &given.bones, 0, 0, 0, NULL, "draw the bone in FILE, in the muscle's unit, with every muscle"},
     {0, "bones", "LIST", CLI_LIST, &given.bone_lists, 0, 0, 0, NULL,
      "a text file with a bone a line: FILE, or NAME, a tab and FILE; relative to LIST"},
+    {0, "neighbours", "LIST", CLI_LIST, &given.neighbours, 0, 0, 0, NULL,
+     "rigs that the externals' rows lie on, as for attach-detect --muscles: with --show externals or --cut they are drawn too"},
+    {0, "cut", "PLANE", CLI_TEXT, &given.cut, 0, 0, 0, NULL,
+     "a section of a muscle, its neighbours and bones, and rows near it: px,py,pz,nx,ny,nz in the document's unit, or x, y or z: across "
+     "its\n"
+     "middle"},
+    {0, "cut-depth", "LENGTH", CLI_LENGTH, &given.cut_depth, 0, 0, 0, NULL, "rows so near to the plane are drawn (default: a mean edge)"},
     {0, "frames", "PATH", CLI_TEXT, &given.frames, 0, 0, 0, NULL,
      "PC2 point cache of the scene's one muscle, or folder with MUSCLE.pc2 for each"},
     {0, "frame", "LIST", CLI_TEXT, &given.frame, 0, 0, 0, NULL,
@@ -101,7 +113,8 @@ static unsigned show_bit(const char *word, size_t length) {
                  {"auto", SN_SHOW_AUTO},
                  {"joints", SN_SHOW_JOINTS},
                  {"envelopes", SN_SHOW_ENVELOPES},
-                 {"fields", SN_SHOW_FIELDS}};
+                 {"fields", SN_SHOW_FIELDS},
+                 {"externals", SN_SHOW_EXTERNALS}};
     for (size_t i = 0; i < sizeof names / sizeof *names; i++)
         if (strlen(names[i].name) == length && memcmp(names[i].name, word, length) == 0) return names[i].bit;
     return 0;
@@ -114,9 +127,10 @@ static unsigned parse_show(const cli *c, const char *text) {
         size_t length = strcspn(text, ",");
         unsigned bit = show_bit(text, length);
         if (!bit)
-            cli_usage_error(
-                c, "--show: '%.*s' is none of surface, roots, structure, fibers, attachments, bones, joints, envelopes, fields, wire, auto",
-                (int)length, text);
+            cli_usage_error(c,
+                            "--show: '%.*s' is none of surface, roots, structure, fibers, attachments, externals, bones, joints, "
+                            "envelopes, fields, wire, auto",
+                            (int)length, text);
         show |= bit;
         text += length + (text[length] == ',');
     }
@@ -257,6 +271,7 @@ typedef struct album {
     content *items;
     sn_index group_count;
     bone_list bones;
+    rig_list rigs; /* --neighbours */
 } album;
 
 static sn_status album_add(album *a, content *item, sn_error *error) {
@@ -275,6 +290,8 @@ static void album_free(album *a) {
         free(a->items[i].caption);
     }
     bones_free(&a->bones);
+    rigs_free(&a->rigs);
+    free(given.neighbours.items);
     free(a->items);
     free(given.bones.items);
     free(given.bone_lists.items);
@@ -292,6 +309,19 @@ static char *caption_of(const char *path) {
     return sn_strdup(strcmp(name, "-") == 0 ? "standard input" : name);
 }
 
+static sn_status add_rig(album *a, const sn_muscle *muscle, sn_view *view, sn_error *error) {
+    const section_request request = {given.cut, given.cut_depth, &a->bones, &a->rigs};
+    if (given.cut) return section_add(view, muscle, &request, error);
+    sn_status status = sn_view_add_muscle(view, muscle, a->show, error);
+    if (!status && a->show & SN_SHOW_EXTERNALS) status = rows_add(view, muscle, &a->rigs, error);
+    for (size_t i = 0; i < a->bones.count && !status; i++) {
+        const bone *b = &a->bones.items[i];
+        double unit = b->own_unit > 0.0 ? b->own_unit : muscle->meters_per_unit;
+        status = sn_view_add_bone(view, b->name, &b->mesh, (sn_placement){unit, NULL}, error);
+    }
+    return status;
+}
+
 static sn_status add_muscle(album *a, const sn_blob *blob, const char *path, sn_error *error) {
     sn_muscle muscle;
     sn_document *document = NULL;
@@ -300,12 +330,9 @@ static sn_status add_muscle(album *a, const sn_blob *blob, const char *path, sn_
     sn_document_free(document);
     if (!status && !item.caption) status = sn_fail_memory(error, "a caption");
     if (!status) status = sn_mesh_validate(&muscle.mesh, error);
-    if (!status) status = sn_view_add_muscle(&item.view, &muscle, a->show, error);
-    for (size_t i = 0; i < a->bones.count && !status; i++) {
-        const bone *b = &a->bones.items[i];
-        double unit = b->own_unit > 0.0 ? b->own_unit : muscle.meters_per_unit;
-        status = sn_view_add_bone(&item.view, b->name, &b->mesh, (sn_placement){unit, NULL}, error);
-    }
+    if (!status && a->show & SN_SHOW_EXTERNALS && !muscle.has_externals)
+        cli_warn(a->c, "%s has no externals; attach-detect --muscles finds them", path);
+    if (!status) status = add_rig(a, &muscle, &item.view, error);
     sn_muscle_free(&muscle);
     if (!status) return album_add(a, &item, error);
     sn_view_free(&item.view);
@@ -639,6 +666,8 @@ static sn_status add_input(album *a, const char *path, sn_error *error) {
     bool scene = sn_scene_detect(&blob), motion = sn_motion_document_detect(&blob);
     if (!scene && given.states.count > 0)
         status = sn_fail(error, SN_ERROR_INPUT, "--state needs the scene that was simulated, and this is none");
+    else if ((scene || motion) && given.cut)
+        status = sn_fail(error, SN_ERROR_INPUT, "--cut goes through muscle documents, and this is none");
     else
         status = scene ? add_scene(a, &blob, path, error) : motion ? add_motion(a, &blob, path, error) : add_other(a, &blob, path, error);
     if (status) sn_error_set_file(error, blob.name);
@@ -678,6 +707,7 @@ static sn_camera upright_camera(const album *a, sn_index group, double spin) {
 static sn_camera camera_for(const album *a, sn_index group, const look *l, const sn_view_options *o) {
     sn_camera camera = sn_camera_from(l->azimuth, l->elevation);
     bool oriented = !l->automatic;
+    if (given.cut && l->automatic) camera = section_camera(given.cut), oriented = true;
     for (size_t i = 0; i < a->count; i++) {
         if (a->items[i].group != group) continue;
         if (!oriented)
@@ -772,6 +802,9 @@ static sn_view_options picture_options(const cli *c, bool sheet) {
 static void check_options(const cli *c) {
     static const char *const names[] = {"error",   "range",          "scheme", "solver",   "precision",
                                         "stretch", "preconditioner", "law",    "substeps", "rate"};
+    section_check(c, given.cut, given.cut_depth);
+    if (given.neighbours.count > 0 && !given.cut && !(parse_show(c, given.show) & SN_SHOW_EXTERNALS))
+        cli_usage_error(c, "--neighbours are drawn with --show externals or --cut");
     if (given.frame && given.frame_count > 0) cli_usage_error(c, "--frame and --frame-count both say which frames: leave out one");
     if (given.states.count > 0 && (given.frames || given.frame || given.frame_count > 0))
         cli_usage_error(c, "--state shows its own frame: leave out --frames, --frame and --frame-count");
@@ -795,6 +828,7 @@ static sn_status view_rigs(const cli *c, sn_error *error) {
         cli_usage_error(c, "a picture is not for a terminal; give -o FILE.png or redirect the output");
     if (!status) status = bones_name(c, &given.bones, &given.bone_lists, &a.bones, error);
     if (!status) status = bones_load(&a.bones, c->threads, error);
+    if (!status) status = rigs_load(c, &given.neighbours, &a.rigs, error);
     for (int i = 0; i < inputs.count && !status; i++) status = add_input(&a, inputs.items[i], error);
     if (!status) {
         join_groups(&a);

@@ -125,6 +125,9 @@ void sn_structure_free(sn_structure *structure);
 void sn_fibers_free(sn_fibers *fibers);
 void sn_attachments_free(sn_attachment *attachments, sn_index count);
 void sn_externals_free(sn_external *externals, sn_index count);
+/* What the weights of slide, soft and hard come to beside each other ([R18] eqs. 11-13): slide as it is, the rest shared by soft and hard;
+ * 0 both where both are 0. */
+void sn_external_blend(const double weights[3], double out[3]);
 void sn_muscle_free(sn_muscle *muscle); /* frees what it owns and zeroes it */
 unsigned sn_muscle_sections(const sn_muscle *muscle); /* the sections that are there: bits of sn_section */
 /* How each attachment holds: grips (attachment_count). The muscle must be valid. */

@@ -289,25 +289,49 @@ void sn_attach_report_free(sn_attach_report *report);
 typedef struct sn_neighbour {
     const char *name;
     const sn_mesh *mesh; /* in the muscle's unit */
-    bool envelope;       /* holds the muscle in where no other target lies before it (superficial fascia) */
+    bool envelope;       /* holds the muscle in where no other target lies before it (superficial fascia); hides nothing */
 } sn_neighbour;
 
 typedef struct sn_neighbours_params {
     sn_index target_count;
     const sn_neighbour *targets; /* (target_count) names differ */
-    double reach;                /* how far a target's surface may be; < 0 (default) = 5 mm */
-    double opposing;             /* surfaces face each other where n . n' < -opposing; default 0.2; n . n' > opposing: held in */
-    double minimum;              /* minimum distance, document units; default 0 */
-    double weights[3];           /* slide, soft, hard in [0,1]; default 1, 0, 0 */
-    const double *maps[3];       /* (vertex_count) instead of a weight, per vertex; nullable */
-    int threads;                 /* 0 = all */
+    sn_index obstacle_count;
+    const sn_mesh *const *obstacles; /* (obstacle_count) bones, say, in the muscle's unit: they hide what lies behind them */
+    double reach;                    /* how far a target's surface may be; < 0 (default) = 5 mm */
+    double opposing;                 /* surfaces face each other where n . n' < -opposing; default 0.2; n . n' > opposing: held in */
+    sn_index most;                   /* deep targets of a vertex, the nearest ones; default 2; 0 = all */
+    bool hidden;                     /* keep targets that lie behind another surface; default false */
+    double minimum;                  /* minimum distance, document units; default 0 */
+    double weights[3];               /* slide, soft, hard in [0,1]; default 1, 0, 0 */
+    const double *maps[3];           /* (vertex_count) instead of a weight, per vertex, finite, cut to [0,1]; nullable */
+    int threads;                     /* 0 = all */
 } sn_neighbours_params;
 
+typedef struct sn_neighbours_found {
+    sn_index count;
+    sn_external *items;       /* (count) by fascia, then in the order of the targets; owned */
+    sn_index culled;          /* targets whose boxes are out of reach: not searched */
+    sn_index hidden, surplus; /* pairs of vertex and deep target left out: behind another surface; beyond the `most` nearest */
+    sn_index without;         /* vertices without any target */
+    sn_index clamped;         /* values of maps, on vertices with a target, that were not within [0,1] */
+} sn_neighbours_found;
+
 sn_neighbours_params sn_neighbours_defaults(void);
-/* For every vertex the closest point on each target within reach: where the normals oppose (deep fascia), or, for a vertex that faces no
- * target, where an envelope's normal agrees (superficial fascia). A trace step for each target. *out (*count) is owned by the caller. */
-SN_MUST_CHECK sn_status sn_find_neighbours(const sn_muscle *muscle, const sn_neighbours_params *params, sn_trace *trace, sn_index *count,
-                                           sn_external **out, sn_error *error);
+void sn_neighbours_free(sn_neighbours_found *list);
+/* For every vertex the closest point on each target within reach: where the surfaces face each other (deep fascia: the normals oppose,
+ * a target that is not entered lies before the vertex, and the line to it crosses no other target, no obstacle and not the muscle itself),
+ * the nearest `most` of them; or, for a vertex that faces no target, where an envelope's normal agrees (superficial fascia). A trace step
+ * for each target and fascia; stopped, *out holds what the targets searched until then give. The same in any order of the targets but
+ * for the order of the items, unless two are equally near. */
+SN_MUST_CHECK sn_status sn_find_neighbours(const sn_muscle *muscle, const sn_neighbours_params *params, sn_trace *trace,
+                                           sn_neighbours_found *out, sn_error *error);
+
+/* The weights by rule: near its attachments a muscle is tendon and held (soft or hard), farther it is belly and slides. slide
+ * (vertex_count) is 0 on attached vertices and rises smoothly (3 t^2 - 2 t^3) to 1 at a distance along the surface; a vertex that no
+ * attachment reaches along the surface has 1. distance > 0, document units. SN_ERROR_INPUT where nothing is attached. */
+SN_MUST_CHECK sn_status sn_tendon_slide(const sn_muscle *muscle, double distance, double *slide, sn_error *error);
+/* What a tenth of the muscle's length is, as that distance: the default. The length is that between vertices far apart. */
+double sn_tendon_default(const sn_muscle *muscle);
 
 /* ---- fibres through the volume (methods.md 5; lib/rig/fiber_fill.c) ----------------------------------------------------------- */
 

@@ -55,6 +55,7 @@ typedef enum sn_view_show {
     SN_SHOW_JOINTS = 256,    /* of a motion: its stick figure */
     SN_SHOW_ENVELOPES = 512, /* of a scene: its surfaces, envelopes and driven meshes, translucent */
     SN_SHOW_FIELDS = 1024,   /* of a scene: sections through the distance fields of its bones */
+    SN_SHOW_EXTERNALS = 2048, /* of a muscle: in place of attachments, which target each vertex has as its nearest */
     SN_SHOW_AUTO = 128       /* the sections that are there, drawn so that they can be told apart */
 } sn_view_show;
 
@@ -137,6 +138,32 @@ sn_color sn_scale_color(double t);
 SN_MUST_CHECK sn_status sn_view_add_muscle(sn_view *view, const sn_muscle *muscle, unsigned show, sn_error *error);
 /* A bone, as sn_view_add_mesh; name (nullable) goes into the legend. */
 SN_MUST_CHECK sn_status sn_view_add_bone(sn_view *view, const char *name, const sn_mesh *mesh, sn_placement placement, sn_error *error);
+
+/* Surfaces by name that rows lie on, or that a section goes through. */
+typedef struct sn_view_target {
+    const char *name;
+    const sn_mesh *mesh;
+    double meters_per_unit;
+} sn_view_target;
+typedef struct sn_view_targets {
+    sn_index count;
+    const sn_view_target *items; /* (count) */
+} sn_view_targets;
+
+/* The muscle's external rows, coloured by what acts most in them (sn_external_blend: slide, soft, hard): from vertex to target, which is
+ * drawn translucent, or a dot where the target is not given. SN_ERROR_INPUT where a target is not the mesh that its rows were found on. */
+SN_MUST_CHECK sn_status sn_view_add_externals(sn_view *view, const sn_muscle *muscle, const sn_view_targets *targets, sn_error *error);
+
+/* A section as in [R18] figure 11. */
+typedef struct sn_view_section {
+    const sn_muscle *muscle;
+    const sn_view_targets *targets, *bones; /* of the targets those that the muscle has rows on are drawn */
+    sn_vec3 point, normal;                  /* of the plane, metres; any length > 0 */
+    double depth;                           /* rows that start within it of the plane are drawn, on the plane; metres */
+} sn_view_section;
+/* Outlines of the muscle, its targets and the bones in a plane, and rows near it as sn_view_add_externals has them. SN_ERROR_INPUT where
+ * the plane does not cut the muscle. */
+SN_MUST_CHECK sn_status sn_view_add_section(sn_view *view, const sn_view_section *section, sn_error *error);
 
 /* A scene at a time in seconds: bones in their pose, muscles coloured by activation. positions (nullable; muscle_count; entries
  * nullable): the muscle's vertices at that time, in metres; without, the muscle is at rest. SN_SHOW_AUTO is muscles, bones and surfaces

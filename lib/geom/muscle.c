@@ -56,6 +56,13 @@ void sn_externals_free(sn_external *externals, sn_index count) {
     free(externals);
 }
 
+void sn_external_blend(const double weights[3], double out[3]) {
+    double both = weights[1] + weights[2], rest = both > 0.0 ? (1.0 - weights[0]) / both : 0.0;
+    out[0] = weights[0];
+    out[1] = rest * weights[1];
+    out[2] = rest * weights[2];
+}
+
 const char *sn_attach_reason_name(sn_attach_reason reason) {
     static const char *const names[SN_REASON_COUNT] = {NULL, "pin", "area", "contact", "voxel", "proximity", "nearest"};
     return reason > 0 && reason < SN_REASON_COUNT ? names[reason] : NULL;

@@ -57,13 +57,11 @@ static bool runs(const sn_model *model, const sn_model_muscle *m) {
     return model->plan.muscles[m->source - model->scene->muscles].groups[SN_ROWS_EXTERNAL].reason == SN_RUNS;
 }
 
-/* [R18] eqs 11 to 13: what the types of a candidate come to. */
+/* What the types of a candidate that are on come to. */
 static void weigh(const sn_external_settings *settings, const double told[3], double out[SN_EXTERNAL_TYPES]) {
-    double slide = settings->no_slide ? 0.0 : told[0], soft = settings->no_soft ? 0.0 : told[1], hard = settings->no_hard ? 0.0 : told[2];
-    double sum = soft + hard, rest = sum > 0.0 ? (1.0 - slide) / sum : 0.0;
-    out[SN_EXTERNAL_SLIDE] = slide;
-    out[SN_EXTERNAL_SOFT] = rest * soft;
-    out[SN_EXTERNAL_HARD] = rest * hard;
+    const double on[SN_EXTERNAL_TYPES] = {settings->no_slide ? 0.0 : told[0], settings->no_soft ? 0.0 : told[1],
+                                          settings->no_hard ? 0.0 : told[2]};
+    sn_external_blend(on, out);
 }
 
 /* Does a candidate of a free vertex do anything? */

@@ -16,6 +16,9 @@ SN_MUST_CHECK sn_status spread_vertices(const sn_mesh *mesh, sn_index target, sn
 /* Fibre directions as short lines that follow them along the surface, and fibres through the volume (fibers.c). */
 SN_MUST_CHECK sn_status show_fibers(sn_view *view, const sn_muscle *muscle, sn_error *error);
 
+/* Its vertices in one colour per target, that of the nearest one of each, with lines for the legend (show_externals.c). */
+SN_MUST_CHECK sn_status paint_externals(sn_view *view, sn_view_mesh *mesh, const sn_muscle *muscle, sn_error *error);
+
 /* A scene's bones as they lie at a time, s. */
 SN_MUST_CHECK sn_status show_bones(sn_view *view, const sn_scene *scene, double time, sn_error *error);
 /* Sections through the distance fields of its bones that muscles may touch, as the scene's contact has them. */

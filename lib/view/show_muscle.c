@@ -142,12 +142,13 @@ static sn_status show_surface(sn_view *view, const sn_muscle *muscle, unsigned s
     mesh->opacity = inside ? SEEN_THROUGH : 1.0;
     mesh->gloss = 0.6;
     mesh->wire = (show & SN_SHOW_WIRE) != 0;
+    if (show & SN_SHOW_EXTERNALS) return paint_externals(view, mesh, muscle, error);
     return show & SN_SHOW_ATTACHMENTS ? show_attachments(view, mesh, muscle, error) : SN_OK;
 }
 
 sn_status show_rig(sn_view *view, const sn_muscle *muscle, unsigned show, sn_color color, sn_error *error) {
     sn_status status = SN_OK;
-    if (show & (SN_SHOW_SURFACE | SN_SHOW_WIRE | SN_SHOW_ATTACHMENTS)) status = show_surface(view, muscle, show, color, error);
+    if (show & (SN_SHOW_SURFACE | SN_SHOW_WIRE | SN_SHOW_ATTACHMENTS | SN_SHOW_EXTERNALS)) status = show_surface(view, muscle, show, color, error);
     if (!status && show & SN_SHOW_ROOTS && muscle->roots.count > 0) status = show_roots(view, muscle, error);
     bool structure = show & SN_SHOW_STRUCTURE && muscle->structure.sample_count > 0;
     if (!status && structure) status = show_branches(view, muscle, error);

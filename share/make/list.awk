@@ -82,8 +82,8 @@ function add_bones(i, words, where,    k, n, b, word, any) {
 }
 
 function add_row(pattern, tool, words, where,    i, any) {
-    if (!(tool in tool_number) && tool != "bones")
-        fail(where "'" tool "' is none of mesh-clean, root-select, build-structure, fiber-flow, attach-detect, bones")
+    if (!(tool in tool_number) && tool != "bones" && tool != "candidates")
+        fail(where "'" tool "' is none of mesh-clean, root-select, build-structure, fiber-flow, attach-detect, bones, candidates")
     if ((" " words " ") ~ / (-o|--output|--report)[ =]/) fail(where "--output and --report are given by sinew.mk")
     for (i = 1; i <= count["in"]; i++) {
         if (!is_called(pattern, "in", i)) continue
@@ -160,6 +160,10 @@ function write_muscle(i,    t, tool, words, text, rules, name) {
         words = named_files(words)
         if (words != "") rules = rules stages "/" name "." suffixes[t] ".done:" words "\n"
     }
+    words = given[i, "candidates"]
+    sub(/^ +/, "", words)
+    write_if_changed(state "/options/" name ".candidates", words "\n")
+    rules = rules state "/candidates/" name ".done:" named_files(words) bone_sums(i) "\n"
     words = state "/in/" name "." extension["in", i]
     rules = rules stages "/" name ".clean.done: " words "\n" state "/lint/surface/" name ".done: " words "\n"
     return rules stages "/" name ".muscle.done:" bone_sums(i) "\n"

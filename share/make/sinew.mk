@@ -7,6 +7,7 @@
 #
 #   make [-jN]      every rig, $(SINEW_OUT)/NAME.muscle.json, then summary.tsv and contact sheets beside them
 #   make rigs       the rigs alone; a muscle that fails ends it, unless with -k
+#   make candidates the rigs with candidates for external constraints, $(SINEW_OUT)/candidates/NAME.muscle.json, and candidates.tsv
 #   make lint       what is wrong with every surface and bone: lint.tsv, and contact sheets of the defective ones
 #
 # A stage is run again when its input, its options or its tool's version has changed. X.done says when X was last made, X keeps its
@@ -56,7 +57,7 @@ endif
 sinew_state := $(SINEW_OUT)/state
 sinew_stages := $(SINEW_OUT)/stages
 
-.PHONY: assets rigs summary lint assets-clean
+.PHONY: assets rigs summary lint candidates candidate-documents assets-clean
 assets:
 	@$(MAKE) -k --no-print-directory -f $(sinew_makefile) SINEW_LISTED=yes rigs || true
 	@$(sinew_assets) sheets rigs
@@ -91,6 +92,21 @@ $(sinew_state)/all.sum: $(sinew_state)/all.done ;
 
 summary:
 	@$(sinew_assets) summary
+
+# ---- candidates for external constraints: which rigs are near which is known once they are there; so in a make of its own ------------
+candidates:
+	@$(MAKE) -k --no-print-directory -f $(sinew_makefile) SINEW_LISTED=yes rigs || true
+	@$(sinew_assets) near
+	@$(MAKE) -k --no-print-directory -f $(sinew_makefile) SINEW_LISTED=yes candidate-documents || true
+	@$(sinew_assets) candidate-table
+
+sinew_near := $(filter $(sinew_names),$(notdir $(wildcard $(sinew_state)/near/*)))
+candidate-documents: $(sinew_near:%=$(SINEW_OUT)/candidates/%.muscle.json)
+	@:
+$(sinew_near:%=$(sinew_state)/candidates/%.done): $(sinew_state)/candidates/%.done: $(SINEW_OUT)/%.muscle.json $(sinew_state)/near/% $(sinew_state)/options/%.candidates $(sinew_state)/tools/attach-detect
+	@$(sinew_assets) candidate $*
+$(sinew_near:%=$(SINEW_OUT)/candidates/%.muscle.json): $(SINEW_OUT)/candidates/%.muscle.json: $(sinew_state)/candidates/%.done
+	@test -e $@ || { rm -f $<; $(MAKE) --no-print-directory -f $(sinew_makefile) SINEW_LISTED=yes $<; }
 
 # ---- lint -------------------------------------------------------------------------------------------------------------------------
 sinew_linted := $(sinew_names:%=$(sinew_state)/lint/surface/%.done) $(sinew_bones:%=$(sinew_state)/lint/bone/%.done)

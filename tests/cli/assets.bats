@@ -283,3 +283,45 @@ refused() { # WORDS [MAKE ARGUMENT...]: one sentence, no work
     make -s SINEW_BONES= > said 2>&1
     [ "$(tail -n 1 said)" = "3 rigs; see rigs/summary.tsv" ]
 }
+
+# the rigs whose candidates were sought
+candidates() { make -j2 candidates > said 2> complaints; status=$?; grep -E ': candidates$' said | sed 's/: .*//' | sort | tr '\n' ' ' > ran; return $status; }
+
+@test "candidates for external constraints: in one more target, again only where a mesh near by has changed" {
+    row '*' candidates '--reach 8mm'
+    candidates
+    [ "$(cat ran)" = "biceps brachialis triceps " ]
+    grep -Eq '^[1-9][0-9]* rows of 3 rigs.*; see rigs/candidates.tsv' said
+    for name in biceps brachialis; do grep -q '"externals"' rigs/candidates/$name.muscle.json; done
+    refute grep -q '"externals"' rigs/biceps.muscle.json
+    "$BIN/attach-detect" -q --muscles rigs --obstacles bones --reach 8mm --no-history rigs/biceps.muscle.json -o hand.json
+    cmp <(grep '"target"' hand.json) <(grep '"target"' rigs/candidates/biceps.muscle.json)
+    awk -F '\t' 'NR == 1 { n = NF; next } NF != n || $2 != "ok" || !($4 > 100) { exit 1 }' rigs/candidates.tsv
+    candidates
+    [ ! -s ran ]
+    touch muscles/biceps.ply
+    candidates
+    [ ! -s ran ]
+    row brachialis attach-detect '--distance 4mm' # its attachments are nothing to the others
+    candidates
+    [ "$(cat ran)" = "brachialis " ]
+    row triceps candidates '--targets 1'
+    candidates
+    [ "$(cat ran)" = "triceps " ]
+}
+
+@test "candidates: a rig that fails has none, and is no neighbour of others" {
+    row '*' candidates '--reach 8mm'
+    candidates
+    grep -q '"target": "brachialis"' rigs/candidates/biceps.muscle.json
+    head -c 300 muscles/brachialis.ply > cut && mv cut muscles/brachialis.ply
+    refute candidates
+    [ ! -e rigs/candidates/brachialis.muscle.json ]
+    grep -q 'biceps' ran
+    refute grep -q '"target": "brachialis"' rigs/candidates/biceps.muscle.json
+    grep -q '1 of 3 failed: brachialis' said
+    row biceps candidates '--weights painted'
+    refute candidates
+    grep -q 'biceps: candidates failed: .*none of the painted maps' complaints
+    [ ! -e rigs/candidates/biceps.muscle.json ]
+}

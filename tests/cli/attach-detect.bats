@@ -305,6 +305,7 @@ ring() { # BONE AREA X0 X1 Y0 Y1 [ORDER]
     attach -q --pin ulna=indices:3 sheet.off -o in.json
     attach -v --glue above.off --soft 0.5 --minimum-distance 3mm in.json -o a.json 2> err
     grep -q 'above: 651 vertices by deep fascia' err
+    grep -q '651 rows: 651 slide, 0 soft, 0 hard; 0 vertices have none; left out: 0 behind another surface, 0 beyond --targets' err
     grep -q '"target": "above", "fascia": "deep"' a.json
     grep -q '"distances": \[0.004,' a.json
     grep -q '"minimumDistances": \[0.003,' a.json
@@ -331,6 +332,116 @@ ring() { # BONE AREA X0 X1 Y0 Y1 [ORDER]
     run -2 attach --slide 2 --glue above.off sheet.off
     run -2 attach --reach 1 --pin ulna=indices:3 sheet.off
     run -2 attach sheet.off
+    attach -q --envelope env=above.off sheet.off -o new.json
+    attach -q --skeleton env=above.off sheet.off -o old.json # the old name
+    cmp <(sed 's/--skeleton/--envelope/' old.json) new.json
+    run -2 attach --skeleton above.off --envelope above.off sheet.off
+}
+
+# layer HEIGHT FILE: the sheet, facing down, HEIGHT metres above it
+layer() { awk -v z="$1" 'NR > 2 && NF == 3 { $3 = z } NF == 4 { t = $3; $3 = $4; $4 = t } { print }' sheet.off > "$2"; }
+
+@test "neighbours of a whole folder: near by box, the nearest that nothing hides, the muscle itself skipped" {
+    sheet
+    mkdir rigs
+    layer 0.003 near.off
+    layer 0.004 far.off
+    layer 0.3 away.off
+    for name in sheet near far away; do attach -q --pin "ulna=indices:3" "$name.off" -o "rigs/$name.muscle.json"; done
+    attach -v --muscles rigs rigs/sheet.muscle.json -o a.json --report r.json 2> err
+    grep -q '4 muscles listed: 2 searched, 1 passed over as their boxes are out of reach, 1 the muscle itself' err
+    [ "$(grep -c '"target"' a.json)" = 1 ] # far lies behind near
+    grep -q '"target": "near", "fascia": "deep"' a.json
+    grep -q '"hidden": 651,' r.json
+    grep -q '"passedOver": 1,' r.json
+    grep -q '"without": 0,' r.json
+    grep -Eq '"meanDistance": 0.00(3|2999)' r.json
+    attach -q --muscles rigs --hidden rigs/sheet.muscle.json -o b.json
+    [ "$(grep -o '"target": "[a-z]*"' b.json | tr '\n' ' ')" = '"target": "far" "target": "near" ' ]
+    attach -q --muscles rigs --hidden --targets 1 rigs/sheet.muscle.json -o c.json
+    [ "$(grep '"target"' c.json)" = "$(grep '"target"' a.json)" ]
+    printf '# two of them\nNEAR\trigs/near.muscle.json\nrigs/sheet.muscle.json\n' > list.txt
+    attach --muscles list.txt rigs/sheet.muscle.json -o d.json 2> err
+    [ ! -s err ]
+    [ "$(grep '"target"' d.json | sed 's/NEAR/near/')" = "$(grep '"target"' a.json)" ]
+    sed 's/"name": "sheet"/"name": "twin"/' rigs/sheet.muscle.json > twin.muscle.json
+    attach --muscles rigs twin.muscle.json 2>&1 > /dev/null | grep -q '"sheet" of the lists has the same mesh, and was taken for it'
+    printf '%s\n' near.off > bones.txt
+    attach -q --glue far.off --obstacles bones.txt sheet.off | grep -q '"target"' && return 1
+    attach -q --glue far.off --obstacles bones.txt --hidden sheet.off | grep -q '"target": "far"'
+}
+
+@test "neighbours: what other muscles' documents hold beside the mesh changes no byte" {
+    sheet
+    mkdir rigs
+    layer 0.003 near.off
+    for name in sheet near; do attach -q --pin "ulna=indices:3" "$name.off" -o "rigs/$name.muscle.json"; done
+    attach -q --muscles rigs rigs/sheet.muscle.json -o a.json
+    attach -q --muscles rigs rigs/near.muscle.json -o near.json
+    mv near.json rigs/near.muscle.json # now with externals of its own
+    attach -q --muscles rigs --threads 3 rigs/sheet.muscle.json -o b.json
+    cmp a.json b.json
+}
+
+@test "neighbours: what is wrong with a list is said" {
+    sheet
+    mkdir rigs empty
+    layer 0.003 near.off
+    for name in sheet near; do attach -q --pin "ulna=indices:3" "$name.off" -o "rigs/$name.muscle.json"; done
+    run -1 attach --muscles empty rigs/sheet.muscle.json
+    [[ "$output" == *"no rig (*.muscle.json) is in it"* ]]
+    printf '# none\n' > none.txt
+    run -1 attach --muscles none.txt rigs/sheet.muscle.json
+    [[ "$output" == *"names no muscle"* ]]
+    sed -i 's/"name": "near"/"name": "sheet"/' rigs/near.muscle.json # an older state of the same, or two of one name
+    run -1 attach --muscles rigs rigs/sheet.muscle.json
+    [[ "$output" == *"rigs/near.muscle.json: it has the name of the muscle at hand"* ]]
+    layer 0.004 twin.off
+    attach -q --pin "ulna=indices:3" near.off -o rigs/near.muscle.json
+    attach -q --pin "ulna=indices:3" twin.off | sed 's/"name": "twin"/"name": "near"/' > rigs/twin.muscle.json
+    run -1 attach --muscles rigs rigs/sheet.muscle.json
+    [[ "$output" == *'"near" is given twice'* ]]
+    rm rigs/twin.muscle.json
+    echo '{' > rigs/broken.muscle.json
+    run -1 attach --muscles rigs rigs/sheet.muscle.json
+    [[ "$output" == *"rigs/broken.muscle.json"* ]]
+    rm rigs/broken.muscle.json
+    awk 'NR > 2 && NF == 3 { print 1000 * $1, 1000 * $2, 1000 * $3 + 3000; next } { print }' sheet.off > rigs/mm.off # a wrong unit: metres
+    printf 'rigs/mm.off\n' > mm.txt
+    attach --muscles mm.txt rigs/sheet.muscle.json -o a.json 2> err
+    grep -q 'none of the 1 muscles listed is within reach' err
+    grep -q 'check their units' err
+}
+
+@test "neighbours: weights painted, by rule, uniform" {
+    sheet
+    layer 0.003 near.off
+    attach -q --pin "ulna=indices:0" sheet.off -o in.json
+    run -1 attach --glue near.off --weights painted in.json
+    [[ "$output" == *"none of the painted maps slide, soft and hard"* ]]
+    {
+        printf 'ply\nformat ascii 1.0\nelement vertex 651\nproperty double x\nproperty double y\nproperty double z\nproperty double slide\n'
+        printf 'property double hard\nelement face 1200\nproperty list uchar int vertex_indices\nend_header\n'
+        awk 'NR > 2 && NF == 3 { n++; print $0, n == 1 ? 0 : n == 2 ? 7 : 0.5, n == 1 ? 0 : 1 } NF == 4' sheet.off
+    } > painted.ply
+    attach --glue near.off --weights painted painted.ply -o a.json --report r.json 2> err
+    grep -q '"weights": \[0,0,0,1,0,1,0.5,0,1,' a.json
+    grep -q '1 painted weights are not within 0 to 1' err
+    grep -q '1 of 651 rows have no weight' err
+    grep -q '"slide": 650,' r.json
+    grep -q '"soft": 0,' r.json
+    grep -q '"hard": 649,' r.json # slide takes all of vertex 1
+    grep -q '"idle": 1,' r.json
+    attach -q --glue near.off --weights rule in.json -o b.json --report r.json
+    grep -q '"weights": \[0,1,0,' b.json # held where the bone holds
+    grep '"target"' b.json | grep -q ',1,1,0,' # slides far from it
+    attach -q --glue near.off --weights rule --tendons hard --tendon-length 1mm in.json -o c.json
+    grep -q '"weights": \[0,0,1,' c.json
+    run -1 attach --glue near.off --weights rule sheet.off
+    [[ "$output" == *"weights by rule need attachments"* ]]
+    run -2 attach --glue near.off --weights rule --slide 1 in.json
+    run -2 attach --glue near.off --tendons hard in.json
+    run -2 attach --weights rule --pin ulna=indices:3 in.json
 }
 
 @test "a bone that is open holds what is in it" {

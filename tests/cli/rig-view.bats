@@ -279,3 +279,32 @@ END
     "$BIN/rig-view" one.scene.json --frame 0,3 --size 100x80 -o listed.png
     cmp spread.png listed.png
 }
+
+@test "externals: vertices by target, rows by what acts, a section; foreign rigs and wrong words are refused" {
+    "$EXAMPLES/arm/arm" --out arm --triangles 1000
+    mkdir rigs
+    for name in biceps brachialis triceps; do "$BIN/mesh-clean" -q "arm/$name.ply" -o "rigs/$name.muscle.json"; done
+    "$BIN/attach-detect" -q --muscles rigs --reach 8mm rigs/biceps.muscle.json -o b.muscle.json
+    grep -q '"target": "brachialis"' b.muscle.json
+    "$BIN/rig-view" b.muscle.json --size 160x120 -o plain.png
+    "$BIN/rig-view" b.muscle.json --size 160x120 --show externals -o by-target.png
+    "$BIN/rig-view" b.muscle.json --size 160x120 --show externals --neighbours rigs -o rows.png
+    "$BIN/rig-view" b.muscle.json --size 160x120 --cut z --neighbours rigs --bone arm/humerus.ply -o section.png
+    "$BIN/rig-view" b.muscle.json --size 160x120 --cut z --cut-depth 0 --neighbours rigs -o bare.png
+    for a in by-target rows section; do [ "$(png_size $a.png)" = 160x120 ]; ! cmp -s plain.png $a.png || return 1; done
+    ! cmp -s by-target.png rows.png && ! cmp -s section.png bare.png
+    "$BIN/rig-view" b.muscle.json --size 160x120 --cut z --neighbours rigs --bone arm/humerus.ply --threads 3 -o again.png
+    cmp section.png again.png
+    "$BIN/mesh-clean" -q arm/brachialis.ply --triangles 500 -o rigs/brachialis.muscle.json
+    run -1 "$BIN/rig-view" b.muscle.json --show externals --neighbours rigs -o x.png
+    [[ "$output" == *'rows on target "brachialis" were found on another mesh'* ]]
+    run -1 "$BIN/rig-view" b.muscle.json --cut 0,0,9,0,0,1 -o x.png
+    [[ "$output" == *"does not cut the muscle"* ]]
+    "$BIN/rig-view" rigs/triceps.muscle.json --show surface,externals --size 160x120 -o x.png 2> err
+    grep -q 'has no externals' err
+    run -1 "$BIN/rig-view" one.scene.json --cut z -o x.png
+    run -2 "$BIN/rig-view" b.muscle.json --cut q -o x.png
+    run -2 "$BIN/rig-view" b.muscle.json --cut 0,0,0,0,0,0 -o x.png
+    run -2 "$BIN/rig-view" b.muscle.json --cut-depth 1mm -o x.png
+    run -2 "$BIN/rig-view" b.muscle.json --neighbours rigs -o x.png
+}

@@ -17,7 +17,9 @@ static void tie(sn_scene_muscle *muscle, sn_index count, const sn_neighbour *tar
     memcpy(params.weights, weights, sizeof params.weights);
     sn_externals_free(muscle->rig.externals, muscle->rig.external_count);
     muscle->rig.has_externals = true;
-    assert_int_equal(sn_find_neighbours(&muscle->rig, &params, NULL, &muscle->rig.external_count, &muscle->rig.externals, NULL), SN_OK);
+    sn_neighbours_found found;
+    assert_int_equal(sn_find_neighbours(&muscle->rig, &params, NULL, &found, NULL), SN_OK);
+    muscle->rig.externals = found.items, muscle->rig.external_count = found.count; /* taken */
 }
 
 /* Each to the other. */

@@ -17,10 +17,11 @@
 typedef struct fixture {
     sn_muscle muscle;
     sn_mesh neighbour, shell;
-    sn_neighbour targets[2];
+    sn_neighbour targets[4];
     sn_neighbours_params params;
     sn_index count;
-    sn_external *externals;
+    sn_external *externals; /* those of `found` */
+    sn_neighbours_found found;
     sn_error error;
 } fixture;
 
@@ -40,7 +41,7 @@ static int set_up(void **state) {
 }
 
 static void forget(fixture *f) {
-    sn_externals_free(f->externals, f->count);
+    sn_neighbours_free(&f->found);
     f->externals = NULL;
     f->count = 0;
 }
@@ -58,7 +59,10 @@ static sn_status find(fixture *f, sn_index targets, sn_trace *trace) {
     forget(f);
     f->params.target_count = targets;
     f->params.targets = f->targets;
-    return sn_find_neighbours(&f->muscle, &f->params, trace, &f->count, &f->externals, &f->error);
+    sn_status status = sn_find_neighbours(&f->muscle, &f->params, trace, &f->found, &f->error);
+    f->count = f->found.count;
+    f->externals = f->found.items;
+    return status;
 }
 
 static sn_vec3 point_of(const sn_external *e, sn_index k, const sn_mesh *target) {
@@ -147,9 +151,10 @@ static void it_stops_after_n_targets_and_threads_agree(void **state) {
     }
     f->params.threads = 1;
     assert_int_equal(find(f, 2, NULL), SN_OK);
+    sn_neighbours_found kept = f->found;
     sn_external *one = f->externals;
     sn_index count = f->count;
-    f->externals = NULL, f->count = 0;
+    f->found = (sn_neighbours_found){0};
     f->params.threads = 3;
     assert_int_equal(find(f, 2, NULL), SN_OK);
     assert_int_equal(count, f->count);
@@ -158,7 +163,7 @@ static void it_stops_after_n_targets_and_threads_agree(void **state) {
         assert_memory_equal(one[i].distances, f->externals[i].distances, (size_t)one[i].count * sizeof(double));
         assert_memory_equal(one[i].triangles, f->externals[i].triangles, (size_t)one[i].count * sizeof(sn_index));
     }
-    sn_externals_free(one, count);
+    sn_neighbours_free(&kept);
 }
 
 static void bad_requests_are_refused(void **state) {
@@ -176,6 +181,168 @@ static void bad_requests_are_refused(void **state) {
     assert_null(f->externals);
 }
 
+/* A sheet between the muscle and its neighbour: it is the one target, and what is behind it is none; with `hidden` it is. */
+static void what_is_behind_another_surface_is_no_neighbour(void **state) {
+    fixture *f = *state;
+    sn_mesh wall = shape_sphere(24, 48);
+    for (sn_index v = 0; v < wall.vertex_count; v++) { /* a disc of radius 2 in the gap between the spheres, 0.02 thick */
+        sn_vec3 p = wall.positions[v];
+        wall.positions[v] = sn_v3(1.05 + 0.01 * p.x, 2 * p.y, 2 * p.z);
+    }
+    assert_int_equal(find(f, 1, NULL), SN_OK);
+    sn_index before = f->externals[0].count;
+    f->targets[1] = (sn_neighbour){"wall", &wall, false};
+    assert_int_equal(find(f, 2, NULL), SN_OK);
+    assert_int_equal(f->count, 1);
+    assert_string_equal(f->externals[0].target, "wall");
+    assert_int_equal(f->found.hidden, before);
+    f->params.hidden = true;
+    assert_int_equal(find(f, 2, NULL), SN_OK);
+    assert_int_equal(f->count, 2);
+    assert_int_equal(f->externals[0].count, before);
+    f->params.hidden = false;
+    const sn_mesh *obstacle = &wall; /* a bone hides, but is no target */
+    f->params.obstacle_count = 1;
+    f->params.obstacles = &obstacle;
+    assert_int_equal(find(f, 1, NULL), SN_OK);
+    assert_int_equal(f->count, 0);
+    assert_int_equal(f->found.hidden, before);
+    assert_int_equal(f->found.without, f->muscle.mesh.vertex_count);
+    sn_mesh_free(&wall);
+}
+
+/* The same neighbour three times, ever farther: with `most` the nearest ones stay, in whatever order they are given. */
+static void the_nearest_targets_are_kept(void **state) {
+    fixture *f = *state;
+    sn_mesh copies[2];
+    const char *names[3] = {"near", "middle", "far"};
+    const sn_mesh *meshes[3] = {&f->neighbour, &copies[0], &copies[1]};
+    for (int i = 0; i < 2; i++) {
+        copies[i] = shape_sphere(24, 48);
+        for (sn_index v = 0; v < copies[i].vertex_count; v++) copies[i].positions[v].x += 2.11 + 0.01 * i;
+    }
+    f->params.hidden = true; /* each is before the next */
+    for (int turn = 0; turn < 3; turn++) {
+        for (int i = 0; i < 3; i++) f->targets[i] = (sn_neighbour){names[(i + turn) % 3], meshes[(i + turn) % 3], false};
+        f->params.most = 0;
+        assert_int_equal(find(f, 3, NULL), SN_OK);
+        sn_index farthest = 0;
+        for (sn_index i = 0; i < 3; i++)
+            if (strcmp(f->externals[i].target, "far") == 0) farthest = f->externals[i].count;
+        assert_int_equal(f->found.surplus, 0);
+        f->params.most = 2;
+        assert_int_equal(find(f, 3, NULL), SN_OK);
+        assert_int_equal(f->count, 2);
+        assert_int_equal(f->found.surplus, farthest);
+        for (sn_index i = 0; i < 2; i++) assert_string_not_equal(f->externals[i].target, "far");
+        f->params.most = 1;
+        assert_int_equal(find(f, 3, NULL), SN_OK);
+        assert_int_equal(f->count, 1);
+        assert_string_equal(f->externals[0].target, "near");
+    }
+    for (int i = 0; i < 2; i++) sn_mesh_free(&copies[i]);
+}
+
+/* Of a muscle that has entered its neighbour by 0.2 the vertices inside it have rows with negative distances. */
+static void an_overlap_is_kept_as_it_is(void **state) {
+    fixture *f = *state;
+    for (sn_index v = 0; v < f->neighbour.vertex_count; v++) f->neighbour.positions[v].x -= 0.3;
+    assert_int_equal(find(f, 1, NULL), SN_OK);
+    const sn_external *e = &f->externals[0];
+    sn_index inside = 0, held = 0;
+    for (sn_index v = 0; v < f->muscle.mesh.vertex_count; v++) {
+        sn_vec3 p = f->muscle.mesh.positions[v];
+        inside += sn_distance(p, sn_v3(1.8, 0, 0)) < 0.995; /* the neighbour's facets are up to 0.003 inside its sphere */
+    }
+    for (sn_index k = 0; k < e->count; k++) {
+        held += e->distances[k] < 0.0;
+        assert_true(e->distances[k] > -0.21 && e->minimum[k] <= e->distances[k]);
+    }
+    assert_true(inside > 3 && held >= inside);
+}
+
+/* A thin lid over the muscle's tip, which pokes 0.01 through it: from there the neighbour behind the lid is seen, from elsewhere not. */
+static void what_a_vertex_has_entered_a_little_hides_nothing(void **state) {
+    fixture *f = *state;
+    sn_mesh lid = shape_sphere(24, 48);
+    for (sn_index v = 0; v < lid.vertex_count; v++) {
+        sn_vec3 p = lid.positions[v];
+        lid.positions[v] = sn_v3(0.99 + 0.02 * p.x, 2 * p.y, 2 * p.z);
+    }
+    const sn_mesh *obstacle = &lid;
+    f->params.obstacle_count = 1;
+    f->params.obstacles = &obstacle;
+    for (int inside_out = 0; inside_out < 2; inside_out++) {
+        assert_int_equal(find(f, 1, NULL), SN_OK);
+        assert_int_equal(f->count, 1);
+        assert_true(f->found.hidden > 0);
+        for (sn_index k = 0; k < f->externals[0].count; k++) assert_true(f->muscle.mesh.positions[f->externals[0].vertices[k]].x > 0.97);
+        for (sn_index t = 0; t < lid.triangle_count; t++) shape_flip(&lid, t);
+    }
+    sn_mesh_free(&lid);
+}
+
+static void a_target_out_of_reach_is_not_searched(void **state) {
+    fixture *f = *state;
+    for (sn_index v = 0; v < f->neighbour.vertex_count; v++) f->neighbour.positions[v].x += 0.16;
+    assert_int_equal(find(f, 1, NULL), SN_OK);
+    assert_int_equal(f->found.culled, 1);
+    assert_int_equal(f->count, 0);
+    f->params.reach = 0.27; /* of the boxes: 0.26 apart */
+    assert_int_equal(find(f, 1, NULL), SN_OK);
+    assert_int_equal(f->found.culled, 0);
+    assert_true(f->count == 1);
+}
+
+static void maps_out_of_range_are_counted_and_others_refused(void **state) {
+    fixture *f = *state;
+    double *map = SN_NEW(double, f->muscle.mesh.vertex_count);
+    for (sn_index v = 0; v < f->muscle.mesh.vertex_count; v++) map[v] = 255;
+    f->params.maps[0] = map;
+    assert_int_equal(find(f, 1, NULL), SN_OK);
+    assert_true(f->found.clamped > 0 && f->found.clamped == f->externals[0].count);
+    map[7] = NAN;
+    assert_int_equal(find(f, 1, NULL), SN_ERROR_INPUT);
+    assert_non_null(strstr(f->error.text, "vertex 7"));
+    free(map);
+}
+
+/* [R18] eqs. 11-13, and 0 where the paper divides by 0. */
+static void weights_share_what_sliding_leaves(void **state) {
+    (void)state;
+    static const double in[][3] = {{1, 0, 0}, {0.25, 1, 0}, {0.25, 0.5, 1}, {0.5, 0, 0}, {0, 0, 0}, {1, 1, 1}};
+    static const double want[][3] = {{1, 0, 0}, {0.25, 0.75, 0}, {0.25, 0.25, 0.5}, {0.5, 0, 0}, {0, 0, 0}, {1, 0, 0}};
+    for (size_t i = 0; i < sizeof in / sizeof *in; i++) {
+        double out[3];
+        sn_external_blend(in[i], out);
+        for (int k = 0; k < 3; k++) assert_true(fabs(out[k] - want[i][k]) < 1e-15);
+    }
+}
+
+/* By rule: 0 where a bone holds, 1/2 half way, 1 beyond, along the surface (on the unit sphere: the angle from the pole). */
+static void tendons_end_at_their_length(void **state) {
+    fixture *f = *state;
+    sn_index vertices[] = {24 * 48}; /* the pole */
+    sn_attachment bone = {.bone = (char[]){"ulna"}, .count = 1, .vertices = vertices};
+    double *slide = SN_NEW(double, f->muscle.mesh.vertex_count);
+    assert_int_equal(sn_tendon_slide(&f->muscle, 1.0, slide, &f->error), SN_ERROR_INPUT); /* nothing holds it */
+    f->muscle.attachments = &bone;
+    f->muscle.attachment_count = 1;
+    assert_int_equal(sn_tendon_slide(&f->muscle, 0.0, slide, &f->error), SN_ERROR_USAGE);
+    assert_int_equal(sn_tendon_slide(&f->muscle, 1.0, slide, &f->error), SN_OK);
+    sn_vec3 pole = f->muscle.mesh.positions[vertices[0]];
+    double worst = 0.0;
+    for (sn_index v = 0; v < f->muscle.mesh.vertex_count; v++) {
+        double chord = sn_distance(f->muscle.mesh.positions[v], pole), t = fmin(2.0 * asin(fmin(0.5 * chord, 1.0)), 1.0);
+        worst = fmax(worst, fabs(slide[v] - t * t * (3.0 - 2.0 * t)));
+    }
+    f->muscle.attachments = NULL;
+    f->muscle.attachment_count = 0;
+    assert_true(worst < 0.05 && slide[vertices[0]] == 0.0);
+    assert_true(fabs(sn_tendon_default(&f->muscle) - 0.2) < 0.01);
+    free(slide);
+}
+
 #define TEST(function) cmocka_unit_test_setup_teardown(function, set_up, tear_down)
 
 int main(void) {
@@ -187,6 +354,14 @@ int main(void) {
         TEST(weights_come_from_maps),
         TEST(it_stops_after_n_targets_and_threads_agree),
         TEST(bad_requests_are_refused),
+        TEST(what_is_behind_another_surface_is_no_neighbour),
+        TEST(the_nearest_targets_are_kept),
+        TEST(an_overlap_is_kept_as_it_is),
+        TEST(what_a_vertex_has_entered_a_little_hides_nothing),
+        TEST(a_target_out_of_reach_is_not_searched),
+        TEST(maps_out_of_range_are_counted_and_others_refused),
+        TEST(weights_share_what_sliding_leaves),
+        TEST(tendons_end_at_their_length),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
