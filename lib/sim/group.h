@@ -16,7 +16,8 @@ typedef struct sn_group {
     sn_index iterations;             /* per substep: those of the member that has the most */
     sn_index substeps;               /* a frame, before any is halved */
     double substep_duration;         /* s */
-    bool halves;                     /* it may take a substep in halves, and those again */
+    bool halves;                     /* it may take a substep in halves, and those again, where a muscle tears */
+    bool large;                      /* its matrix takes far longer to factor than a step: it is factored for other stiffness alone */
     bool keeps_volume;               /* one of its members does */
     bool corotated, two_level;       /* all of them go by that matrix; some have that coarse space */
     /* external constraints (external.h); nothing of it where no row ties a member to anything */

@@ -7,11 +7,13 @@
  *   two-level  A^-1 + 0.8 Z (ZT H Z)^-1 ZT with the scalar A: rigid motions of sections are solved for where the muscle is (two_level.c)
  *
  * One factor for a group of muscles that are solved together, a muscle alone being a group of one: their points are numbered one member
- * after the other. External constraints are in the scalar matrix alone, each with the k of its own muscle (couplings).
+ * after the other. External constraints are in the scalar matrix alone, each with the k of its own muscle (couplings). The volume row of a
+ * muscle alone is added by the formula of Sherman and Morrison, those of a group by deflation (deflate.h).
  *
  * Which of them a substep goes by is decided at its start; a matrix that is never asked for is never made.
  */
 #include "blocks.h"
+#include "deflate.h"
 #include "external.h"
 #include "frames.h"
 #include "qn.h"
@@ -30,6 +32,7 @@ typedef struct rest_matrix {
     double factor_h;          /* 0 = none that holds */
     bool elsewhere;           /* the blocks are those of another shape than the rest shape */
     double *factor_stiffness; /* (count) */
+    sn_deflation *deflation;  /* of a group whose volumes are kept; NULL = none yet */
 } rest_matrix;
 
 /* An external constraint's share of the scalar matrix, over the k of its muscle. */
@@ -49,6 +52,7 @@ struct sn_preconditioner {
     sn_index *point_of;  /* (point_count) the reverse */
     double *mass;        /* (free_count) kg / h^2 of the last factor */
     rest_matrix scalar, corotated;
+    double whole_h; /* s: of a large group, for which all factors are made, however long the step is; 0 = for that of the step */
     sn_index coupling_count;
     size_t coupling_capacity;
     coupling *couplings;      /* (coupling_count) */
@@ -59,9 +63,10 @@ struct sn_preconditioner {
     sn_vec3 *positions;       /* (point_count) where the scalar matrix was made last, if ever elsewhere than at rest */
     double *right, *solution; /* (6 free_count) of a volume row behind those of the caller */
     sn_vec3 *volume_gradient; /* (point_count) g of each member's volume on its free points, zero elsewhere */
-    sn_vec3 *volume_solved;   /* (count x point_count) A^-1 g of each member, A with the volume rows of those before it */
-    double *volume_stiffness; /* (count) k_V where A^-1 g is still to be found, by the next solve; 0 = nothing to find */
-    double *volume_scale;     /* (count) k_V / (1 + k_V gT A^-1 g); 0 = no volume row */
+    sn_vec3 *volume_solved;   /* (point_count) A^-1 g of a muscle alone; of a group, room */
+    double *volume_stiffness; /* (count) k_V of rows that are still to be solved for, by the next solve; 0 = nothing to find */
+    double volume_scale;      /* k_V / (1 + k_V gT A^-1 g) of a muscle alone; 0 = no volume row */
+    bool volumes_set;         /* to be given to the deflation of a group by the next solve */
 };
 
 /* ---- the rest shape's matrices ------------------------------------------------------------------------------------------------ */
@@ -156,6 +161,7 @@ static void free_matrix(rest_matrix *matrix) {
     sn_blocks_free(&matrix->blocks);
     sn_sparse_destroy(matrix->factor);
     free(matrix->factor_stiffness);
+    sn_deflation_destroy(matrix->deflation);
     *matrix = (rest_matrix){.factor = NULL};
 }
 
@@ -172,7 +178,18 @@ static bool is_factored_for(const sn_preconditioner *p, const rest_matrix *matri
     return memcmp(matrix->factor_stiffness, stiffness, (size_t)p->count * sizeof *stiffness) == 0;
 }
 
+/* What the volumes of a group go by; nothing for a muscle alone. */
+static bool split_members(const sn_preconditioner *p, rest_matrix *matrix) {
+    const sn_blocks *b = &matrix->blocks;
+    bool keeps = false;
+    for (sn_index k = 0; k < p->count; k++) keeps = keeps || p->members[k]->keeps_volume;
+    if (p->count == 1 || !keeps) return true;
+    if (matrix->deflation == NULL) matrix->deflation = sn_deflation_create(p->count, p->first_free, b->size, b->entry_count, b->entries);
+    return matrix->deflation != NULL && sn_deflation_factor(matrix->deflation, b->entries);
+}
+
 static bool factor(sn_preconditioner *p, rest_matrix *matrix, double h, const double *stiffness) {
+    if (p->whole_h > 0.0) h = p->whole_h;
     if (is_factored_for(p, matrix, h, stiffness)) return true;
     for (sn_index k = 0; k < p->count; k++)
         for (sn_index i = p->first_free[k]; i < p->first_free[k + 1]; i++)
@@ -183,6 +200,7 @@ static bool factor(sn_preconditioner *p, rest_matrix *matrix, double h, const do
         const coupling *c = &p->couplings[i];
         if (c->column < p->free_count) b->entries[c->entry].value += stiffness[c->member] * c->value;
     }
+    if (!split_members(p, matrix)) return false;
     sn_status status = matrix->factor == NULL ? sn_sparse_factor(b->size * p->free_count, b->entry_count, b->entries, &matrix->factor, NULL)
                                               : sn_sparse_refactor(matrix->factor, b->entries, NULL);
     matrix->factor_h = status == SN_OK ? h : 0.0;
@@ -227,14 +245,13 @@ static bool number_points(sn_preconditioner *p) {
 
 static bool make_scratch(sn_preconditioner *p) {
     p->mass = SN_NEW(double, p->free_count);
-    p->right = SN_NEW(double, 6 * (size_t)p->free_count + (size_t)p->count); /* and a number of each member */
+    p->right = SN_NEW(double, 6 * (size_t)p->free_count);
     p->solution = SN_NEW(double, 6 * (size_t)p->free_count);
     p->volume_gradient = SN_NEW(sn_vec3, p->point_count);
-    p->volume_solved = SN_NEW(sn_vec3, (size_t)p->count * (size_t)p->point_count);
+    p->volume_solved = SN_NEW(sn_vec3, p->point_count);
     p->volume_stiffness = SN_NEW(double, p->count);
-    p->volume_scale = SN_NEW(double, p->count);
     return p->mass != NULL && p->right != NULL && p->solution != NULL && p->volume_gradient != NULL && p->volume_solved != NULL &&
-           p->volume_stiffness != NULL && p->volume_scale != NULL;
+           p->volume_stiffness != NULL;
 }
 
 static bool make_coarse(sn_preconditioner *p) {
@@ -284,6 +301,7 @@ static bool add_coupling(void *user, const sn_rest_row *row) {
 }
 
 sn_status sn_preconditioner_couple(sn_preconditioner *p, const sn_group *g, sn_error *error) {
+    p->whole_h = g->large ? g->substep_duration : 0.0;
     for (sn_index i = 0; i < g->count; i++)
         if (!sn_externals_at_bind(g, i, add_coupling, &(coupler){p, i})) return sn_fail_memory(error, "the preconditioner");
     return SN_OK;
@@ -310,7 +328,6 @@ void sn_preconditioner_destroy(sn_preconditioner *p) {
     free(p->volume_gradient);
     free(p->volume_solved);
     free(p->volume_stiffness);
-    free(p->volume_scale);
     free(p);
 }
 
@@ -383,22 +400,15 @@ static sn_vec3 turned_back(const sn_preconditioner *p, sn_index point, sn_vec3 v
     return sn_quat_rotate(sn_quat_conjugate(p->turns[point]), v);
 }
 
-/* Numbers of the free points from `begin` to before `end` as the matrix orders them: scalar one axis after the other, corotated point after
- * point in their frames. */
-static void gather(const sn_preconditioner *p, const sn_vec3 *in, sn_index begin, sn_index end, double *out) {
+/* Numbers of the free points as the matrix orders them: scalar one axis after the other, corotated point after point in their frames. */
+static void gather(const sn_preconditioner *p, const sn_vec3 *in, double *out) {
     size_t n = (size_t)p->free_count, across = p->turns != NULL ? 1 : n, along = p->turns != NULL ? 3 : 1;
-    for (size_t i = (size_t)begin; i < (size_t)end; i++) {
+    for (size_t i = 0; i < n; i++) {
         sn_index point = p->point_of[i];
         sn_vec3 value = p->turns != NULL ? turned_back(p, point, in[point]) : in[point];
         double *to = out + along * i;
         to[0] = value.x, to[across] = value.y, to[2 * across] = value.z;
     }
-}
-
-/* The gradient of one member's volume, zero on the others. */
-static void gather_volume(const sn_preconditioner *p, sn_index member, double *out) {
-    if (p->count > 1) memset(out, 0, 3 * (size_t)p->free_count * sizeof *out);
-    gather(p, p->volume_gradient, p->first_free[member], p->first_free[member + 1], out);
 }
 
 /* And back; zero elsewhere. */
@@ -413,8 +423,9 @@ static void scatter(const sn_preconditioner *p, const double *in, sn_vec3 *out) 
 }
 
 void sn_preconditioner_set_volume(sn_preconditioner *p, const sn_vec3 *volume_gradient, const double *volume_stiffness) {
+    p->volume_scale = 0.0;
+    p->volumes_set = true;
     for (sn_index k = 0; k < p->count; k++) {
-        p->volume_scale[k] = 0.0;
         p->volume_stiffness[k] = p->free_count > 0 && volume_stiffness != NULL ? volume_stiffness[k] : 0.0;
         if (!(p->volume_stiffness[k] > 0.0)) continue;
         for (sn_index i = p->first[k]; i < p->first[k] + p->members[k]->vertex_count; i++)
@@ -422,80 +433,79 @@ void sn_preconditioner_set_volume(sn_preconditioner *p, const sn_vec3 *volume_gr
     }
 }
 
-/* in . A^-1 g of a member. */
-static double along_volume(const sn_preconditioner *p, sn_index member, const sn_vec3 *in) {
-    const sn_vec3 *solved = p->volume_solved + (size_t)member * (size_t)p->point_count;
+/* ---- a muscle alone */
+
+/* A^-1 g has come: with it the row's scale. */
+static void take_volume(sn_preconditioner *p, const double *solution) {
+    const sn_vec3 *gradient = p->volume_gradient;
+    double product = 0.0;
+    find_coarse(p, 0, gradient);
+    scatter(p, solution, p->volume_solved);
+    add_coarse(p, 0, p->volume_solved);
+    for (sn_index i = 0; i < p->members[0]->vertex_count; i++) product += sn_dot(gradient[i], p->volume_solved[i]);
+    p->volume_scale = p->volume_stiffness[0] / (1.0 + p->volume_stiffness[0] * product);
+    p->volume_stiffness[0] = 0.0;
+}
+
+/* The volume row's share of what it does, A^-1 in - scale A^-1 g (A^-1 g . in); in . A^-1 g came first, as out may be in. */
+static double along_volume(const sn_preconditioner *p, const sn_vec3 *in) {
     double along = 0.0;
-    for (sn_index i = 0; i < p->point_count; i++) along += sn_dot(solved[i], in[i]); /* samples too: A^-1 g reaches them */
+    for (sn_index i = 0; i < p->point_count; i++) along += sn_dot(p->volume_solved[i], in[i]); /* samples too: A^-1 g reaches them */
     return along;
 }
 
-static void take_away(const sn_preconditioner *p, sn_index member, double along, sn_vec3 *out) {
-    const sn_vec3 *solved = p->volume_solved + (size_t)member * (size_t)p->point_count;
-    double scale = -p->volume_scale[member] * along;
-    for (sn_index i = 0; i < p->point_count; i++) out[i] = sn_add_scaled(out[i], solved[i], scale);
+static bool apply_alone(sn_preconditioner *p, sn_sparse *matrix, const sn_vec3 *in, sn_vec3 *out) {
+    sn_index columns = p->turns != NULL ? 1 : 3;
+    bool both = p->volume_stiffness[0] > 0.0; /* one pass over the factor for the two of them */
+    gather(p, in, p->right);
+    if (both) gather(p, p->volume_gradient, p->right + 3 * (size_t)p->free_count);
+    if (sn_sparse_solve(matrix, both ? 2 * columns : columns, p->right, p->solution, NULL) != SN_OK) return false;
+    if (both) take_volume(p, p->solution + 3 * (size_t)p->free_count);
+    double along = p->volume_scale > 0.0 ? along_volume(p, in) : 0.0;
+    find_coarse(p, 0, in);
+    scatter(p, p->solution, out);
+    add_coarse(p, 0, out);
+    for (sn_index i = 0; i < p->point_count && p->volume_scale > 0.0; i++)
+        out[i] = sn_add_scaled(out[i], p->volume_solved[i], -p->volume_scale * along);
+    return true;
 }
 
-/* A^-1 g of a member has come: with it the row's scale. The rows of those before it are in A (Sherman and Morrison, one after the other).
- */
-static void take_volume(sn_preconditioner *p, sn_index member, const double *solution) {
-    sn_vec3 *solved = p->volume_solved + (size_t)member * (size_t)p->point_count;
-    const sn_vec3 *gradient = p->volume_gradient;
-    sn_index begin = p->first[member], end = begin + p->members[member]->vertex_count;
-    double product = 0.0;
-    find_coarse(p, member, gradient);
-    scatter(p, solution, solved);
-    add_coarse(p, member, solved);
-    for (sn_index k = 0; k < member; k++) {
-        const sn_vec3 *before = p->volume_solved + (size_t)k * (size_t)p->point_count;
-        double along = 0.0;
-        if (!(p->volume_scale[k] > 0.0)) continue;
-        for (sn_index i = begin; i < end; i++) along += sn_dot(before[i], gradient[i]);
-        take_away(p, k, along, solved);
-    }
-    for (sn_index i = begin; i < end; i++) product += sn_dot(gradient[i], solved[i]);
-    p->volume_scale[member] = p->volume_stiffness[member] / (1.0 + p->volume_stiffness[member] * product);
-    p->volume_stiffness[member] = 0.0;
+/* ---- a group */
+
+static bool settle_volumes(sn_preconditioner *p, sn_deflation *deflation) {
+    if (deflation == NULL || !p->volumes_set) return true;
+    p->volumes_set = false;
+    gather(p, p->volume_gradient, p->right);
+    return sn_deflation_set(deflation, p->right, p->volume_stiffness);
 }
 
-/* The volume rows that are still to be solved for, but for the last: returns that one, or SN_NONE. */
-static sn_index settle_volumes(sn_preconditioner *p, sn_sparse *solver, sn_index columns, bool *solved) {
-    sn_index last = SN_NONE;
-    *solved = true;
-    for (sn_index k = 0; k < p->count; k++) {
-        if (!(p->volume_stiffness[k] > 0.0)) continue;
-        if (last != SN_NONE) {
-            gather_volume(p, last, p->right);
-            *solved = *solved && sn_sparse_solve(solver, columns, p->right, p->solution, NULL) == SN_OK;
-            if (*solved) take_volume(p, last, p->solution);
-        }
-        last = k;
-    }
-    return last;
+/* What the sections of all members make of the right side, to the solution. */
+static void correct_solution(sn_preconditioner *p) {
+    sn_vec3 *room = p->volume_solved;
+    scatter(p, p->right, room);
+    for (sn_index k = 0; k < p->count; k++) find_coarse(p, k, room);
+    scatter(p, p->solution, room);
+    for (sn_index k = 0; k < p->count; k++) add_coarse(p, k, room);
+    gather(p, room, p->solution);
+}
+
+static bool apply_group(sn_preconditioner *p, const rest_matrix *matrix, const sn_vec3 *in, sn_vec3 *out) {
+    sn_deflation *d = matrix->deflation;
+    if (!settle_volumes(p, d)) return false;
+    bool deflates = d != NULL && sn_deflation_acts(d);
+    gather(p, in, p->right);
+    if (deflates && !sn_deflation_before(d, p->right)) return false;
+    if (sn_sparse_solve(matrix->factor, p->turns != NULL ? 1 : 3, p->right, p->solution, NULL) != SN_OK) return false;
+    if (p->corrects) correct_solution(p);
+    if (deflates && !sn_deflation_after(d, p->solution)) return false;
+    scatter(p, p->solution, out);
+    return true;
 }
 
 bool sn_preconditioner_apply(sn_preconditioner *p, const sn_vec3 *in, sn_vec3 *out) {
     const rest_matrix *matrix = p->turns != NULL ? &p->corotated : &p->scalar;
-    sn_index columns = p->turns != NULL ? 1 : 3;
-    size_t numbers = 3 * (size_t)p->free_count;
-    bool solved = matrix->factor != NULL;
-    sn_index last = solved ? settle_volumes(p, matrix->factor, columns, &solved) : SN_NONE;
-    bool both = last != SN_NONE; /* one pass over the factor for the two of them */
-    if (!solved) return false;
-    gather(p, in, 0, p->free_count, p->right);
-    if (both) gather_volume(p, last, p->right + numbers);
-    if (sn_sparse_solve(matrix->factor, both ? 2 * columns : columns, p->right, p->solution, NULL) != SN_OK) return false;
-    if (both) take_volume(p, last, p->solution + numbers);
-    double *along = p->right; /* (count) */
-    for (sn_index k = 0; k < p->count; k++) {
-        find_coarse(p, k, in);
-        if (p->volume_scale[k] > 0.0) along[k] = along_volume(p, k, in);
-    }
-    scatter(p, p->solution, out);
-    for (sn_index k = 0; k < p->count; k++) add_coarse(p, k, out);
-    for (sn_index k = 0; k < p->count; k++)
-        if (p->volume_scale[k] > 0.0) take_away(p, k, along[k], out);
-    return true;
+    if (matrix->factor == NULL) return false;
+    return p->count == 1 ? apply_alone(p, matrix->factor, in, out) : apply_group(p, matrix, in, out);
 }
 
 /* The block times v, in the frames of its points. */

@@ -253,7 +253,7 @@ static void leave_residuals(const sn_group *g, sn_group_state *s) {
 
 static void iterate(const sn_group *g, sn_group_state *s, const sn_substep *substep) {
     sn_qn *qn = sn_qn_of(s);
-    bool mends = qn->torn && !substep->halved; /* of a step that was halved, that is to help */
+    bool mends = qn->torn && !substep->halved && !g->large; /* of a step that was halved, that is to help */
     sn_index each = mends ? TORN_EFFORT : qn->torn || qn->abrupt || g->count > 1 ? ABRUPT_EFFORT : 1;
     for (sn_index i = each * substep->begin; i < each * substep->end && qn->stopped == SN_STOP_ITERATIONS; i++) {
         if (mends && i % TORN_EFFORT == 0) sn_qn_take_matrix_here(g, s, substep->h);
@@ -286,7 +286,7 @@ static sn_verdict finish(const sn_group *g, sn_group_state *s, const sn_substep 
         return SN_STEP_GIVEN_UP;
     }
     for (sn_index i = 0; i < g->count; i++) {
-        s->members[i]->statistics.torn_substeps += qn->torn;
+        s->members[i]->statistics.torn_substeps += qn->torn && (g->count == 1 || sn_qn_is_torn(g, s, i, false));
         settle_contacts(g->members[i], s->members[i], sn_qn_of(s));
         update_velocities(g->members[i], s->members[i], substep);
     }

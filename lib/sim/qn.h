@@ -29,7 +29,8 @@ typedef struct sn_preconditioner sn_preconditioner;
     X(sn_vec3, jump, g->point_count, SN_LEFT)                                                                                              \
     X(double, stiffness, g->count, SN_LEFT)        /* k of each member now */                                                              \
     X(double, volume_stiffness, g->count, SN_LEFT) /* k_V */                                                                               \
-    X(double, longest, g->count, SN_LEFT)          /* way of a member's point in the direction at hand, m */
+    X(double, longest, g->count, SN_LEFT)          /* way of a member's point in the direction at hand, m */                               \
+    X(bool, torn_members, g->count, SN_LEFT)       /* scratch */
 /* Kept, but held to what they may be by their number alone: of dead pairs anything may be left. */
 #define SN_QN_PAIR_ARRAYS(X)                                                                                                               \
     X(sn_vec3, pair_steps, SN_QN_MEMORY *(size_t)g->point_count, SN_KEPT)                                                                  \
@@ -150,8 +151,10 @@ typedef struct sn_condition {
 sn_condition sn_qn_look(const sn_group *g, sn_group_state *s, double h);
 bool sn_qn_is_stretched(const sn_residual *stretch, bool fast);
 /* Of a muscle that is torn, or pressed on a bone, inertia and the predictor may make a worse wreck: begin where it was if that is better.
- */
-void sn_qn_try_staying(const sn_group *g, sn_group_state *s, double h);
+ * stays (count): those members, NULL: all. */
+void sn_qn_try_staying(const sn_group *g, sn_group_state *s, double h, const bool *stays);
+/* Is a member far from any shape of rest? */
+bool sn_qn_is_torn(const sn_group *g, const sn_group_state *s, sn_index member, bool fast);
 /* Other starts where a member is torn or a bone has jumped; is more effort needed? */
 bool sn_qn_mend_start(const sn_group *g, sn_group_state *s, double h, bool jumped, bool fast);
 /* Does the step, as far as it has come, tear a group that was whole? */

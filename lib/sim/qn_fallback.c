@@ -127,12 +127,13 @@ void sn_qn_prefer_trial(const sn_group *g, sn_group_state *s, double h) {
     }
 }
 
-void sn_qn_try_staying(const sn_group *g, sn_group_state *s, double h) {
+void sn_qn_try_staying(const sn_group *g, sn_group_state *s, double h, const bool *stays) {
     sn_point *trial = sn_qn_of(s)->trial;
-    for (sn_index i = 0; i < g->point_count; i++) {
-        trial[i] = s->points[i];
-        if (s->points[i].w > 0.0) sn_put(&trial[i], s->previous[i]);
-    }
+    for (sn_index k = 0; k < g->count; k++)
+        for (sn_index i = g->first[k]; i < g->first[k + 1]; i++) {
+            trial[i] = s->points[i];
+            if (s->points[i].w > 0.0 && (stays == NULL || stays[k])) sn_put(&trial[i], s->previous[i]);
+        }
     sn_qn_prefer_trial(g, s, h);
 }
 
@@ -144,20 +145,26 @@ static void try_carried(const sn_group *g, sn_group_state *s, double h) {
     sn_qn_prefer_trial(g, s, h);
 }
 
-static bool is_torn(const sn_group *g, const sn_group_state *s, bool fast) {
-    bool torn = false;
-    for (sn_index i = 0; !torn && i < g->count; i++) {
-        sn_residual stretch = stretch_of(g->members[i], s->members[i]);
-        torn = sn_qn_is_stretched(&stretch, fast);
+bool sn_qn_is_torn(const sn_group *g, const sn_group_state *s, sn_index member, bool fast) {
+    sn_residual stretch = stretch_of(g->members[member], s->members[member]);
+    return sn_qn_is_stretched(&stretch, fast);
+}
+
+/* Which members are: torn (count). */
+static bool find_torn(const sn_group *g, const sn_group_state *s, bool fast, bool *torn) {
+    bool any = false;
+    for (sn_index i = 0; i < g->count; i++) {
+        torn[i] = sn_qn_is_torn(g, s, i, fast);
+        any = any || torn[i];
     }
-    return torn;
+    return any;
 }
 
 bool sn_qn_mend_start(const sn_group *g, sn_group_state *s, double h, bool jumped, bool fast) {
-    bool torn = is_torn(g, s, fast);
-    if (torn || jumped) sn_qn_try_staying(g, s, h);
+    bool *torn = sn_qn_of(s)->torn_members, any = find_torn(g, s, fast, torn);
+    if (any || jumped) sn_qn_try_staying(g, s, h, jumped ? NULL : torn);
     if (jumped) try_carried(g, s, h);
-    return jumped || (torn && is_torn(g, s, fast));
+    return jumped || (any && find_torn(g, s, fast, torn));
 }
 
 /* ---- a step that is too long ------------------------------------------------------------------------------------------------------ */

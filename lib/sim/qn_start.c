@@ -171,7 +171,7 @@ static void clear_start(const sn_group *g, sn_group_state *s, double h, sn_vec3 
     for (sn_index i = 0; i < g->count; i++) moved = sn_contacts_clear(g->members[i], s->members[i], trial + g->first[i]) || moved;
     if (moved) sn_qn_prefer_trial(g, s, h);
     try_coasting(g, s, h, weight);
-    sn_qn_try_staying(g, s, h);
+    sn_qn_try_staying(g, s, h, NULL);
 }
 
 /* Where inertia takes the points, or the predictor (in trial). */

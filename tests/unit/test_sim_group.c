@@ -115,10 +115,12 @@ static void members_are_as_if_alone(void **state) {
         bool turned = MATRICES[k] == SN_PRECONDITION_COROTATED, corrected = MATRICES[k] == SN_PRECONDITION_TWO_LEVEL;
         update(&g, turned);
         if (corrected) correct(&g);
+        for (int member = 0; member < 2 && corrected; member++)
+            g.volume_stiffness[member] = 0.0; /* deflation is without its coarse space */
         sn_preconditioner_set_volume(g.joint, g.volume, g.volume_stiffness);
         sn_vec3 *alone = SN_NEW(sn_vec3, g.first[2]);
         for (int member = 0; member < 2; member++) apply_alone(&g, member, turned, corrected, alone + g.first[member]);
-        for (int again = 0; again < 2; again++) { /* the first solve finds A^-1 g too */
+        for (int again = 0; again < 2; again++) { /* the first solve finds the volumes' too */
             assert_true(sn_preconditioner_apply(g.joint, g.in, g.out));
             for (sn_index i = 0; i < g.first[2]; i++) assert_true(sn_distance(g.out[i], alone[i]) <= 1e-12 * largest(g.first[2], alone));
         }
