@@ -79,14 +79,10 @@ static sn_status add_list_line(bone_list *list, const char *list_name, int64_t l
 static sn_status add_list_file(bone_list *list, const char *list_name, sn_error *error) {
     sn_blob blob = {0};
     sn_status status = sn_blob_read(list_name, &blob, error);
-    int64_t line = 1;
     size_t before = list->count;
-    for (const char *text = blob.data, *all = text + blob.size; text < all && status == SN_OK; line++) {
-        const char *end = memchr(text, '\n', (size_t)(all - text));
-        if (end == NULL) end = all;
-        status = add_list_line(list, list_name, line, text, end, error);
-        text = end + 1;
-    }
+    sn_text_lines lines = sn_text_lines_of(blob.data, blob.size);
+    for (const char *text, *end; status == SN_OK && sn_text_next_line(&lines, &text, &end);)
+        status = add_list_line(list, list_name, lines.line, text, end, error);
     if (status == SN_OK && list->count == before)
         status =
             sn_fail_at(error, SN_ERROR_INPUT, list_name, 0, "names no %s; write the file of a %s a line", kind_of(list), kind_of(list));

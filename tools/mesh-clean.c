@@ -78,7 +78,7 @@ static void take_options(cli *c) {
     params.smooth = (sn_index)smooth;
     if (max_hole >= 0) params.max_hole = (sn_index)max_hole;
     params.triangles = (sn_index)triangles;
-    c->read.allow_nonfinite = true; /* the library says which vertex, or drops it */
+    c->read.allow_nonfinite = params.repair_nonfinite; /* else the reader says in which line it stands */
     if (check && cli_given(c, "output")) cli_usage_error(c, "--check writes nothing: it goes without --output");
 }
 

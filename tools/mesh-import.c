@@ -78,16 +78,41 @@ static enum aiReturn seek(struct aiFile *file, size_t offset, enum aiOrigin orig
     return aiReturn_SUCCESS;
 }
 
-/* A buffer of a glTF file: a plain file of the name that the input gives, in the input's folder or below. */
-static bool read_buffer(const folder *f, const char *wanted, sn_blob *out) {
-    const char *input = f->input->name, *slash = strrchr(input, '/'), *dot = strrchr(wanted, '.');
-    if (strcmp(input, "<stdin>") == 0 || dot == NULL || strcmp(dot, ".bin") != 0) return false;
-    if (*wanted == '/' || strstr(wanted, "..") != NULL) return false;
+static int hexadecimal(char c) {
+    const char *digits = "0123456789abcdef", *at = c != '\0' ? strchr(digits, c >= 'A' && c <= 'F' ? c + 32 : c) : NULL;
+    return at != NULL ? (int)(at - digits) : -1;
+}
+
+/* A name as a uri has it, with %20 for a blank and so on, as it is in the folder (RFC 3986); false = it does not fit, or has a %00. */
+static bool decode_uri(const char *uri, char *out, size_t size) {
+    size_t length = 0;
+    for (; *uri != '\0'; uri++) {
+        int high = *uri == '%' ? hexadecimal(uri[1]) : -1, low = high >= 0 ? hexadecimal(uri[2]) : -1;
+        if (length + 1 >= size || (low >= 0 && high + low == 0)) return false;
+        out[length++] = low >= 0 ? (char)(16 * high + low) : *uri;
+        if (low >= 0) uri += 2;
+    }
+    out[length] = '\0';
+    return true;
+}
+
+/* A plain file of this name in the input's folder or below: its name ends in ".bin" or has no extension. */
+static bool read_beside(const char *input, const char *wanted, sn_blob *out) {
+    const char *slash = strrchr(input, '/'), *base = strrchr(wanted, '/'), *dot = strrchr(base != NULL ? base : wanted, '.');
+    if (*wanted == '/' || strstr(wanted, "..") != NULL || (dot != NULL && strcmp(dot, ".bin") != 0)) return false;
     char path[4096];
     int length = snprintf(path, sizeof path, "%.*s%s", slash != NULL ? (int)(slash - input) + 1 : 0, input, wanted);
     struct stat info;
     if (length < 0 || (size_t)length >= sizeof path || stat(path, &info) != 0 || !S_ISREG(info.st_mode)) return false;
-    return sn_blob_read(path, out, NULL) == SN_OK;
+    return sn_blob_read_bytes(path, out, NULL) == SN_OK;
+}
+
+/* A buffer of a glTF file, by its uri; many programs write names there as they are. */
+static bool read_buffer(const folder *f, const char *wanted, sn_blob *out) {
+    char decoded[4096];
+    if (strcmp(f->input->name, "<stdin>") == 0) return false;
+    if (read_beside(f->input->name, wanted, out)) return true;
+    return decode_uri(wanted, decoded, sizeof decoded) && read_beside(f->input->name, decoded, out);
 }
 
 static struct aiFile *open_file(struct aiFileIO *io, const char *wanted, const char *mode) {

@@ -91,7 +91,7 @@ typedef struct sn_length {
     double meters; /* metres per unit of `value`; 0 = the document's unit */
 } sn_length;
 
-SN_MUST_CHECK sn_status sn_parse_number(const char *text, double *out, sn_error *error);            /* finite only */
+SN_MUST_CHECK sn_status sn_parse_number(const char *text, double *out, sn_error *error); /* finite only */
 SN_MUST_CHECK sn_status sn_parse_integer(const char *text, int64_t low, int64_t high, int64_t *out, sn_error *error);
 SN_MUST_CHECK sn_status sn_parse_numbers(const char *text, size_t count, double *out, sn_error *error); /* "x,y,z": exactly count */
 SN_MUST_CHECK sn_status sn_parse_length(const char *text, sn_length *out, sn_error *error);
@@ -102,12 +102,23 @@ double sn_length_meters(sn_length length, double meters_per_unit);
 int sn_format_number(double value, char *buffer);
 
 /* Parse one decimal number starting at text, not reading at or past end; *next is set behind it. Locale-free, correctly rounded.
- * false = no number here. "nan" and "inf" in any case are read as such, so that a reader can name the place. */
+ * false = no number here. "nan" and "inf" in any case, also as
+ * "nan(ind)", "1.#QNAN", "-1.#IND" and "1.#INF" of Windows, are read as such, so that a reader can name the place. What follows the number
+ * is the reader's: a number is a whole token, and '#' begins a comment only where a token may begin. */
 bool sn_scan_number(const char *text, const char *end, const char **next, double *out);
 /* Does text match the pattern: '*' is any run of characters, '?' any one, all else itself? */
 bool sn_pattern_matches(const char *pattern, const char *text);
 /* The same for a signed integer; false also on overflow. */
 bool sn_scan_integer(const char *text, const char *end, const char **next, int64_t *out);
+
+/* The lines of a text, which end in LF, CR LF or CR; a byte order mark before the first is passed over. */
+typedef struct sn_text_lines {
+    const char *at, *end; /* what is not read yet */
+    int64_t line;         /* of the line that was read last, from 1 */
+} sn_text_lines;
+sn_text_lines sn_text_lines_of(const char *text, size_t size);
+/* The next line, from *text up to *end, without its line end; false = there is none. */
+bool sn_text_next_line(sn_text_lines *lines, const char **text, const char **end);
 
 /* ---- content hash ------------------------------------------------------------------------------------------------- */
 

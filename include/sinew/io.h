@@ -24,7 +24,11 @@ typedef struct sn_blob {
     char *data; /* size bytes and a terminating 0 */
     size_t size;
 } sn_blob;
-SN_MUST_CHECK sn_status sn_blob_read(const char *path, sn_blob *out, sn_error *error); /* files and pipes; a directory is an error */
+/* Files and pipes; a directory is an error. A file packed by gzip is unpacked (at most 64 MB and 64 times its size), a byte order mark
+ * of UTF-8 taken off, UTF-16 refused. */
+SN_MUST_CHECK sn_status sn_blob_read(const char *path, sn_blob *out, sn_error *error);
+/* The bytes as they are: data without a signature, whose first bytes may look like anything. */
+SN_MUST_CHECK sn_status sn_blob_read_bytes(const char *path, sn_blob *out, sn_error *error);
 void sn_blob_free(sn_blob *blob);
 
 typedef struct sn_output sn_output;

@@ -92,6 +92,31 @@ static double slow_number(const char *text, const char *end) {
     return value;
 }
 
+/* What the C library of Windows wrote before 2015, behind a number "1.": "#INF", "#IND", "#QNAN", "#SNAN", padded with zeros. */
+static bool scan_windows_special(const char *text, const char *end, bool negative, const char **next, double *out) {
+    static const struct {
+        const char *name;
+        double value;
+    } special[] = {{"#INF", INFINITY}, {"#IND", NAN}, {"#QNAN", NAN}, {"#SNAN", NAN}};
+    for (size_t i = 0; i < sizeof special / sizeof *special; i++) {
+        size_t length = strlen(special[i].name);
+        if ((size_t)(end - text) < length || strncasecmp(text, special[i].name, length) != 0) continue;
+        for (text += length; text < end && *text == '0'; text++) {}
+        *next = text;
+        *out = negative ? -special[i].value : special[i].value;
+        return true;
+    }
+    return false;
+}
+
+/* Behind "(ind)", "(snan)" or any such word in brackets that may follow "nan". */
+static const char *skip_payload(const char *text, const char *end) {
+    const char *at = text;
+    if (at == end || *at++ != '(') return text;
+    while (at < end && (is_digit(*at) || (*at >= 'a' && *at <= 'z') || (*at >= 'A' && *at <= 'Z') || *at == '_')) at++;
+    return at < end && *at == ')' ? at + 1 : text;
+}
+
 /* "nan", "inf", "infinity" in any case, with a sign. */
 static bool scan_special(const char *text, const char *end, const char **next, double *out) {
     static const struct {
@@ -103,7 +128,7 @@ static bool scan_special(const char *text, const char *end, const char **next, d
     for (size_t i = 0; i < sizeof special / sizeof *special; i++) {
         size_t length = strlen(special[i].name);
         if ((size_t)(end - text) < length || strncasecmp(text, special[i].name, length) != 0) continue;
-        *next = text + length;
+        *next = isnan(special[i].value) ? skip_payload(text + length, end) : text + length;
         *out = negative ? -special[i].value : special[i].value;
         return true;
     }
@@ -113,6 +138,8 @@ static bool scan_special(const char *text, const char *end, const char **next, d
 bool sn_scan_number(const char *text, const char *end, const char **next, double *out) {
     decimal d;
     if (!scan_decimal(text, end, &d)) return scan_special(text, end, next, out);
+    bool special = d.end < end && *d.end == '#' && d.end[-1] == '.' && d.mantissa == 1;
+    if (special && scan_windows_special(d.end, end, d.negative, next, out)) return true;
     *next = d.end;
     /* mantissa < 2^53 and |exponent| <= 22: one exact operand each, one rounding (Clinger's fast path) */
     if (d.fits && d.mantissa <= (1ULL << 53) && d.exponent >= -22 && d.exponent <= 22) {
@@ -137,6 +164,25 @@ bool sn_scan_integer(const char *text, const char *end, const char **next, int64
     if (!negative && value == INT64_MIN) return false;
     *out = negative ? value : -value; /* collected as a negative number, so that INT64_MIN fits */
     *next = text;
+    return true;
+}
+
+/* ---- lines ------------------------------------------------------------------------------------------------------------ */
+
+sn_text_lines sn_text_lines_of(const char *text, size_t size) {
+    size_t mark = size >= 3 && memcmp(text, "\xef\xbb\xbf", 3) == 0 ? 3 : 0;
+    return (sn_text_lines){.at = text + mark, .end = text + size};
+}
+
+bool sn_text_next_line(sn_text_lines *lines, const char **text, const char **end) {
+    const char *at = lines->at;
+    if (at == lines->end) return false;
+    *text = at;
+    while (at < lines->end && *at != '\n' && *at != '\r') at++;
+    *end = at;
+    if (at < lines->end) at += at[0] == '\r' && at + 1 < lines->end && at[1] == '\n' ? 2 : 1;
+    lines->at = at;
+    lines->line++;
     return true;
 }
 

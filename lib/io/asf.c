@@ -172,6 +172,7 @@ static bool read_limit(parser *p, double limit[2]) {
     for (int k = 0; k < 2; k++) {
         const char *next;
         if (!sn_reader_find_line(r) || !sn_scan_number(r->at, r->end, &next, &limit[k]) || isnan(limit[k])) return false;
+        if (!sn_reader_ends_token(r, next) && *next != ')') return false;
         r->at = next;
     }
     return take_sign(p, ')');

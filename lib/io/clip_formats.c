@@ -77,11 +77,7 @@ sn_status sn_clip_parse(const sn_blob *motion, const sn_blob *skeleton, const sn
 
 /* ---- what text formats share ----------------------------------------------------------------------------------------------------- */
 
-sn_reader sn_clip_open(const sn_blob *blob, sn_error *error) {
-    sn_reader reader = {.blob = blob, .error = error, .at = blob->data, .end = blob->data + blob->size, .line = 1};
-    if (blob->size >= 3 && memcmp(blob->data, "\xEF\xBB\xBF", 3) == 0) reader.at += 3;
-    return reader;
-}
+sn_reader sn_clip_open(const sn_blob *blob, sn_error *error) { return sn_reader_of(blob, error); }
 
 sn_span sn_clip_word(sn_reader *reader) { return sn_reader_find_line(reader) ? sn_reader_word(reader) : (sn_span){reader->at, 0}; }
 

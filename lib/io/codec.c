@@ -1,7 +1,8 @@
-/* codec.c -- base64 and zlib for VTK's XML files: the only user of zlib. */
+/* codec.c -- base64 and zlib for VTK's XML files, gzip for any: the only user of zlib. */
 #include "codec.h"
 
 #include <limits.h>
+#include <stdlib.h>
 #include <string.h>
 #include <zlib.h>
 
@@ -58,4 +59,44 @@ bool sn_unpack(const void *packed, size_t packed_size, void *out, size_t size) {
     uLongf got = (uLongf)size;
     if (packed_size > ULONG_MAX || size > ULONG_MAX) return false;
     return uncompress(out, &got, packed, (uLong)packed_size) == Z_OK && got == size;
+}
+
+bool sn_gzip_is(const void *data, size_t size) {
+    const unsigned char *bytes = data;
+    return size >= 18 && bytes[0] == 0x1f && bytes[1] == 0x8b && bytes[2] == Z_DEFLATED;
+}
+
+/* Inflate one member after the other up to the end of the file. */
+static sn_status inflate_members(z_stream *stream, size_t most, char **out, size_t *size) {
+    enum { STEP = 1 << 16 };
+    size_t capacity = 0;
+    for (;;) {
+        if (*size > most) return SN_ERROR_INPUT;
+        if (!sn_grow((void **)out, &capacity, *size + STEP + 1, 1)) return SN_ERROR_MEMORY;
+        stream->next_out = (Bytef *)*out + *size;
+        stream->avail_out = STEP;
+        int result = inflate(stream, Z_NO_FLUSH);
+        *size += STEP - stream->avail_out;
+        if (result == Z_STREAM_END && stream->avail_in == 0) return *size <= most ? SN_OK : SN_ERROR_INPUT;
+        if (result == Z_STREAM_END) result = inflateReset(stream);
+        if (result != Z_OK) return result == Z_MEM_ERROR ? SN_ERROR_MEMORY : SN_ERROR_INPUT;
+    }
+}
+
+sn_status sn_gunzip(const void *packed, size_t packed_size, size_t most, char **out, size_t *out_size) {
+    enum { GZIP = 16 };
+    z_stream stream = {.next_in = (Bytef *)(uintptr_t)packed, .avail_in = (uInt)packed_size};
+    *out = NULL;
+    *out_size = 0;
+    if (packed_size > UINT_MAX) return SN_ERROR_INPUT;
+    if (inflateInit2(&stream, MAX_WBITS + GZIP) != Z_OK) return SN_ERROR_MEMORY;
+    sn_status status = inflate_members(&stream, most, out, out_size);
+    inflateEnd(&stream);
+    if (status == SN_OK) {
+        (*out)[*out_size] = '\0';
+        return SN_OK;
+    }
+    free(*out);
+    *out = NULL;
+    return status;
 }

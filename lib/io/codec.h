@@ -1,4 +1,4 @@
-/* codec.h -- bytes as VTK's XML files hold them: plain, as base64, packed with zlib. */
+/* codec.h -- bytes as VTK's XML files hold them: plain, as base64, packed with zlib; and gzip. */
 #ifndef SN_IO_CODEC_H
 #define SN_IO_CODEC_H
 
@@ -19,5 +19,10 @@ size_t sn_byte_source_left(const sn_byte_source *source);
 
 /* Unpack one zlib block of exactly `size` bytes. false = it is damaged, or of another size. */
 bool sn_unpack(const void *packed, size_t packed_size, void *out, size_t size);
+
+bool sn_gzip_is(const void *data, size_t size);
+/* Unpack a gzip file of any number of members; *out, owned by the caller, has a 0 behind its *out_size bytes. SN_ERROR_INPUT = it is
+ * damaged, cut short, or larger than `most` bytes; nothing is said of it in an error. */
+SN_MUST_CHECK sn_status sn_gunzip(const void *packed, size_t packed_size, size_t most, char **out, size_t *out_size);
 
 #endif

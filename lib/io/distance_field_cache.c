@@ -25,7 +25,7 @@ static bool read_cached(const char *path, const char *hash, sn_distance_field *o
     sn_blob blob;
     sn_error error = {0};
     if (access(path, F_OK) != 0) return false;
-    sn_status status = sn_blob_read(path, &blob, &error);
+    sn_status status = sn_blob_read_bytes(path, &blob, &error);
     if (status == SN_OK) {
         status = sn_distance_field_load(&blob, hash, out, &error);
         sn_blob_free(&blob);

@@ -339,14 +339,11 @@ static sn_status parse_line(fit_reader *r, const char *text, size_t size) {
 }
 
 static sn_status parse_lines(fit_reader *r, const sn_blob *blob) {
-    const char *at = blob->data, *end = at + blob->size;
-    if (blob->size >= 3 && memcmp(at, "\xEF\xBB\xBF", 3) == 0) at += 3;
+    sn_text_lines lines = sn_text_lines_of(blob->data, blob->size);
     sn_status status = SN_OK;
-    for (r->line = 1; at < end && status == SN_OK; r->line++) {
-        const char *stop = memchr(at, '\n', (size_t)(end - at));
-        if (stop == NULL) stop = end;
-        status = parse_line(r, at, (size_t)(stop - at));
-        at = stop < end ? stop + 1 : end;
+    for (const char *text, *end; status == SN_OK && sn_text_next_line(&lines, &text, &end);) {
+        r->line = lines.line;
+        status = parse_line(r, text, (size_t)(end - text));
     }
     return status;
 }

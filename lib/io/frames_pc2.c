@@ -94,6 +94,10 @@ static sn_status read_header(const sn_blob *blob, sn_pc2_data *out, sn_error *er
                           "byte 28: the header promises %lu samples of %lu points, more than the file (%zu bytes) holds; it is cut short",
                           (unsigned long)samples, (unsigned long)points, blob->size);
     }
+    uint64_t held = (blob->size - HEADER) / 12 / points;
+    if (held > samples)
+        sn_log(SN_LOG_WARNING, "%s: the header counts %lu samples, but the file has room for %llu; those behind are left out", blob->name,
+               (unsigned long)samples, (unsigned long long)held);
     out->point_count = (sn_index)points;
     out->sample_count = (sn_index)samples;
     out->start_frame = (double)sn_get_f32(bytes + 20);
@@ -113,7 +117,7 @@ static sn_status read_samples(const sn_blob *blob, sn_pc2_data *out, sn_error *e
 sn_status sn_pc2_read(const char *path, sn_pc2_data *out, sn_error *error) {
     *out = (sn_pc2_data){0};
     sn_blob blob;
-    sn_status status = sn_blob_read(path, &blob, error);
+    sn_status status = sn_blob_read_bytes(path, &blob, error);
     if (status != SN_OK) return status;
     status = read_header(&blob, out, error);
     if (status == SN_OK) status = read_samples(&blob, out, error);

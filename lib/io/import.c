@@ -22,6 +22,7 @@
 #include <time.h>
 #include <unistd.h>
 
+#include "bytes.h"
 #include "mesh_reader.h"
 #include "nodes.h"
 
@@ -322,7 +323,9 @@ static sn_status take_header(const child *c, const sn_blob *answer, sn_mesh *mes
 static sn_status check_finite(const sn_mesh *mesh, const char *name, sn_error *error) {
     for (sn_index v = 0; v < mesh->vertex_count; v++) {
         if (!sn_finite3(mesh->positions[v]))
-            return sn_fail_at(error, SN_ERROR_INPUT, name, 0, "vertex %d has a coordinate that is not finite", (int)v);
+            return sn_fail_at(error, SN_ERROR_INPUT, name, 0,
+                              "vertex %d has a coordinate that is not a finite number; mesh-clean --repair-nonfinite drops such vertices",
+                              (int)v);
     }
     return SN_OK;
 }
@@ -354,11 +357,23 @@ static sn_status ask(child *c, sn_error *error) {
     return status;
 }
 
+/* glTF in binary and 3DS say how long they are; what stands behind that would be lost without a word. */
+static sn_status expect_end(const sn_blob *blob, const char *kind, sn_error *error) {
+    size_t at = strcmp(kind, "glb") == 0 ? 8 : strcmp(kind, "3ds") == 0 ? 2 : 0, end = blob->size;
+    if (at == 0 || blob->size < at + 4) return SN_OK;
+    uint32_t told = sn_get_u32((const unsigned char *)blob->data + at);
+    while (end > told && (blob->data[end - 1] == '\0' || strchr(" \r\n", blob->data[end - 1]) != NULL)) end--;
+    if (end <= told) return SN_OK;
+    return sn_fail_at(error, SN_ERROR_INPUT, blob->name, 0,
+                      "the header counts %lu bytes, but the file has %zu; are these two files in one?", (unsigned long)told, blob->size);
+}
+
 sn_status sn_import_parse(const sn_blob *blob, bool allow_nonfinite, sn_mesh *out, sn_mesh_frame *frame, sn_error *error) {
     const char *kind = sn_import_detect(blob);
     if (kind == NULL) return sn_fail_at(error, SN_ERROR_INPUT, blob->name, 0, "is in no format that can be imported");
     child c = {.blob = blob, .name = sn_import_format_name(kind), .first = "ply\n", .noun = "mesh"};
-    sn_status status = ask(&c, error);
+    sn_status status = expect_end(blob, kind, error);
+    if (status == SN_OK) status = ask(&c, error);
     if (status == SN_OK) status = read_answer(&c, allow_nonfinite, out, frame, error);
     free(c.answer);
     return status;
@@ -369,7 +384,8 @@ sn_status sn_import_nodes(const sn_blob *blob, sn_nodes *out, sn_error *error) {
     *out = (sn_nodes){0};
     if (kind == NULL) return sn_fail_at(error, SN_ERROR_INPUT, blob->name, 0, "is in no format that can be imported");
     child c = {.blob = blob, .name = sn_import_format_name(kind), .question = "--motion", .first = "sinew-nodes 1\n", .noun = "motion"};
-    sn_status status = ask(&c, error);
+    sn_status status = expect_end(blob, kind, error);
+    if (status == SN_OK) status = ask(&c, error);
     sn_blob answer = {blob->name, c.answer, c.answer_size};
     sn_error detail = {0};
     if (status == SN_OK && sn_nodes_parse(&answer, out, &detail) != SN_OK)

@@ -159,11 +159,10 @@ static sn_status parse_line(line_reader *r, const char *text, const char *end, s
 static sn_status parse_lines(const sn_blob *blob, sn_landmarks *out, sn_error *error) {
     sn_status status = SN_OK;
     line_reader r = {.blob = blob, .line = 1, .out = out};
-    for (const char *text = blob->data, *all = text + blob->size; text < all && status == SN_OK; r.line++) {
-        const char *end = memchr(text, '\n', (size_t)(all - text));
-        if (end == NULL) end = all;
+    sn_text_lines lines = sn_text_lines_of(blob->data, blob->size);
+    for (const char *text, *end; status == SN_OK && sn_text_next_line(&lines, &text, &end);) {
+        r.line = lines.line;
         status = parse_line(&r, text, end, error);
-        text = end + 1;
     }
     return status;
 }

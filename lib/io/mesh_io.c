@@ -3,6 +3,7 @@
  */
 #include "import.h"
 #include "mesh_reader.h"
+#include "scalar.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -46,19 +47,12 @@ static bool is_obj_keyword(sn_span word) {
     return false;
 }
 
-static sn_reader reader_of(const sn_blob *blob) {
-    static const char byte_order_mark[] = "\xef\xbb\xbf";
-    sn_reader reader = {.blob = blob, .at = blob->data, .end = blob->data + blob->size, .line = 1, .highest_corner = -1};
-    if (blob->size >= 3 && memcmp(blob->data, byte_order_mark, 3) == 0) reader.at += 3;
-    return reader;
-}
-
 sn_mesh_format sn_mesh_detect(const sn_blob *blob) {
     if (blob->size == 0) return SN_MESH_UNKNOWN;
     if (sn_vtk_is(blob)) return SN_MESH_VTK;
     if (sn_vtp_is(blob)) return SN_MESH_VTP;
     if (sn_stl_is_binary(blob->data, blob->size)) return SN_MESH_STL;
-    sn_reader reader = reader_of(blob);
+    sn_reader reader = sn_reader_of(blob, NULL);
     if (sn_reader_find_line(&reader)) {
         sn_span word = sn_reader_word(&reader);
         if (sn_span_is(word, "ply")) return SN_MESH_PLY;
@@ -154,8 +148,7 @@ static sn_status finish(sn_reader *reader) {
 }
 
 static sn_status parse_as(const format_entry *format, const sn_blob *blob, bool allow_nonfinite, sn_mesh *out, sn_error *error) {
-    sn_reader reader = reader_of(blob);
-    reader.error = error;
+    sn_reader reader = sn_reader_of(blob, error);
     reader.allow_nonfinite = allow_nonfinite;
     sn_status status = format->parse(&reader);
     if (status == SN_OK) status = finish(&reader);

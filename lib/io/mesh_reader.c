@@ -47,7 +47,7 @@ static void skip_join(sn_reader *reader) {
 
 static void skip_blanks(sn_reader *reader) {
     while (reader->at < reader->end) {
-        if (is_blank(*reader->at)) {
+        if (is_blank(*reader->at) || (*reader->at == ',' && reader->commas)) {
             reader->at++;
         } else if (is_joined(reader)) {
             skip_join(reader);
@@ -64,8 +64,10 @@ bool sn_reader_at_line_end(sn_reader *reader) {
 
 bool sn_reader_next_line(sn_reader *reader) {
     bool comment = false; /* a backslash in a comment joins nothing */
+    bool begins = true;   /* a '#' within a token begins no comment */
     while (reader->at < reader->end && !is_line_end(*reader->at)) {
-        comment = comment || *reader->at == '#';
+        comment = comment || (begins && *reader->at == '#');
+        begins = is_blank(*reader->at);
         if (!comment && is_joined(reader)) {
             skip_join(reader);
         } else {
@@ -85,15 +87,21 @@ bool sn_reader_find_line(sn_reader *reader) {
     return true;
 }
 
-/* May a number or a word end here? */
-static bool at_boundary(const sn_reader *reader, const char *at) {
-    return at == reader->end || is_blank(*at) || is_line_end(*at) || *at == '#' || (*at == '\\' && reader->continues);
+bool sn_reader_ends_token(const sn_reader *reader, const char *at) {
+    return at == reader->end || is_blank(*at) || (*at == ',' && reader->commas) || is_line_end(*at) || (*at == '\\' && reader->continues);
+}
+
+sn_reader sn_reader_of(const sn_blob *blob, sn_error *error) {
+    static const char byte_order_mark[] = "\xef\xbb\xbf";
+    sn_reader reader = {.blob = blob, .error = error, .at = blob->data, .end = blob->data + blob->size, .line = 1, .highest_corner = -1};
+    if (blob->size >= 3 && memcmp(blob->data, byte_order_mark, 3) == 0) reader.at += 3;
+    return reader;
 }
 
 sn_span sn_reader_word(sn_reader *reader) {
     if (sn_reader_at_line_end(reader)) return (sn_span){reader->at, 0};
     const char *start = reader->at;
-    while (!at_boundary(reader, reader->at)) reader->at++;
+    while (!sn_reader_ends_token(reader, reader->at)) reader->at++;
     if (reader->at == start) reader->at++; /* a lone backslash */
     return (sn_span){start, (size_t)(reader->at - start)};
 }
@@ -117,7 +125,7 @@ const char *sn_reader_found(sn_reader *reader, char *buffer) {
     if (sn_reader_at_line_end(reader)) return "the end of the line";
     const char *at = reader->at;
     size_t length = 0;
-    while (length < 40 && !at_boundary(reader, at)) {
+    while (length < 40 && !sn_reader_ends_token(reader, at)) {
         char c = *at++;
         buffer[++length] = c >= ' ' && c <= '~' ? c : '?';
     }
@@ -129,7 +137,7 @@ const char *sn_reader_found(sn_reader *reader, char *buffer) {
 bool sn_reader_number(sn_reader *reader, double *out) {
     skip_blanks(reader);
     const char *next;
-    if (!sn_scan_number(reader->at, reader->end, &next, out) || !at_boundary(reader, next)) return false;
+    if (!sn_scan_number(reader->at, reader->end, &next, out) || !sn_reader_ends_token(reader, next)) return false;
     reader->at = next;
     return true;
 }
@@ -137,7 +145,7 @@ bool sn_reader_number(sn_reader *reader, double *out) {
 bool sn_reader_integer(sn_reader *reader, int64_t *out) {
     skip_blanks(reader);
     const char *next;
-    if (!sn_scan_integer(reader->at, reader->end, &next, out) || !at_boundary(reader, next)) return false;
+    if (!sn_scan_integer(reader->at, reader->end, &next, out) || !sn_reader_ends_token(reader, next)) return false;
     reader->at = next;
     return true;
 }
@@ -152,6 +160,27 @@ sn_status sn_reader_position(sn_reader *reader, sn_vec3 *out) {
                               sn_reader_found(reader, found));
     }
     return SN_OK;
+}
+
+static size_t bytes_behind(const sn_reader *reader) {
+    const char *last = reader->end;
+    while (last > reader->at && (last[-1] == '\0' || is_blank(last[-1]) || is_line_end(last[-1]))) last--;
+    return (size_t)(last - reader->at);
+}
+
+sn_status sn_reader_expect_end(sn_reader *reader, int64_t counted, const char *what) {
+    bool text = reader->line > 0;
+    int64_t rest = text ? 0 : (int64_t)bytes_behind(reader);
+    sn_reader ahead = *reader;
+    while (text && sn_reader_find_line(&ahead)) {
+        rest++;
+        if (!sn_reader_next_line(&ahead)) break;
+    }
+    if (rest == 0) return SN_OK;
+    return sn_reader_fail(
+        reader, SN_NONE,
+        "the header counts %lld %s, but %lld %s follow; correct the count, or take apart files that stand behind each other",
+        (long long)counted, what, (long long)rest, text ? "more lines" : "more bytes");
 }
 
 /* ---- equal things --------------------------------------------------------------------------------------------------- */
@@ -217,8 +246,10 @@ sn_status sn_reader_reserve(sn_reader *reader, int64_t vertices, int64_t triangl
 sn_status sn_reader_add_vertex(sn_reader *reader, sn_vec3 position) {
     sn_index vertex = reader->mesh.vertex_count;
     if (!reader->allow_nonfinite && !sn_finite3(position)) {
-        return sn_reader_fail(reader, vertex, "vertex %d has a coordinate that is not finite (%g %g %g); correct or remove it", (int)vertex,
-                              position.x, position.y, position.z);
+        return sn_reader_fail(reader, vertex,
+                              "vertex %d has a coordinate that is not a finite number (%g %g %g); correct it; mesh-clean "
+                              "--repair-nonfinite drops such vertices",
+                              (int)vertex, position.x, position.y, position.z);
     }
     if ((size_t)vertex >= reader->vertex_capacity && !reserve_vertices(reader, (size_t)vertex + 1)) {
         return sn_fail_memory(reader->error, "vertices");

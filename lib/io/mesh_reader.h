@@ -44,6 +44,7 @@ typedef struct sn_reader {
     const char *at, *end;
     int64_t line;   /* line of `at`, from 1; 0 in binary data, whose places are byte offsets */
     bool continues; /* a backslash at the end of a line joins the next one (OBJ) */
+    bool commas;    /* a comma is a blank (sites) */
 
     /* the mesh so far; its counts are true, its arrays have room for the capacities */
     sn_mesh mesh;
@@ -72,6 +73,10 @@ const char *sn_reader_found(sn_reader *reader, char *buffer);
 
 /* ---- text ----------------------------------------------------------------------------------------------------------- */
 
+/* A cursor at the start of a text, behind a byte order mark. */
+sn_reader sn_reader_of(const sn_blob *blob, sn_error *error);
+/* May a number or a word end here? '#' begins a comment only where a token begins: in "1.#QNAN" it is part of one. */
+bool sn_reader_ends_token(const sn_reader *reader, const char *at);
 /* Behind the current line, however it ends; false at the end of the file. */
 bool sn_reader_next_line(sn_reader *reader);
 /* To the first line from here on that holds more than blanks and comments; false = none. */
@@ -96,6 +101,10 @@ static inline const unsigned char *sn_reader_take(sn_reader *reader, size_t size
 }
 
 static inline size_t sn_reader_left(const sn_reader *reader) { return (size_t)(reader->end - reader->at); }
+
+/* Nothing may stand behind what a header counted: in text but for comments, in binary but for zeros and blanks. `what` is what was counted
+ * ("faces"). The one place where a count that is too small is refused. */
+SN_MUST_CHECK sn_status sn_reader_expect_end(sn_reader *reader, int64_t counted, const char *what);
 
 /* ---- the mesh ------------------------------------------------------------------------------------------------------- */
 
@@ -131,7 +140,6 @@ SN_MUST_CHECK sn_status sn_stl_parse(sn_reader *reader);
 SN_MUST_CHECK sn_status sn_off_parse(sn_reader *reader);
 SN_MUST_CHECK sn_status sn_vtk_parse(sn_reader *reader);
 SN_MUST_CHECK sn_status sn_vtp_parse(sn_reader *reader);
-bool sn_stl_is_binary(const char *data, size_t size); /* by its size; "solid" at the front proves nothing */
 bool sn_off_keyword(sn_span word);
 bool sn_vtk_is(const sn_blob *blob);
 bool sn_vtp_is(const sn_blob *blob); /* any VTKFile, also of other data sets, which are refused with a clear word */

@@ -24,15 +24,9 @@ static sn_status read_vertex(sn_reader *reader) {
     return count == 3 ? sn_reader_add_colour(reader, extra, 3) : SN_OK;
 }
 
-static bool is_delimiter(const sn_reader *reader) {
-    if (reader->at == reader->end) return true;
-    char c = *reader->at;
-    return c == ' ' || c == '\t' || c == '\n' || c == '\r' || c == '\\' || c == '#' || c == '\v' || c == '\f';
-}
-
 /* Behind "/vt", "/vt/vn" or "//vn"; false where something else follows the index. */
 static bool skip_references(sn_reader *reader) {
-    for (int slashes = 0; !is_delimiter(reader); reader->at++) {
+    for (int slashes = 0; !sn_reader_ends_token(reader, reader->at); reader->at++) {
         char c = *reader->at;
         if (c == '/' ? ++slashes > 2 : (slashes == 0 || (c != '-' && (c < '0' || c > '9')))) return false;
     }

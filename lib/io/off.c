@@ -142,7 +142,7 @@ sn_status sn_off_parse(sn_reader *reader) {
     if (status == SN_OK && header.normals) status = add_normals(reader, header.vertices);
     for (int64_t i = 0; status == SN_OK && i < header.vertices; i++) status = read_vertex(reader, &header);
     for (int64_t i = 0; status == SN_OK && i < header.faces; i++) status = read_face(reader, i, &header);
-    return status;
+    return status == SN_OK ? sn_reader_expect_end(reader, header.faces, "faces") : status;
 }
 
 /* ---- writing -------------------------------------------------------------------------------------------------------- */

@@ -235,11 +235,11 @@ static sn_status plan_faces(sn_reader *reader, header *h, const element *faces) 
 static sn_status plan(sn_reader *reader, header *h) {
     const element *vertices = find_element(h, "vertex"), *faces = find_element(h, "face");
     if (vertices == NULL) return sn_reader_fail(reader, SN_NONE, "the header declares no element vertex");
-    if (faces == NULL || faces->count == 0) {
-        return sn_fail_at(reader->error, SN_ERROR_INPUT, reader->blob->name, 0,
-                          "has no faces; a surface of triangles or polygons is needed");
-    }
     sn_status status = check_counts(reader, h);
+    if (status == SN_OK && (faces == NULL || faces->count == 0)) {
+        return sn_fail_at(reader->error, SN_ERROR_INPUT, reader->blob->name, 0,
+                          "has no faces by its header; a surface of triangles or polygons is needed");
+    }
     if (status == SN_OK) status = sn_reader_reserve(reader, vertices->count, faces->count);
     if (status == SN_OK) status = plan_vertices(reader, h, vertices);
     return status == SN_OK ? plan_faces(reader, h, faces) : status;
@@ -337,6 +337,7 @@ sn_status sn_ply_parse(sn_reader *reader) {
     if (status == SN_OK) status = plan(reader, h);
     if (status == SN_OK) begin_data(reader, h);
     for (size_t i = 0; status == SN_OK && i < h->element_count; i++) status = read_elements(reader, h, &h->elements[i]);
+    if (status == SN_OK) status = sn_reader_expect_end(reader, find_element(h, "face")->count, "faces");
     free(h);
     return status;
 }

@@ -1,5 +1,6 @@
 /* polylines.c -- fibres from a file: the lines of an OBJ file, the fibres of a muscle document, or {"polylines": [{"points": [...]}]}. */
 #include "document.h"
+#include "mesh_reader.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -19,79 +20,197 @@ static sn_status parse_json(const sn_blob *blob, sn_fibers *out, sn_error *error
 
 /* ---- OBJ: v and l ----------------------------------------------------------------------------------------------------------- */
 
-typedef struct line_reader {
-    const char *name, *at, *end; /* end: of the line */
-    int64_t line;
-    sn_index vertex_count;
-    size_t vertex_capacity, line_capacity;
-    sn_vec3 *vertices;
-    sn_fibers *out;
-} line_reader;
+/* Lines as numbers of vertices, one behind the other. */
+typedef struct line_set {
+    sn_index line_count, *starts; /* (line_count + 1) of each line among the corners */
+    sn_index corner_count, *corners;
+    size_t start_capacity, corner_capacity;
+} line_set;
 
-static void skip_spaces(line_reader *r) {
-    while (r->at < r->end && (*r->at == ' ' || *r->at == '\t' || *r->at == '\r')) r->at++;
+static void free_lines(line_set *lines) {
+    free(lines->starts);
+    free(lines->corners);
 }
 
-static sn_status complain(const line_reader *r, sn_error *error, const char *what) {
-    return sn_fail_at(error, SN_ERROR_INPUT, r->name, r->line, "%s", what);
-}
-
-static sn_status read_vertex(line_reader *r, sn_error *error) {
-    double p[3];
-    for (int i = 0; i < 3; i++) {
-        skip_spaces(r);
-        if (!sn_scan_number(r->at, r->end, &r->at, &p[i]) || !isfinite(p[i])) return complain(r, error, "a vertex must have three numbers");
-    }
-    if (r->vertex_count == SN_INDEX_MAX ||
-        !sn_grow((void **)&r->vertices, &r->vertex_capacity, (size_t)r->vertex_count + 1, sizeof *r->vertices))
-        return sn_fail_memory(error, "the points of the fibres");
-    r->vertices[r->vertex_count++] = sn_v3(p[0], p[1], p[2]);
-    return SN_OK;
-}
-
-static sn_status add_point(line_reader *r, sn_polyline *line, size_t *capacity, int64_t index, sn_error *error) {
-    if (index < 0) index += (int64_t)r->vertex_count + 1;
-    if (index < 1 || index > r->vertex_count) return complain(r, error, "a line names a vertex that does not come before it");
-    if (!sn_grow((void **)&line->points, capacity, (size_t)line->count + 1, sizeof *line->points))
-        return sn_fail_memory(error, "the points of the fibres");
-    line->points[line->count++] = r->vertices[index - 1];
-    return SN_OK;
-}
-
-static sn_status read_line(line_reader *r, sn_error *error) {
-    sn_fibers *out = r->out;
-    if (!sn_grow((void **)&out->polylines, &r->line_capacity, (size_t)out->polyline_count + 1, sizeof *out->polylines))
+static sn_status begin_line(line_set *lines, sn_error *error) {
+    if (!sn_grow((void **)&lines->starts, &lines->start_capacity, (size_t)lines->line_count + 2, sizeof(sn_index)))
         return sn_fail_memory(error, "the fibres");
-    sn_polyline *line = &out->polylines[out->polyline_count++];
-    *line = (sn_polyline){0};
-    size_t capacity = 0;
-    int64_t index;
-    for (skip_spaces(r); r->at < r->end && *r->at != '#'; skip_spaces(r)) {
-        if (!sn_scan_integer(r->at, r->end, &r->at, &index)) return complain(r, error, "a line must be made of the numbers of vertices");
-        sn_status status = add_point(r, line, &capacity, index, error);
-        if (status) return status;
-        while (r->at < r->end && *r->at != ' ' && *r->at != '\t' && *r->at != '\r') r->at++; /* /texture */
+    lines->starts[lines->line_count++] = lines->corner_count;
+    lines->starts[lines->line_count] = lines->corner_count;
+    return SN_OK;
+}
+
+static sn_status add_corner(line_set *lines, sn_index vertex, sn_error *error) {
+    if (lines->corner_count == SN_INDEX_MAX ||
+        !sn_grow((void **)&lines->corners, &lines->corner_capacity, (size_t)lines->corner_count + 1, sizeof(sn_index)))
+        return sn_fail_memory(error, "the points of the fibres");
+    lines->corners[lines->corner_count++] = vertex;
+    lines->starts[lines->line_count] = lines->corner_count;
+    return SN_OK;
+}
+
+static sn_status read_vertex(sn_reader *r) {
+    sn_vec3 position;
+    sn_status status = sn_reader_position(r, &position);
+    return status == SN_OK ? sn_reader_add_vertex(r, position) : status;
+}
+
+/* v, or v/vt; from 1, or from -1 backwards. */
+static sn_status read_line_corner(sn_reader *r, line_set *lines) {
+    const char *start = r->at, *next;
+    char found[48];
+    int64_t vertex;
+    bool good = sn_scan_integer(r->at, r->end, &next, &vertex);
+    if (good) r->at = next;
+    for (; good && !sn_reader_ends_token(r, r->at); r->at++) good = *r->at == '/' || *r->at == '-' || (*r->at >= '0' && *r->at <= '9');
+    if (!good) {
+        r->at = start;
+        return sn_reader_fail(r, SN_NONE, "a line must be made of the numbers of vertices, not %s", sn_reader_found(r, found));
     }
-    return line->count >= 2 ? SN_OK : complain(r, error, "a line must have two vertices or more");
+    if (vertex < 0) vertex += (int64_t)r->mesh.vertex_count + 1;
+    if (vertex < 1 || vertex > r->mesh.vertex_count)
+        return sn_reader_fail(r, SN_NONE, "a line names a vertex that does not come before it");
+    return add_corner(lines, (sn_index)(vertex - 1), r->error);
+}
+
+static sn_status read_line(sn_reader *r, line_set *lines) {
+    sn_status status = begin_line(lines, r->error);
+    while (status == SN_OK && !sn_reader_at_line_end(r)) status = read_line_corner(r, lines);
+    if (status != SN_OK) return status;
+    if (lines->corner_count - lines->starts[lines->line_count - 1] >= 2) return SN_OK;
+    return sn_reader_fail(r, SN_NONE, "a line must have two vertices or more");
+}
+
+static sn_status read_statements(sn_reader *r, line_set *lines) {
+    r->continues = true;
+    do {
+        sn_span word = sn_reader_word(r);
+        sn_status status = sn_span_is(word, "v") ? read_vertex(r) : sn_span_is(word, "l") ? read_line(r, lines) : SN_OK;
+        if (status != SN_OK) return status;
+    } while (sn_reader_next_line(r));
+    return SN_OK;
+}
+
+/* ---- segments that make a curve ---------------------------------------------------------------------------------------------- */
+
+/* Programs that know edges alone write a curve as lines of two points. Each vertex knows the segments at it. */
+typedef struct segments {
+    const line_set *lines;
+    sn_index *at[2]; /* (vertices) the first and the second segment that ends here; SN_NONE = none */
+    sn_index *count; /* (vertices) of line ends and inner corners; joined are those that only two segments share */
+    bool *used;      /* (lines) */
+} segments;
+
+static sn_index corners_of(const line_set *lines, sn_index line) { return lines->starts[line + 1] - lines->starts[line]; }
+
+static bool is_segment(const line_set *lines, sn_index line) {
+    const sn_index *v = lines->corners + lines->starts[line];
+    return corners_of(lines, line) == 2 && v[0] != v[1];
+}
+
+static void note_corners(segments *s, sn_index line) {
+    bool segment = is_segment(s->lines, line);
+    for (sn_index k = s->lines->starts[line]; k < s->lines->starts[line + 1]; k++) {
+        sn_index v = s->lines->corners[k];
+        if (segment && s->count[v] < 2) s->at[s->count[v]][v] = line;
+        s->count[v] += segment ? 1 : 3; /* where another line passes nothing is joined */
+    }
+}
+
+/* The segment that goes on from `line` at vertex v; SN_NONE = none, or more than one. */
+static sn_index next_segment(const segments *s, sn_index line, sn_index v) {
+    if (s->count[v] != 2) return SN_NONE;
+    sn_index other = s->at[s->at[0][v] == line][v];
+    return other != SN_NONE && !s->used[other] ? other : SN_NONE;
+}
+
+static sn_index other_end(const segments *s, sn_index line, sn_index v) {
+    const sn_index *ends = s->lines->corners + s->lines->starts[line];
+    return ends[ends[0] == v];
+}
+
+/* The end of the chain of `line`, walking over its end v against its direction; *first is the segment there. */
+static sn_index walk_back(const segments *s, sn_index line, sn_index v, sn_index *first) {
+    sn_index begin = line;
+    for (sn_index more = line; (more = next_segment(s, more, v)) != SN_NONE && more != begin; line = more) v = other_end(s, more, v);
+    *first = line;
+    return v;
+}
+
+/* The chain that `line` is in, from its first end on, as a new line. */
+static sn_status add_chain(segments *s, sn_index line, line_set *out, sn_error *error) {
+    sn_index first, v = walk_back(s, line, s->lines->corners[s->lines->starts[line]], &first);
+    sn_status status = begin_line(out, error);
+    if (status == SN_OK) status = add_corner(out, v, error);
+    for (line = first; line != SN_NONE && status == SN_OK; line = next_segment(s, line, v)) {
+        s->used[line] = true;
+        v = other_end(s, line, v);
+        status = add_corner(out, v, error);
+    }
+    return status;
+}
+
+static sn_status add_whole(const line_set *lines, sn_index line, line_set *out, sn_error *error) {
+    sn_status status = begin_line(out, error);
+    for (sn_index k = lines->starts[line]; k < lines->starts[line + 1] && status == SN_OK; k++)
+        status = add_corner(out, lines->corners[k], error);
+    return status;
+}
+
+/* Lines of two points that meet end to end become one; the order is that of the first of each. */
+static sn_status join_segments(const line_set *lines, sn_index vertex_count, line_set *out, sn_error *error) {
+    segments s = {.lines = lines,
+                  .at = {SN_NEW(sn_index, vertex_count), SN_NEW(sn_index, vertex_count)},
+                  .count = SN_NEW(sn_index, vertex_count),
+                  .used = SN_NEW(bool, lines->line_count)};
+    bool room = s.at[0] != NULL && s.at[1] != NULL && s.count != NULL && s.used != NULL;
+    sn_status status = room ? SN_OK : sn_fail_memory(error, "the fibres");
+    for (sn_index v = 0; v < vertex_count && room; v++) s.at[0][v] = s.at[1][v] = SN_NONE;
+    for (sn_index i = 0; i < lines->line_count && room; i++) note_corners(&s, i);
+    for (sn_index i = 0; i < lines->line_count && status == SN_OK; i++) {
+        if (s.used[i]) continue;
+        status = is_segment(lines, i) ? add_chain(&s, i, out, error) : add_whole(lines, i, out, error);
+    }
+    free(s.at[0]);
+    free(s.at[1]);
+    free(s.count);
+    free(s.used);
+    return status;
+}
+
+/* ---- from lines to fibres ------------------------------------------------------------------------------------------------------ */
+
+static sn_status copy_lines(const line_set *lines, const sn_vec3 *positions, sn_fibers *out, sn_error *error) {
+    if ((out->polylines = SN_NEW(sn_polyline, lines->line_count)) == NULL) return sn_fail_memory(error, "the fibres");
+    for (sn_index i = 0; i < lines->line_count; i++) {
+        sn_polyline *line = &out->polylines[out->polyline_count++];
+        sn_index count = corners_of(lines, i);
+        *line = (sn_polyline){.points = SN_NEW(sn_vec3, count)};
+        if (line->points == NULL) return sn_fail_memory(error, "the points of the fibres");
+        line->count = count;
+        for (sn_index k = 0; k < count; k++) line->points[k] = positions[lines->corners[lines->starts[i] + k]];
+    }
+    return SN_OK;
+}
+
+static sn_status make_fibers(const sn_reader *r, const line_set *lines, sn_fibers *out) {
+    line_set joined = {0};
+    sn_status status = lines->line_count > 0 ? join_segments(lines, r->mesh.vertex_count, &joined, r->error) : SN_OK;
+    if (status == SN_OK && joined.line_count < lines->line_count)
+        sn_log(SN_LOG_WARNING, "%s: %d lines, of them many of two points, are joined where they meet end to end: %d fibres", r->blob->name,
+               (int)lines->line_count, (int)joined.line_count);
+    if (status == SN_OK && joined.line_count > 0) status = copy_lines(&joined, r->mesh.positions, out, r->error);
+    free_lines(&joined);
+    return status;
 }
 
 static sn_status parse_obj(const sn_blob *blob, sn_fibers *out, sn_error *error) {
-    const char *end = blob->data + blob->size;
-    line_reader r = {.name = blob->name, .out = out};
-    sn_status status = SN_OK;
-    for (const char *at = blob->data; at < end && !status;) {
-        const char *newline = memchr(at, '\n', (size_t)(end - at));
-        r.end = newline ? newline : end;
-        r.at = at;
-        r.line++;
-        skip_spaces(&r);
-        bool keyword = r.end - r.at > 1 && (r.at[1] == ' ' || r.at[1] == '\t');
-        char first = keyword ? *r.at++ : '\0';
-        if (first == 'v') status = read_vertex(&r, error);
-        if (first == 'l') status = read_line(&r, error);
-        at = r.end + (newline != NULL);
-    }
-    free(r.vertices);
+    sn_reader r = sn_reader_of(blob, error);
+    line_set lines = {0};
+    sn_status status = read_statements(&r, &lines);
+    if (status == SN_OK) status = make_fibers(&r, &lines, out);
+    sn_mesh_free(&r.mesh);
+    free_lines(&lines);
     return status;
 }
 

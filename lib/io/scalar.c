@@ -71,3 +71,8 @@ sn_scalar sn_scalar_of_attribute(const sn_attribute *attribute, sn_index vertex_
     }
     return type;
 }
+
+bool sn_stl_is_binary(const char *data, size_t size) {
+    enum { HEADER = 80, START = HEADER + 4, RECORD = 50 };
+    return size >= START && START + RECORD * sn_scalar_decode((const unsigned char *)data + HEADER, SN_UINT32, false) == (double)size;
+}

@@ -26,4 +26,7 @@ void sn_scalar_encode(double value, sn_scalar type, bool big_endian, unsigned ch
 /* The smallest of SN_UINT8, SN_INT32 and SN_FLOAT64 that holds every value of the attribute exactly. */
 sn_scalar sn_scalar_of_attribute(const sn_attribute *attribute, sn_index vertex_count);
 
+/* Binary STL, by its size: "solid" at the front proves nothing. Here since whoever reads bytes asks for it. */
+bool sn_stl_is_binary(const char *data, size_t size);
+
 #endif

@@ -200,13 +200,9 @@ static sn_status parse_line(const sn_blob *blob, const char *from, const char *t
 static sn_status parse_lines(const sn_blob *blob, sn_muscle_names *out, sn_error *error) {
     sn_status status = SN_OK;
     size_t capacity = 0;
-    bool marked = blob->size >= 3 && memcmp(blob->data, "\xEF\xBB\xBF", 3) == 0; /* a byte order mark */
-    for (const char *text = blob->data + (marked ? 3 : 0), *all = blob->data + blob->size; text < all && status == SN_OK;) {
-        const char *end = memchr(text, '\n', (size_t)(all - text));
-        if (end == NULL) end = all;
+    sn_text_lines lines = sn_text_lines_of(blob->data, blob->size);
+    for (const char *text, *end; status == SN_OK && sn_text_next_line(&lines, &text, &end);)
         status = parse_line(blob, text, end, out, &capacity, error);
-        text = end + 1;
-    }
     return status;
 }
 

@@ -1,64 +1,36 @@
 /* sites.c -- known sites of a muscle's ends: lines "origin X Y Z" and "insertion X Y Z". */
-#include "sinew/io.h"
+#include "mesh_reader.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-typedef struct site_reader {
-    const char *name, *at, *end;
-    int64_t line;
+typedef struct site_list {
     size_t capacity;
     sn_index count;
     sn_end_site *sites;
-} site_reader;
+} site_list;
 
-static bool is_space(char c) { return c == ' ' || c == '\t' || c == ',' || c == '\r'; }
-
-static void skip_spaces(site_reader *r) {
-    while (r->at < r->end && is_space(*r->at)) r->at++;
-}
-
-static bool take_word(site_reader *r, const char *word) {
-    size_t length = strlen(word);
-    if ((size_t)(r->end - r->at) <= length || memcmp(r->at, word, length) != 0 || !is_space(r->at[length])) return false;
-    r->at += length;
-    return true;
-}
-
-/* The rest of a line: three numbers. */
-static bool take_point(site_reader *r, double point[3]) {
-    for (int i = 0; i < 3; i++) {
-        skip_spaces(r);
-        if (!sn_scan_number(r->at, r->end, &r->at, &point[i]) || !isfinite(point[i])) return false;
-    }
-    skip_spaces(r);
-    return r->at == r->end || *r->at == '\n' || *r->at == '#';
-}
-
-static sn_status read_site(site_reader *r, sn_error *error) {
-    bool insertion = take_word(r, "insertion");
+/* One line: a word and three numbers. */
+static sn_status read_site(sn_reader *r, site_list *list) {
+    sn_span word = sn_reader_word(r);
+    bool insertion = sn_span_is(word, "insertion"), good = insertion || sn_span_is(word, "origin");
     double point[3];
-    if ((!insertion && !take_word(r, "origin")) || !take_point(r, point))
-        return sn_fail_at(error, SN_ERROR_INPUT, r->name, r->line,
-                          "a site must be \"origin X Y Z\" or \"insertion X Y Z\", in the muscle's unit");
-    if (r->count == SN_INDEX_MAX || !sn_grow((void **)&r->sites, &r->capacity, (size_t)r->count + 1, sizeof *r->sites))
-        return sn_fail_memory(error, "the sites");
-    r->sites[r->count++] = (sn_end_site){sn_v3(point[0], point[1], point[2]), insertion};
+    for (int i = 0; i < 3 && good; i++) good = sn_reader_number(r, &point[i]) && isfinite(point[i]);
+    if (!good || !sn_reader_at_line_end(r))
+        return sn_reader_fail(r, SN_NONE, "a site must be \"origin X Y Z\" or \"insertion X Y Z\", of finite numbers in the muscle's unit");
+    if (list->count == SN_INDEX_MAX || !sn_grow((void **)&list->sites, &list->capacity, (size_t)list->count + 1, sizeof *list->sites))
+        return sn_fail_memory(r->error, "the sites");
+    list->sites[list->count++] = (sn_end_site){sn_v3(point[0], point[1], point[2]), insertion};
     return SN_OK;
 }
 
-static sn_status read_lines(site_reader *r, sn_error *error) {
-    for (r->line = 1; r->at < r->end; r->line++) {
-        skip_spaces(r);
-        if (r->at < r->end && *r->at != '\n' && *r->at != '#') {
-            sn_status status = read_site(r, error);
-            if (status) return status;
-        }
-        while (r->at < r->end && *r->at != '\n') r->at++;
-        if (r->at < r->end) r->at++;
+static sn_status read_lines(sn_reader *r, site_list *list) {
+    while (sn_reader_find_line(r)) {
+        sn_status status = read_site(r, list);
+        if (status != SN_OK) return status;
     }
-    if (r->count == 0) return sn_fail_at(error, SN_ERROR_INPUT, r->name, 0, "the file holds no site: no line \"origin X Y Z\"");
-    return SN_OK;
+    if (list->count > 0) return SN_OK;
+    return sn_fail_at(r->error, SN_ERROR_INPUT, r->blob->name, 0, "the file holds no site: no line \"origin X Y Z\"");
 }
 
 sn_status sn_sites_read(const char *path, sn_index *count, sn_end_site **sites, sn_error *error) {
@@ -67,14 +39,16 @@ sn_status sn_sites_read(const char *path, sn_index *count, sn_end_site **sites, 
     *sites = NULL;
     sn_status status = sn_blob_read(path, &blob, error);
     if (status) return status;
-    site_reader r = {.name = blob.name, .at = blob.data, .end = blob.data + blob.size};
-    status = read_lines(&r, error);
+    sn_reader r = sn_reader_of(&blob, error);
+    site_list list = {0};
+    r.commas = true;
+    status = read_lines(&r, &list);
     sn_blob_free(&blob);
     if (status) {
-        free(r.sites);
+        free(list.sites);
         return status;
     }
-    *count = r.count;
-    *sites = r.sites;
+    *count = list.count;
+    *sites = list.sites;
     return SN_OK;
 }

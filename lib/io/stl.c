@@ -4,6 +4,7 @@
  * Format: 3D Systems, StereoLithography Interface Specification (1989). Normals are not read: they follow from the winding.
  */
 #include "mesh_reader.h"
+#include "scalar.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -20,10 +21,6 @@ static double read_f32(const unsigned char *bytes) {
     float value;
     memcpy(&value, &bits, sizeof value);
     return (double)value;
-}
-
-bool sn_stl_is_binary(const char *data, size_t size) {
-    return size >= START && START + (uint64_t)RECORD * read_u32((const unsigned char *)data + HEADER) == size;
 }
 
 /* ---- weld ----------------------------------------------------------------------------------------------------------- */
@@ -77,6 +74,16 @@ static sn_status read_triangle(sn_reader *reader, sn_index_table *welded) {
     return sn_reader_add_face(reader, SN_NONE);
 }
 
+/* Behind the triangles that the header counts. */
+static sn_status expect_end(sn_reader *reader, uint32_t count) {
+    size_t rest = sn_reader_left(reader);
+    if (rest < RECORD) return sn_reader_expect_end(reader, count, "triangles");
+    if (sn_reader_expect_end(&(sn_reader){.blob = reader->blob, .at = reader->at, .end = reader->end}, count, "triangles") == SN_OK)
+        return SN_OK;
+    return sn_reader_fail(reader, SN_NONE, "the header counts %lu triangles, but the file has room for %zu%s", (unsigned long)count,
+                          count + rest / RECORD, rest % RECORD == 0 ? "; correct the count" : "; are these two files in one?");
+}
+
 static sn_status read_binary(sn_reader *reader, sn_index_table *welded) {
     reader->line = 0;
     reader->at = reader->blob->data;
@@ -94,7 +101,7 @@ static sn_status read_binary(sn_reader *reader, sn_index_table *welded) {
     reader->at += 4;
     sn_status status = sn_reader_reserve(reader, (int64_t)(count / 2), count);
     for (uint32_t i = 0; status == SN_OK && i < count; i++) status = read_triangle(reader, welded);
-    return status;
+    return status == SN_OK ? expect_end(reader, count) : status;
 }
 
 /* Text of STL is a row of words; lines matter to messages only. */

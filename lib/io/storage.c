@@ -12,7 +12,7 @@ enum { MOST_COLUMNS = 65536, MOST_HEADER_LINES = 10000 };
 typedef struct storage {
     const sn_blob *blob;
     sn_error *error;
-    const char *at, *end;  /* what is not read yet */
+    sn_text_lines lines;
     int64_t line;          /* of the line that was read last */
     int64_t rows, columns; /* that the header promises; -1 = it does not say */
     bool degrees_given;
@@ -43,12 +43,10 @@ static sn_span trim(sn_span s) {
 
 /* The next line without blanks around it; false at the end of the file. */
 static bool next_line(storage *s, sn_span *out) {
-    if (s->at >= s->end) return false;
-    const char *stop = memchr(s->at, '\n', (size_t)(s->end - s->at));
-    if (stop == NULL) stop = s->end;
-    *out = trim((sn_span){s->at, (size_t)(stop - s->at)});
-    s->at = stop + 1;
-    s->line++;
+    const char *text, *end;
+    if (!sn_text_next_line(&s->lines, &text, &end)) return false;
+    *out = trim((sn_span){text, (size_t)(end - text)});
+    s->line = s->lines.line;
     return true;
 }
 
@@ -200,7 +198,7 @@ static sn_status read_rows(storage *s) {
  * ---------------------------------------------------------------------------------------------------------------------------------- */
 
 bool sn_storage_detect(const sn_blob *blob) {
-    storage s = {.at = blob->data, .end = blob->data + blob->size};
+    storage s = {.lines = sn_text_lines_of(blob->data, blob->size)};
     sn_span line;
     while (s.line < 200 && next_line(&s, &line))
         if (sn_span_is_like(line, "endheader")) return true;
@@ -208,7 +206,7 @@ bool sn_storage_detect(const sn_blob *blob) {
 }
 
 sn_status sn_storage_parse(const sn_blob *blob, sn_columns *out, sn_error *error) {
-    storage s = {.blob = blob, .error = error, .at = blob->data, .end = blob->data + blob->size, .rows = -1, .columns = -1, .out = out};
+    storage s = {.blob = blob, .error = error, .lines = sn_text_lines_of(blob->data, blob->size), .rows = -1, .columns = -1, .out = out};
     *out = (sn_columns){0};
     sn_status status = (out->name = sn_strdup(blob->name)) != NULL ? SN_OK : sn_fail_memory(error, "a motion");
     if (status == SN_OK) status = read_header(&s);

@@ -7,6 +7,9 @@
  */
 #include "sinew/io.h"
 
+#include "codec.h"
+#include "scalar.h"
+
 #include <errno.h>
 #include <fcntl.h>
 #include <poll.h>
@@ -47,7 +50,49 @@ static sn_status read_descriptor(int fd, sn_blob *blob, sn_error *error) {
     return read_all(fd, S_ISREG(info.st_mode) ? (size_t)info.st_size : CHUNK, blob, error);
 }
 
-sn_status sn_blob_read(const char *path, sn_blob *out, sn_error *error) {
+/* Does a text of two bytes a character begin here: with its byte order mark, or with letters between zeros? */
+static bool is_wide_text(const char *data, size_t size) {
+    const unsigned char *b = (const unsigned char *)data;
+    if (size >= 2 && ((b[0] == 0xff && b[1] == 0xfe) || (b[0] == 0xfe && b[1] == 0xff))) return true;
+    if (size < 8) return false;
+    size_t zeros = b[0] == 0 ? 0 : 1;
+    for (size_t i = 0; i < 8; i++) {
+        bool letter = (b[i] >= ' ' && b[i] <= '~') || b[i] == '\t' || b[i] == '\r' || b[i] == '\n';
+        if (i % 2 == zeros ? b[i] != 0 : !letter) return false;
+    }
+    return true;
+}
+
+static sn_status unpack(sn_blob *blob, sn_error *error) {
+    const size_t base = (size_t)64 << 20, share = 64; /* what a packed file unpacks to must not fill the machine */
+    char *data;
+    size_t size;
+    sn_status status = sn_gunzip(blob->data, blob->size, base + share * blob->size, &data, &size);
+    if (status == SN_ERROR_MEMORY) return sn_fail_memory(error, blob->name);
+    if (status != SN_OK)
+        return sn_fail_at(error, SN_ERROR_INPUT, blob->name, 0,
+                          "cannot be unpacked: the gzip file is damaged or cut short, or would be of more than %zu MB",
+                          (base + share * blob->size) >> 20);
+    free(blob->data);
+    blob->data = data;
+    blob->size = size;
+    return SN_OK;
+}
+
+/* A text is read the same whether it is packed by gzip, begins with a byte order mark, or does not; but never as UTF-16. */
+static sn_status unwrap(sn_blob *blob, sn_error *error) {
+    sn_status status = sn_gzip_is(blob->data, blob->size) ? unpack(blob, error) : SN_OK;
+    if (status != SN_OK || sn_stl_is_binary(blob->data, blob->size)) return status;
+    if (is_wide_text(blob->data, blob->size))
+        return sn_fail_at(error, SN_ERROR_INPUT, blob->name, 0, "is a text in UTF-16, which is not read; save it as UTF-8");
+    if (blob->size >= 3 && memcmp(blob->data, "\xef\xbb\xbf", 3) == 0) {
+        blob->size -= 3;
+        memmove(blob->data, blob->data + 3, blob->size + 1);
+    }
+    return SN_OK;
+}
+
+sn_status sn_blob_read_bytes(const char *path, sn_blob *out, sn_error *error) {
     *out = (sn_blob){0};
     bool standard = is_standard(path);
     out->name = sn_strdup(standard ? "<stdin>" : path);
@@ -56,6 +101,14 @@ sn_status sn_blob_read(const char *path, sn_blob *out, sn_error *error) {
     sn_status status =
         fd < 0 ? sn_fail_at(error, SN_ERROR_IO, path, 0, "cannot be opened: %s", strerror(errno)) : read_descriptor(fd, out, error);
     if (!standard && fd >= 0) close(fd);
+    if (status != SN_OK) sn_blob_free(out);
+    return status;
+}
+
+sn_status sn_blob_read(const char *path, sn_blob *out, sn_error *error) {
+    sn_status status = sn_blob_read_bytes(path, out, error);
+    if (status != SN_OK) return status;
+    status = unwrap(out, error);
     if (status != SN_OK) sn_blob_free(out);
     return status;
 }

@@ -99,7 +99,7 @@ static sn_status read_mdd(const sn_blob *blob, const sn_track_options *options, 
 
 static sn_status read_cache(const char *path, const sn_track_options *options, sn_vertex_track *out, sn_error *error) {
     sn_blob blob;
-    sn_status status = sn_blob_read(path, &blob, error);
+    sn_status status = sn_blob_read_bytes(path, &blob, error);
     if (status != SN_OK) return status;
     bool pc2 = blob.size >= 11 && memcmp(blob.data, "POINTCACHE2", 11) == 0;
     if (!pc2) status = read_mdd(&blob, options, out, error);

@@ -244,6 +244,10 @@ static sn_status read_rows(vtk_file *file, cell_kind kind, int64_t cells, int64_
         size -= (int64_t)corners;
         status = read_cell(file, kind, SN_INT32, (int64_t)corners);
     }
+    if (status == SN_OK && size > 0) {
+        return sn_reader_fail(file->reader, SN_NONE, "the %lld cells that are counted leave %lld of their numbers over; correct the counts",
+                              (long long)cells, (long long)size);
+    }
     return status;
 }
 
@@ -280,11 +284,12 @@ static sn_status read_split_cells(vtk_file *file, cell_kind kind, int64_t count,
         status = skip_values(file, type, corners, "CONNECTIVITY");
     } else if (status == SN_OK) {
         status = begin_values(file, type, corners, "CONNECTIVITY");
-        double ignored;
-        for (int64_t i = 0; status == SN_OK && count > 0 && i < offsets[0]; i++) status = read_value(file, type, "CONNECTIVITY", &ignored);
+        int64_t used = count > 0 ? offsets[count - 1] - offsets[0] : 0;
+        if (status == SN_OK && used != corners) {
+            status = sn_reader_fail(file->reader, SN_NONE, "the cells name %lld vertices by their offsets, but %lld are counted",
+                                    (long long)used, (long long)corners);
+        }
         for (int64_t i = 0; status == SN_OK && i + 1 < count; i++) status = read_cell(file, kind, type, offsets[i + 1] - offsets[i]);
-        int64_t left = count > 0 ? corners - offsets[count - 1] : corners;
-        for (int64_t i = 0; status == SN_OK && i < left; i++) status = read_value(file, type, "CONNECTIVITY", &ignored);
     }
     free(offsets);
     return status;

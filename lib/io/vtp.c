@@ -213,12 +213,26 @@ static sn_status fail_piece(const vtp_file *file, size_t piece_index, const char
     return sn_fail_at(file->reader->error, SN_ERROR_INPUT, file->reader->blob->name, file->pieces[piece_index].line, "the piece %s", what);
 }
 
+/* Where a piece counts none of what an array is for, the array must be empty. */
+static sn_status expect_none(vtp_file *file, size_t piece_index, section kind, const char *name, const char *what) {
+    const sn_vtp_array *array = find_array(file, piece_index, kind, name);
+    sn_vtp_values values = {0};
+    sn_error *error = file->reader->error;
+    if (array == NULL) return SN_OK;
+    file->reader->error = NULL; /* an empty element need not be an array */
+    sn_status status = sn_vtp_open(file->reader, &file->layout, array, 0, what, &values);
+    file->reader->error = error;
+    status = status == SN_OK ? sn_vtp_expect_end(&values) : SN_OK;
+    sn_vtp_close(&values);
+    return status;
+}
+
 static sn_status read_points(vtp_file *file, size_t piece_index) {
     sn_reader *reader = file->reader;
     int64_t count = file->pieces[piece_index].points;
     const sn_vtp_array *array = find_array(file, piece_index, POINTS, NULL);
     sn_vtp_values values = {0};
-    if (count == 0) return SN_OK;
+    if (count == 0) return expect_none(file, piece_index, POINTS, NULL, "points");
     if (array == NULL || (array->components != 3 && array->components != 1))
         return fail_piece(file, piece_index, "has no points of three numbers");
     if (count > SN_INDEX_MAX - reader->mesh.vertex_count) return fail_piece(file, piece_index, "has more points than can be counted");
@@ -229,6 +243,7 @@ static sn_status read_points(vtp_file *file, size_t piece_index) {
         for (int c = 0; status == SN_OK && c < 3; c++) status = sn_vtp_next(&values, &x[c]);
         if (status == SN_OK) status = sn_reader_add_vertex(reader, sn_v3(x[0], x[1], x[2]));
     }
+    if (status == SN_OK) status = sn_vtp_expect_end(&values);
     sn_vtp_close(&values);
     return status;
 }
@@ -251,6 +266,7 @@ static sn_status read_offsets(vtp_file *file, const sn_vtp_array *array, int64_t
         (*out)[i] = (int64_t)value;
         before = value;
     }
+    if (status == SN_OK) status = sn_vtp_expect_end(&values);
     sn_vtp_close(&values);
     return status;
 }
@@ -286,12 +302,13 @@ static sn_status read_connectivity(vtp_file *file, const sn_vtp_array *array, co
         for (int64_t k = begin; status == SN_OK && k < cells->ends[i]; k++) status = read_corner(file, &values, cells);
         if (status == SN_OK) status = cells->kind == STRIPS ? sn_reader_add_strip(reader) : sn_reader_add_face(reader, SN_NONE);
     }
+    if (status == SN_OK) status = sn_vtp_expect_end(&values);
     sn_vtp_close(&values);
     return status;
 }
 
 static sn_status read_cells(vtp_file *file, size_t piece_index, section kind, int64_t count, sn_index first) {
-    if (count == 0) return SN_OK;
+    if (count == 0) return expect_none(file, piece_index, kind, "offsets", "offsets");
     const sn_vtp_array *offsets = find_array(file, piece_index, kind, "offsets");
     const sn_vtp_array *connectivity = find_array(file, piece_index, kind, "connectivity");
     if (offsets == NULL || connectivity == NULL) return fail_piece(file, piece_index, "has cells without connectivity and offsets");
@@ -327,6 +344,7 @@ static sn_status read_rows(vtp_file *file, size_t piece_index, const sn_vtp_arra
     for (int64_t i = 0; status == SN_OK && *attribute != NULL && i < count; i++) {
         status = sn_vtp_next(&values, &(*attribute)->values[first * components + i]);
     }
+    if (status == SN_OK && *attribute != NULL) status = sn_vtp_expect_end(&values);
     sn_vtp_close(&values);
     return status;
 }

@@ -165,8 +165,21 @@ sn_status sn_vtp_next(sn_vtp_values *values, double *out) {
     }
     char found[48];
     if (!sn_reader_find_line(reader)) return sn_reader_fail(reader, SN_NONE, "%s end too soon; there must be more numbers", values->what);
+    values->next++;
     if (sn_reader_number(reader, out)) return SN_OK;
     return sn_reader_fail(reader, SN_NONE, "expected a number of %s, found %s", values->what, sn_reader_found(reader, found));
+}
+
+sn_status sn_vtp_expect_end(sn_vtp_values *values) {
+    size_t read = values->next, held = values->count;
+    if (values->text) {
+        sn_reader ahead = *values->reader;
+        for (held = read; sn_reader_find_line(&ahead); held++) sn_reader_word(&ahead);
+    }
+    if (held == read) return SN_OK;
+    return sn_reader_fail(values->reader, SN_NONE,
+                          "by the piece's counts there are %zu numbers of %s, but the file holds %zu; correct the counts", read,
+                          values->what, held);
 }
 
 void sn_vtp_close(sn_vtp_values *values) {

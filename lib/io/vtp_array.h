@@ -34,7 +34,7 @@ typedef struct sn_vtp_values {
     bool text, big_endian;
     sn_scalar type;
     const unsigned char *bytes;
-    size_t count, next;
+    size_t count, next;   /* next: how many were read, also of text */
     unsigned char *owned; /* unpacked bytes; NULL where they are read in place */
 } sn_vtp_values;
 
@@ -42,6 +42,8 @@ typedef struct sn_vtp_values {
 SN_MUST_CHECK sn_status sn_vtp_open(sn_reader *reader, const sn_vtp_layout *layout, const sn_vtp_array *array, int64_t least,
                                     const char *what, sn_vtp_values *out);
 SN_MUST_CHECK sn_status sn_vtp_next(sn_vtp_values *values, double *out);
+/* All values of the array must have been read; an error that names both counts. */
+SN_MUST_CHECK sn_status sn_vtp_expect_end(sn_vtp_values *values);
 void sn_vtp_close(sn_vtp_values *values);
 
 #endif

@@ -153,18 +153,15 @@ static sn_status add_line(const char *text, const char *end, sn_setting **list, 
 }
 
 sn_status sn_settings_parse(const char *text, size_t size, sn_setting **out, sn_index *count, sn_error *error) {
-    const char *end = text + size;
+    sn_text_lines lines = sn_text_lines_of(text, size);
     size_t capacity = 0;
-    int64_t line = 1;
     sn_status status = SN_OK;
     *out = NULL;
     *count = 0;
-    for (const char *next; text < end && status == SN_OK; text = next, line++) {
-        const char *stop = memchr(text, '\n', (size_t)(end - text));
-        next = stop != NULL ? stop + 1 : end;
-        const char *comment = memchr(text, '#', (size_t)(next - text));
-        status = add_line(text, comment != NULL ? comment : stop != NULL ? stop : end, out, &capacity, count, error);
-        if (status != SN_OK && error != NULL) error->line = line;
+    for (const char *from, *to; status == SN_OK && sn_text_next_line(&lines, &from, &to);) {
+        const char *comment = memchr(from, '#', (size_t)(to - from));
+        status = add_line(from, comment != NULL ? comment : to, out, &capacity, count, error);
+        if (status != SN_OK && error != NULL) error->line = lines.line;
     }
     if (status == SN_OK && *count == 0) status = sn_fail(error, SN_ERROR_INPUT, "there is no setting: write one a line");
     if (status == SN_OK) return SN_OK;

@@ -194,6 +194,35 @@ pretend() {
     refused "folder/a.gltf: cannot be imported" timeout 300 "$clean" folder/a.gltf
 }
 
+@test "buffers are found by uris with %20, by names as they are, and without an extension" {
+    "$scene" bin a.gltf
+    "$clean" a.gltf -o a.ply
+    for name in 'my side.bin' 'my%20side.bin' 'side' 'm\xc3\xbc side'; do
+        name=$(printf "$(echo "$name" | sed 's/%/%%/g')")
+        for uri in "$name" "$(echo "$name" | sed 's/%/%25/g; s/ /%20/g; s/ü/%C3%bc/g')"; do
+            mv side.bin "$name" 2> /dev/null || [ "$name" = side ] || true
+            sed "s|side.bin|$uri|" a.gltf > b.gltf
+            "$clean" b.gltf -o b.ply
+            cmp a.ply b.ply
+        done
+        mv "$name" side.bin
+    done
+    mkdir below
+    mv a.gltf below
+    for uri in %2e%2e/side.bin ..%2fside.bin side%00.bin; do
+        sed "s|side.bin|$uri|" below/a.gltf > below/b.gltf
+        refused "below/b.gltf: cannot be imported" "$clean" below/b.gltf
+    done
+}
+
+@test "a GLB and a 3DS file that go on behind their length are refused" {
+    for format in glb 3ds; do
+        "$scene" $format a.$format
+        cat a.$format a.$format > two.$format
+        refused "two.$format: the header counts [0-9]* bytes, but the file has [0-9]*" "$clean" two.$format
+    done
+}
+
 @test "vertex colours are kept, and a number that is none is dropped on request" {
     "$scene" colours a.glb
     "$clean" --mesh biceps a.glb -o a.ply

@@ -124,3 +124,43 @@ refused() {
     grep -aq '^property uchar red' kept.ply
     grep -aq '^property double painted' kept.ply
 }
+
+@test "a coordinate of Windows is not a finite number, with its line, in every text format" {
+    sed '2s/-.1/-1.#IND/' eight.obj > nan.obj
+    refused 'nan.obj:2: .*not a finite number' "$clean" nan.obj
+    "$clean" -q --repair-nonfinite --repair full nan.obj -o cleaned.ply
+    "$clean" -q eight.obj -o plain.ply
+    [ "$(grep -ac 'element vertex 5' cleaned.ply)" -eq 1 ] # the five that are left
+}
+
+@test "texts are read packed by gzip, with a byte order mark and other line ends, and not as UTF-16" {
+    for format in obj off ply; do
+        [ $format = obj ] || "$clean" -q eight.obj -o eight.$format
+        "$clean" -q eight.$format -o plain.ply
+        gzip -c eight.$format > packed.$format.gz
+        "$clean" -q packed.$format.gz -o again.ply
+        cmp plain.ply again.ply
+    done
+    { printf '\xef\xbb\xbf'; sed 's/$/\r/' eight.obj; } > marked.obj
+    "$clean" -q marked.obj -o again.ply
+    "$clean" -q eight.obj -o plain.ply
+    cmp plain.ply again.ply
+    iconv -f UTF-8 -t UTF-16 eight.obj > wide.obj
+    refused 'wide.obj: .*UTF-16' "$clean" wide.obj
+    gzip -c eight.obj | head -c 60 > short.obj.gz
+    refused 'short.obj.gz: cannot be unpacked' "$clean" short.obj.gz
+}
+
+@test "a header that counts less than the file holds is refused with both counts" {
+    "$clean" -q eight.obj -o eight.stl
+    { head -c 80 eight.stl; printf '\4\0\0\0'; tail -c +85 eight.stl; } > four.stl
+    refused 'four.stl: byte [0-9]*: the header counts 4 triangles, but the file has room for 8' "$clean" four.stl
+    cat eight.stl eight.stl > two.stl
+    refused 'two.stl: .*counts 8 triangles' "$clean" two.stl
+    "$clean" -q eight.obj -o eight.off
+    cat eight.off eight.off > two.off
+    refused 'two.off:.*counts 8 faces, but [0-9]* more lines' "$clean" two.off
+    "$clean" -q eight.obj -o eight.ply
+    cat eight.ply eight.ply > two.ply
+    refused 'two.ply: .*counts 8 faces, but [0-9]* more bytes' "$clean" two.ply
+}
