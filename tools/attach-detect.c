@@ -85,6 +85,7 @@ static const cli_tool tool = {
     .shared = CLI_CHAIN | CLI_HAS_THREADS,
     .options = options,
     .option_count = sizeof options / sizeof *options,
+    .writes = CLI_WRITES_MUSCLE,
     .notes = "SELECTOR: indices:3,4,5  near:x,y,z[,n]  sphere:x,y,z,r  box:x0,y0,z0,x1,y1,z1  plane:px,py,pz,nx,ny,nz\n"
              "          half:px,py,pz,nx,ny,nz  painted:NAME[>T]; in the document's unit",
 };

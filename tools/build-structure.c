@@ -21,12 +21,9 @@ static const cli_option options[] = {
      "take away branches lower than this share of the muscle's length, or than the radius at their split (default 0.03; 0 = keep all)"},
 };
 
-static const cli_tool tool = {"build-structure",
-                              "grow the internal structure of a muscle from its roots",
-                              CLI_CHAIN,
-                              options,
-                              sizeof options / sizeof *options,
-                              NULL};
+static const cli_tool tool = {
+    "build-structure", "grow the internal structure of a muscle from its roots", CLI_CHAIN, options, sizeof options / sizeof *options, NULL,
+    CLI_WRITES_MUSCLE};
 
 /* ---- report --------------------------------------------------------------------------------------------------------------- */
 

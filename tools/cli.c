@@ -320,7 +320,37 @@ static void receive_log(void *user, sn_log_level level, const char *text) {
         fprintf(stderr, "%s: %s\n", c->tool->name, text);
 }
 
+/* Is it one of those in the list, with commas? */
+static bool is_listed(const char *ending, const char *list) {
+    size_t length = strlen(ending);
+    for (const char *word = list; *word != '\0'; word += strspn(word, ", ")) {
+        size_t end = strcspn(word, ", ");
+        if (end == length && strncasecmp(word, ending, length) == 0) return true;
+        word += end;
+    }
+    return false;
+}
+
+/* An ending that says a format which is not written: a host would read the file as what it is not. Others say nothing. */
+static void check_ending(const cli *c, const char *option, const char *path, const char *writes) {
+    static const char known[] =
+        ".json, .jsonl, .obj, .ply, .stl, .off, .vtk, .vtp, .vtu, .pvd, .glb, .gltf, .fbx, .dae, .abc, .usd, .usda, .usdc, "
+        ".usdz, .3ds, .3mf, .x3d, .wrl, .blend, .ma, .mb, .max, .c4d, .bvh, .asf, .amc, .c3d, .trc, .pc2, .mdd, .osim, "
+        ".png, .jpg, .jpeg, .svg, .pdf, .gif, .tif, .tiff, .bmp, .webp, .eps, .ps, .exr, .mp4, .mov, .avi, .csv, .tsv, "
+        ".xlsx, .sto, .mot, .mat, .npy, .npz, .gz, .zip";
+    const char *slash = path != NULL ? strrchr(path, '/') : NULL, *dot = path != NULL ? strrchr(slash != NULL ? slash : path, '.') : NULL;
+    if (dot == NULL || writes == NULL || !is_listed(dot, known) || is_listed(dot, writes)) return;
+    cli_usage_error(c, "--%s %s: that is not written; an ending may be %s", option, path, writes);
+}
+
+static void check_endings(const cli *c) {
+    if (c->tool->shared & CLI_HAS_OUTPUT) check_ending(c, "output", shared.output, c->tool->writes);
+    if (c->tool->shared & CLI_HAS_REPORT) check_ending(c, "report", shared.report, ".json");
+    if (c->tool->shared & CLI_HAS_TRACE) check_ending(c, "trace", shared.trace, ".jsonl, .json");
+}
+
 static void take_shared(cli *c) {
+    check_endings(c);
     c->output = shared.output != NULL ? shared.output : "-";
     c->report = shared.report;
     c->read.meters_per_unit = cli_given(c, "units") ? cli_unit_meters[shared.units] : 0.0;

@@ -56,6 +56,9 @@ extern const char *const cli_unit_names[]; /* "m", "cm", "mm" */
 extern const double cli_unit_meters[];     /* in their order, m */
 extern const char *const cli_up_names[];   /* "z", "y" */
 
+/* What the tools of the chain may write. */
+#define CLI_WRITES_MUSCLE ".json, .obj, .ply, .stl, .off, .vtk, .vtp"
+
 /* Which of the shared options a tool takes. */
 enum {
     CLI_TAKES_INPUT = 1,   /* one positional INPUT; "-" or nothing = stdin */
@@ -77,7 +80,8 @@ typedef struct cli_tool {
     unsigned shared;     /* CLI_TAKES_... and CLI_HAS_... */
     const cli_option *options;
     int option_count;
-    const char *notes; /* nullable: further lines for --help */
+    const char *notes;  /* nullable: further lines for --help */
+    const char *writes; /* nullable: what --output may end in, as ".json, .obj"; other endings that say a format are wrong usage */
 } cli_tool;
 
 typedef struct cli {

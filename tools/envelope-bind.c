@@ -38,7 +38,8 @@ static const cli_tool tool = {"envelope-bind",
                                   CLI_HAS_THREADS,
                               options,
                               sizeof options / sizeof *options,
-                              "INPUT is a mesh, or an envelope document, which is taken as it is bound."};
+                              "INPUT is a mesh, or an envelope document, which is taken as it is bound.",
+                              ".json"};
 
 /* What a motion has made of the envelope. */
 typedef struct course {

@@ -50,7 +50,8 @@ static const cli_tool tool = {"fiber-fill",
                               CLI_CHAIN | CLI_HAS_THREADS,
                               options,
                               sizeof options / sizeof *options,
-                              "The document gets the fibres; an output that ends in .vtp or .obj gets them as bare lines."};
+                              "The document gets the fibres; an output that ends in .vtp or .obj gets them as bare lines.",
+                              CLI_WRITES_MUSCLE};
 
 /* ---- report --------------------------------------------------------------------------------------------------------------- */
 

@@ -28,7 +28,8 @@ static const cli_option options[] = {
 };
 
 static const cli_tool tool = {
-    "fiber-flow", "give every surface vertex a fibre direction", CLI_CHAIN, options, sizeof options / sizeof *options, NULL};
+    "fiber-flow",     "give every surface vertex a fibre direction", CLI_CHAIN, options, sizeof options / sizeof *options, NULL,
+    CLI_WRITES_MUSCLE};
 
 /* ---- report --------------------------------------------------------------------------------------------------------------- */
 

@@ -276,7 +276,7 @@ sn_status fibers_open_frames(fiber_run *run, sn_index muscle, const char *path, 
     if (run->muscles == NULL || !run->with.frames || run->muscles[muscle].bundle.fiber_count == 0) return SN_OK;
     fiber_muscle *f = &run->muscles[muscle];
     const sn_fiber_bundle *b = &f->bundle;
-    char *cache = beside(path, "-fibers.pc2"), *prefix = beside(path, "-fibers");
+    char *cache = beside(path, FIBERS_SUFFIX ".pc2"), *prefix = beside(path, FIBERS_SUFFIX);
     sn_status status = cache != NULL && prefix != NULL ? SN_OK : sn_fail_memory(error, "the frames of the fibres");
     if (status == SN_OK) status = sn_pc2_create(cache, b->point_count, first, 1.0, &f->cache, error);
     if (status == SN_OK) status = sn_line_frames_create(prefix, b->fiber_count, b->start, b->rest_length, &f->lines, error);

@@ -53,6 +53,9 @@ typedef struct fiber_run {
     int64_t moves;
 } fiber_run;
 
+/* The frames of a muscle's fibres are named after its own. */
+#define FIBERS_SUFFIX "-fibers"
+
 /* Did an option ask for fibres? Options that make no sense together are wrong usage and exit. */
 bool fibers_wanted(const cli *c, const fiber_choices *with);
 /* Bind the fibres of all muscles to their surfaces. SN_ERROR_INPUT where no muscle has any; one without is warned of. The run keeps

@@ -17,7 +17,8 @@ sn_status frame_folder_make(const char *path, sn_error *error) {
     return sn_fail_at(error, SN_ERROR_IO, path, 0, "cannot make this folder: %s", strerror(errno));
 }
 
-static char in_file(char letter) { return letter == '/' ? '_' : letter; }
+/* Letter i of a name as a file has it; a dot before it would hide the file. */
+static char in_file(const char *name, size_t i) { return name[i] == '/' || (i == 0 && name[i] == '.') ? '_' : name[i]; }
 
 char *frame_path(const char *folder, const char *name, const char *suffix) {
     size_t size = strlen(folder) + strlen(name) + strlen(suffix) + 2;
@@ -25,13 +26,14 @@ char *frame_path(const char *folder, const char *name, const char *suffix) {
     if (path == NULL) return NULL;
     size_t start = (size_t)snprintf(path, size, "%s%s", folder, folder[strlen(folder) - 1] == '/' ? "" : "/");
     snprintf(path + start, size - start, "%s%s", name, suffix);
-    for (char *p = path + start; *p != '\0'; p++) *p = in_file(*p);
+    for (size_t i = 0; i < strlen(name); i++) path[start + i] = in_file(name, i);
     return path;
 }
 
 bool frame_names_clash(const char *a, const char *b) {
-    while (*a != '\0' && in_file(*a) == in_file(*b)) a++, b++;
-    return in_file(*a) == in_file(*b);
+    size_t i = 0;
+    while (a[i] != '\0' && in_file(a, i) == in_file(b, i)) i++;
+    return in_file(a, i) == in_file(b, i);
 }
 
 sn_status frame_write_ply(const char *prefix, sn_index frame, const sn_mesh *mesh, sn_error *error) {

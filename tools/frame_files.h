@@ -6,7 +6,7 @@
 
 bool frame_folder_is(const char *path);
 SN_MUST_CHECK sn_status frame_folder_make(const char *path, sn_error *error); /* it may be there */
-/* "FOLDER/NAME" and a suffix; a '/' in the name becomes '_'. NULL = out of memory. */
+/* "FOLDER/NAME" and a suffix; a '/' in the name becomes '_', and a dot that it begins with. NULL = out of memory. */
 char *frame_path(const char *folder, const char *name, const char *suffix);
 /* Are the names of two things one name as files? */
 bool frame_names_clash(const char *a, const char *b);

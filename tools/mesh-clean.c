@@ -41,7 +41,8 @@ static const cli_option options[] = {
 };
 
 static const cli_tool tool = {
-    "mesh-clean", "make a closed, oriented manifold of a surface mesh", CLI_CHAIN, options, sizeof options / sizeof *options, NULL};
+    "mesh-clean",     "make a closed, oriented manifold of a surface mesh", CLI_CHAIN, options, sizeof options / sizeof *options, NULL,
+    CLI_WRITES_MUSCLE};
 
 /* ---- options ------------------------------------------------------------------------------------------------------------ */
 

@@ -32,7 +32,8 @@ static const cli_tool tool = {"mesh-import",
                               CLI_TAKES_INPUT | CLI_HAS_OUTPUT,
                               options,
                               sizeof options / sizeof *options,
-                              NULL};
+                              NULL,
+                              ".ply"};
 
 /* ---- the files that assimp may open: the input, and binary buffers beside it ----------------------------------------------- */
 

@@ -49,7 +49,8 @@ static const cli_tool tool = {"motion-fit",
                               CLI_TAKES_INPUT | CLI_HAS_OUTPUT | CLI_HAS_TRACE | CLI_HAS_REPORT | CLI_HAS_HISTORY | CLI_HAS_THREADS,
                               options,
                               sizeof options / sizeof *options,
-                              "The motion is a motion document, or what motion-import reads."};
+                              "The motion is a motion document, or what motion-import reads.",
+                              ".json"};
 
 /* What one run holds. */
 typedef struct job {

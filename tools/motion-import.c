@@ -48,7 +48,8 @@ static const cli_tool tool = {"motion-import",
                               CLI_TAKES_INPUT | CLI_HAS_OUTPUT | CLI_HAS_TRACE | CLI_HAS_REPORT | CLI_HAS_HISTORY,
                               options,
                               sizeof options / sizeof *options,
-                              "The document is in metres, z up. Filter, then frames, then rate."};
+                              "The document is in metres, z up. Filter, then frames, then rate.",
+                              ".json"};
 
 /* What one run holds. */
 typedef struct job {

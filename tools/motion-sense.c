@@ -31,7 +31,8 @@ static const cli_tool tool = {"motion-sense",
                               CLI_TAKES_INPUT | CLI_HAS_OUTPUT | CLI_HAS_TRACE | CLI_HAS_REPORT | CLI_HAS_HISTORY,
                               options,
                               sizeof options / sizeof *options,
-                              "An output of .tsv, .sto or .mot is a table of activations. A chart needs gnuplot."};
+                              "An output of .tsv, .sto or .mot is a table of activations. A chart needs gnuplot.",
+                              ".json, .tsv, .sto, .mot"};
 
 /* What one run holds. */
 typedef struct job {

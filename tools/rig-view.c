@@ -91,6 +91,7 @@ static const cli_tool tool = {
     .shared = CLI_TAKES_INPUTS | CLI_HAS_OUTPUT | CLI_HAS_UNITS | CLI_HAS_THREADS,
     .options = options,
     .option_count = sizeof options / sizeof *options,
+    .writes = ".png",
     .notes = "INPUT is a muscle document, a bare mesh (OBJ, PLY, STL, OFF, VTK, VTP), a motion document or a scene;\n"
              "nothing or \"-\" is standard input.\n"
              "Several inputs, views or frames make a contact sheet.",

@@ -37,7 +37,8 @@ static const cli_tool tool = {"root-select",
                               CLI_CHAIN,
                               options,
                               sizeof options / sizeof *options,
-                              "Without a selection the roots are the ring of vertices around the middle, found from the muscle's shape."};
+                              "Without a selection the roots are the ring of vertices around the middle, found from the muscle's shape.",
+                              CLI_WRITES_MUSCLE};
 
 /* ---- options -------------------------------------------------------------------------------------------------------------- */
 

@@ -62,7 +62,8 @@ static const cli_tool tool = {"scene-build",
                               CLI_TAKES_INPUTS | CLI_HAS_OUTPUT | CLI_HAS_REPORT | CLI_HAS_HISTORY,
                               options,
                               sizeof options / sizeof *options,
-                              "An input is a rig, or a folder: every .muscle.json in it."};
+                              "An input is a rig, or a folder: every .muscle.json in it.",
+                              ".json"};
 
 /* What one run holds. */
 typedef struct job {

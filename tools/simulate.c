@@ -402,10 +402,31 @@ static sn_status open_target(job *j, sn_index muscle, bool file, sn_error *error
     return sn_mesh_copy(&m->source->rig.mesh, &t->mesh, error);
 }
 
+/* Would two of them be one file in the folder? That of b's fibres is named after b's. */
+static bool files_clash(const char *a, const char *b) {
+    size_t size = strlen(b) + sizeof FIBERS_SUFFIX;
+    char *fibers = given.fibers.frames ? sn_alloc(size, 1) : NULL;
+    if (fibers != NULL) snprintf(fibers, size, "%s%s", b, FIBERS_SUFFIX);
+    bool clash = frame_names_clash(a, b) || (fibers != NULL && frame_names_clash(a, fibers));
+    free(fibers);
+    return clash;
+}
+
+static sn_status check_names(const job *j, sn_error *error) {
+    for (sn_index i = 0; i < j->model->muscle_count; i++)
+        for (sn_index k = 0; k < j->model->muscle_count; k++) {
+            const char *a = j->model->muscles[i].source->name, *b = j->model->muscles[k].source->name;
+            if (k != i && files_clash(a, b))
+                return sn_fail(error, SN_ERROR_INPUT, "the muscles \"%s\" and \"%s\" would share a file of frames; rename one", a, b);
+        }
+    return SN_OK;
+}
+
 static sn_status open_targets(job *j, sn_error *error) {
     if (!cli_given(&j->c, "output")) return SN_OK;
     bool file = one_file(j);
-    sn_status status = file ? SN_OK : frame_folder_make(j->c.output, error);
+    sn_status status = check_names(j, error);
+    if (status == SN_OK && !file) status = frame_folder_make(j->c.output, error);
     if (status == SN_OK && (j->targets = SN_NEW(target, j->model->muscle_count)) == NULL) status = sn_fail_memory(error, "the frames");
     for (sn_index i = 0; status == SN_OK && i < j->model->muscle_count; i++) status = open_target(j, i, file, error);
     return status;

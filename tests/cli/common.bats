@@ -136,3 +136,25 @@ setup() {
     [ "$(nm -u "$build/libsinew.a" | grep -c -E ' U (sn_exp|mpfr_exp|sn_quick_atan2)$')" -ge 5 ]
     refute calls "$build/libsinew.a" "$build"/tools/*.o "$build"/share/examples/*/*.o
 }
+
+@test "an output whose ending says a format that a tool does not write is wrong usage, in every tool; others are not" {
+    for tool in mesh-clean root-select build-structure fiber-flow fiber-fill attach-detect envelope-bind motion-import motion-fit motion-sense scene-build; do
+        for ending in glb fbx dae abc usda JPG pdf; do
+            run -2 "$BIN/$tool" -o "folder.x/out.$ending" /dev/null
+            [[ "$output" == *"out.$ending"*.json* ]] || { echo "$tool $ending: $output"; false; }
+            [ ! -e "out.$ending" ]
+        done
+    done
+    for ending in jpg svg pdf gif json ply; do
+        run -2 "$BIN/rig-view" -o "out.$ending" /dev/null
+        [[ "$output" == *.png* ]]
+    done
+    run -2 "$BIN/mesh-clean" --report out.pdf /dev/null
+    [[ "$output" == *--report*out.pdf* ]]
+    "$EXAMPLES/tip/tip" --triangles 200 tip > /dev/null
+    for name in out.json out.JSON out.ply out.json.new glb ./a.glb/out out.v2; do
+        mkdir -p a.glb
+        "$BIN/mesh-clean" -q tip/fusiform.muscle.json -o "$name"
+        [ -s "$name" ]
+    done
+}

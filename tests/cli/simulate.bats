@@ -827,3 +827,31 @@ assert rms("a.jsonl") < 0.3 * rms("loose.jsonl"), (rms("a.jsonl"), rms("loose.js
     grep -q 'external constraints are left out' err
     run -2 "$BIN/simulate" tied.scene.json --externals --no-externals
 }
+
+@test "muscles whose frames would be one file are refused before any work, and none becomes a hidden file" {
+    "$EXAMPLES/tip/tip" --triangles 200 tip > /dev/null
+    name_two() {
+        python3 - "$@" << 'END'
+import json, sys
+scene = json.load(open("tip/tip.scene.json"))
+scene["muscles"] = [dict(scene["muscles"][0], name=name) for name in sys.argv[1:]]
+json.dump(scene, open("tip/two.scene.json", "w"))
+END
+    }
+    for names in "a/b a_b" ".a _a" "/a .a"; do
+        # shellcheck disable=SC2086
+        name_two $names
+        run -1 "$BIN/simulate" -q tip/two.scene.json --frames 0:1 -o nowhere
+        for name in $names; do [[ "$output" == *"\"$name\""* ]] || { echo "$output"; false; }; done
+        [ ! -e nowhere ]
+    done
+    name_two x x-fibers
+    "$BIN/simulate" -q tip/two.scene.json --frames 0:1 -o apart --log log
+    [ "$(ls apart)" = "x-fibers.pc2
+x.pc2" ]
+    run -1 "$BIN/simulate" -q tip/two.scene.json --frames 0:1 --fibers -o nowhere
+    name_two .hidden a.b
+    "$BIN/simulate" -q tip/two.scene.json --frames 0:1 -o shown --log log
+    [ "$(ls -A shown)" = "_hidden.pc2
+a.b.pc2" ]
+}
