@@ -329,7 +329,25 @@ static void warn_nothing(const cli *c, const outcome *o) {
                  name_of(o), bone_name, millimetres, nearest->nearby ? "" : ", with --pairs all");
 }
 
+/* Contact asks what is inside of a bone. */
+static sn_status warn_of_bone(const cli *c, const bone *b, sn_error *error) {
+    sn_mesh_report report;
+    char why[256];
+    sn_status status = sn_mesh_inspect(&b->mesh, &report, error);
+    if (status == SN_OK && sn_mesh_is_ambiguous(&report, sizeof why, why)) cli_warn(c, "bone \"%s\": %s", b->name, why);
+    return status;
+}
+
+static sn_status warn_of_bones(const cli *c, const outcome *o, sn_error *error) {
+    sn_status status = SN_OK;
+    for (size_t i = 0; i < o->bones.count && status == SN_OK && (method_bits[method] & SN_ATTACH_CONTACT); i++)
+        if (o->bones.items[i].used) status = warn_of_bone(c, &o->bones.items[i], error);
+    return status;
+}
+
 static sn_status warn(const cli *c, const outcome *o, bool stopped, sn_error *error) {
+    sn_status status = warn_of_bones(c, o, error);
+    if (status != SN_OK) return status;
     warn_of_areas(c, o);
     warn_of_sliding(c, o);
     if (!wants_attachments() || stopped) return SN_OK;

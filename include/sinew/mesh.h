@@ -121,5 +121,8 @@ typedef struct sn_mesh_report {
     bool closed, manifold, oriented, outward;
 } sn_mesh_report;
 SN_MUST_CHECK sn_status sn_mesh_inspect(const sn_mesh *mesh, sn_mesh_report *out, sn_error *error);
+/* Does more than a hundredth of the surface speak against itself (triangles that stand twice, opposite windings, edges in more than two
+ * triangles), so that what is inside of it cannot be told? Then why (size bytes) says of what. */
+bool sn_mesh_is_ambiguous(const sn_mesh_report *report, size_t size, char *why);
 
 #endif

@@ -3,6 +3,7 @@
  */
 #include "sinew/mesh.h"
 
+#include <stdio.h>
 #include <stdlib.h>
 
 #include "edit.h"
@@ -201,4 +202,16 @@ sn_status sn_mesh_inspect(const sn_mesh *mesh, sn_mesh_report *out, sn_error *er
     out->diagonal = sn_box_diagonal(out->box);
     conclude(mesh, out);
     return status;
+}
+
+bool sn_mesh_is_ambiguous(const sn_mesh_report *r, size_t size, char *why) {
+    const double share = 0.01;
+    double edges = share * r->edges, triangles = share * r->triangles;
+    if (!(r->duplicate_triangles > triangles || r->inconsistent_edges > edges || r->nonmanifold_edges > edges)) return false;
+    snprintf(why, size,
+             "%ld of %ld triangles stand twice, %ld edges lie between triangles of opposite winding, and %ld are in more than two: what is "
+             "inside "
+             "cannot be told, and contact with it is wrong; mesh-clean mends it",
+             (long)r->duplicate_triangles, (long)r->triangles, (long)r->inconsistent_edges, (long)r->nonmanifold_edges);
+    return true;
 }

@@ -475,3 +475,47 @@ layer() { awk -v z="$1" 'NR > 2 && NF == 3 { $3 = z } NF == 4 { t = $3; $3 = $4;
     attach --units mm --method none $lower --pin dots=indices:$speckles tube.off -o said.json
     cmp quiet.json said.json
 }
+
+@test "a bone whose faces stand twice, or are partly flipped, is warned of; a clean one and an open one are not" {
+    python3 - << 'END'
+import math
+def ring(z, r, n=16): return [(r * math.cos(2 * math.pi * k / n), r * math.sin(2 * math.pi * k / n), z) for k in range(n)]
+def tube(rings, n=16):
+    v = [p for r in rings for p in r]; f = []
+    for i in range(len(rings) - 1):
+        for k in range(n):
+            a, b = i * n + k, i * n + (k + 1) % n
+            f += [(a, b, a + n), (b, b + n, a + n)]
+    return v, f
+def caps(v, f, n=16):
+    last = len(v) - n
+    v += [(v[0][0] - 10, 0, v[0][2]), (v[0][0] - 10, 0, v[last][2])]
+    return v, f + [(len(v) - 2, (k + 1) % n, k) for k in range(n)] + [(len(v) - 1, last + k, last + (k + 1) % n) for k in range(n)]
+def write(name, v, f):
+    with open(name, "w") as out:
+        for p in v: out.write("v %g %g %g\n" % p)
+        for t in f: out.write("f %d %d %d\n" % tuple(i + 1 for i in t))
+v, f = caps(*tube([ring(2.0 * i, 10) for i in range(20)]))
+write("bone.obj", v, f)
+write("open.obj", v, f[:-16])
+write("twice.obj", v, f + [t[::-1] for t in f[::2]])
+write("flipped.obj", v, [t[::-1] if i % 3 == 0 else t for i, t in enumerate(f)])
+write("muscle.obj", [(x + 18, y, z) for x, y, z in v], f)
+END
+    "$BIN/mesh-clean" -q --units mm muscle.obj -o muscle.json
+    for bone in bone open twice flipped; do
+        "$BIN/attach-detect" muscle.json --bone "b=$bone.obj" -o "$bone.json" 2> "$bone.err"
+        case $bone in
+        twice | flipped) grep -q 'warning: bone "b": .*mesh-clean mends it' "$bone.err" ;;
+        *) ! grep -q 'mesh-clean mends it' "$bone.err" || { cat "$bone.err"; false; } ;;
+        esac
+    done
+    "$BIN/attach-detect" muscle.json --method proximity --bone b=twice.obj -o near.json 2> err # asks for no inside
+    ! grep -q 'mesh-clean mends it' err
+    cat > s.scene.json << 'END'
+{"format": "sinew-scene", "version": 1, "rate": 24, "frames": [0, 1], "metersPerUnit": 0.001, "bones": [{"name": "b", "mesh": "flipped.obj"}],
+ "muscles": [{"name": "m", "rig": "bone.json"}]}
+END
+    "$BIN/simulate" s.scene.json --contact --log log 2> err
+    grep -q 'warning: bone "b": .*mesh-clean mends it' err
+}
