@@ -65,19 +65,25 @@ static sn_external_foot foot_of(const sn_group *g, const sn_group_state *s, cons
     return foot;
 }
 
+/* Another target must be so much nearer than the one that a vertex slides on: where two are as near, it would go from one to the other and
+ * back, and with it what it is pulled by. */
+static const double MUCH_NEARER = 1.5;
+
 /* Where a vertex slides: on the nearest of its targets. */
 static void find_slide(const sn_group *g, const sn_group_state *s, const sn_externals *all, const sn_external_row *row, sn_index base,
                        sn_external_hold *hold) {
     sn_vec3 at = s->previous[base + row->point], normal = {0, 0, 0};
-    sn_closest best = {.distance = INFINITY};
+    sn_closest best = {.triangle = SN_NONE};
+    double least = INFINITY;
     const sn_external_target *on = NULL;
     for (sn_index c = row->begin; c < row->end; c++) {
         const sn_external_target *t = &g->targets[all->candidates[c]];
         sn_moving_shape shape = shape_before(g, s, t);
         bool known = hold->target == (double)all->candidates[c];
         sn_closest foot = sn_moving_closest(&shape, known ? (sn_index)hold->triangle : row->triangle, at);
-        if (!(foot.distance < best.distance)) continue;
-        best = foot, on = t;
+        double distance = known ? foot.distance / MUCH_NEARER : foot.distance;
+        if (!(distance < least)) continue;
+        best = foot, on = t, least = distance;
         sn_moving_side(&shape, &foot, at, &normal);
     }
     if (on == NULL) return;

@@ -57,7 +57,7 @@ $(STAMPS)/install: tests/install $(EVERYTHING) $(B)/libsinew.a
 
 # ---- the solver's instruments: none of them runs in check ----------------------------------------------------------------------
 # what it takes to start a tool, and to rig a muscle
-.PHONY: start-up rig-time motion-time body-walk
+.PHONY: start-up rig-time motion-time body-walk coupled
 start-up: $(BUILT_TOOLS)
 	@BIN=$(B)/bin tests/bench/start-up.sh
 rig-time: $(BUILT_TOOLS)
@@ -70,6 +70,8 @@ motion-time: $(BUILT_TOOLS) $(B)/tests/bench/envelope_deform
 # 148 muscles of a body, from surfaces to 120 frames of a walk: what they lack, and what they take
 body-walk: $(BUILT_TOOLS)
 	@BIN=$(B)/bin DATA=$(DATA) tests/bench/body-walk.sh $(B)/body-walk
+coupled: $(BUILT_TOOLS)
+	@BIN=$(B)/bin DATA=$(DATA) tests/bench/coupled.sh $(B)/coupled
 # what it takes to build the distance fields of the leg's bones, and to ask them; and 25 bones against brute force, ten minutes or more
 .PHONY: field-time field-anatomy
 field-time: $(B)/tests/bench/distance_field

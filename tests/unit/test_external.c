@@ -381,6 +381,52 @@ static void sliding_along_a_plane_is_free(void **state) {
     }
 }
 
+/* Two plates that go on from each other at z = 0.1, a muscle beside both. */
+static void make_beside_two(sn_scene *scene) {
+    fusiform small = FUSIFORM;
+    small.rings = 15, small.sectors = 10, small.structure = false, small.pinned = 0.0;
+    make_scene(scene, &small);
+    scene->solver = sn_solver_defaults(SN_SOLVER_QN);
+    sn_mesh *low = add_solid(scene, "low", NULL, 0);
+    make_box(sn_v3(0.032, -0.4, -0.3), sn_v3(0.06, 0.4, 0.1), low);
+    sn_mesh *high = add_solid(scene, "high", NULL, 0);
+    low = &scene->bones[scene->bone_count - 2].mesh; /* it may have moved */
+    make_box(sn_v3(0.032, -0.4, 0.1), sn_v3(0.06, 0.4, 0.5), high);
+    const sn_neighbour targets[2] = {{"low", low, false}, {"high", high, false}};
+    tie(&scene->muscles[0], 2, targets, SLIDE);
+    scene->externals.enabled = true;
+}
+
+/* The row of a vertex that is bound to the first target and has the other, too. */
+static sn_index row_of_two(const simulation *s) {
+    const sn_externals *all = sn_externals_of(&s->model->muscles[0]);
+    for (sn_index r = 0; r < s->model->muscles[0].external_count; r++)
+        if (all->rows[r].end - all->rows[r].begin == 2) return r;
+    fail_msg("no vertex has two targets");
+    return 0;
+}
+
+/* Over the border of a target a vertex slides onto the next, and only there: not to and fro where both are as near. */
+static void targets_switch_where_one_is_much_nearer(void **state) {
+    (void)state;
+    sn_scene scene;
+    make_beside_two(&scene);
+    simulation s = start(&scene);
+    sn_index r = row_of_two(&s), v = sn_externals_of(&s.model->muscles[0])->rows[r].point;
+    static const double over[] = {-0.006, -0.001, 0.001, 0.006, 0.001, -0.001, -0.006};
+    static const int is_high[] = {0, 0, 0, 1, 1, 1, 0};
+    for (int i = 0; i < 7; i++) {
+        s.state->groups[0].previous[v] = sn_v3(0.03, 0.0, 0.1 + over[i]);
+        sn_externals_find(&s.model->groups[0], &s.state->groups[0]);
+        const sn_external_hold *hold = &sn_external_holds_of(&s.state->muscles[0])[r];
+        const sn_external_target *on = &s.model->groups[0].targets[(sn_index)hold->target];
+        assert_int_equal(on->touched == scene.bone_count - 1, is_high[i]);
+        sn_externals_find(&s.model->groups[0], &s.state->groups[0]); /* asked again, as where a run goes on, it says the same */
+        assert_ptr_equal(&s.model->groups[0].targets[(sn_index)hold->target], on);
+    }
+    finish(&s);
+}
+
 /* The plate turns and moves: what hangs on it by hard constraints alone goes along, to what its inertia allows. */
 static void what_is_hard_goes_along_with_a_bone(void **state) {
     (void)state;
@@ -447,6 +493,7 @@ int main(void) {
         cmocka_unit_test(off_is_absent),
         cmocka_unit_test(what_is_not_there_is_named),
         cmocka_unit_test(sliding_along_a_plane_is_free),
+        cmocka_unit_test(targets_switch_where_one_is_much_nearer),
         cmocka_unit_test(what_is_hard_goes_along_with_a_bone),
         cmocka_unit_test(rigid_motion_costs_nothing),
         cmocka_unit_test(a_group_sleeps_and_wakes_as_one),
