@@ -65,9 +65,9 @@ setup() {
         for file in empty zeros random cut.json; do
             code=0
             extra=$(needed "$tool")
-            "$BIN/$tool" $extra $file -o out.png > out 2> err || code=$?
+            "$BIN/$tool" $extra $file -o made > out 2> err || code=$?
             [ "$code" -eq 1 ] || { echo "$tool $file: $code"; cat err; false; }
-            [ ! -e out.png ]
+            [ ! -e made ]
             [ ! -s out ]
             grep -q "^$tool: $file:" err
             [ "$(wc -l < err)" -eq 1 ]
