@@ -57,7 +57,7 @@ extern const double cli_unit_meters[];     /* in their order, m */
 extern const char *const cli_up_names[];   /* "z", "y" */
 
 /* What the tools of the chain may write. */
-#define CLI_WRITES_MUSCLE ".json, .obj, .ply, .stl, .off, .vtk, .vtp"
+#define CLI_WRITES_MUSCLE ".json, .obj, .ply, .stl, .off, .vtp"
 
 /* Which of the shared options a tool takes. */
 enum {

@@ -5,6 +5,7 @@
  * every point, sample by sample, as float32. All little-endian.
  */
 #include "bytes.h"
+#include "scalar.h"
 #include "sinew/io.h"
 
 #include <stdlib.h>
@@ -17,6 +18,8 @@ struct sn_pc2 {
     sn_output *output;
     sn_index point_count, sample_count;
     unsigned char *row; /* one sample's bytes */
+    char *path;
+    bool warned;
 };
 
 sn_status sn_pc2_create(const char *path, sn_index point_count, double start_frame, double sample_rate, sn_pc2 **out, sn_error *error) {
@@ -26,7 +29,9 @@ sn_status sn_pc2_create(const char *path, sn_index point_count, double start_fra
     if (cache == NULL) return sn_fail_memory(error, "a point cache");
     cache->point_count = point_count;
     cache->row = SN_NEW(unsigned char, 12 * (size_t)point_count);
-    sn_status status = cache->row != NULL ? sn_output_open(path, false, &cache->output, error) : sn_fail_memory(error, "a point cache");
+    cache->path = sn_strdup(path);
+    sn_status status = cache->row != NULL && cache->path != NULL ? sn_output_open(path, false, &cache->output, error)
+                                                                 : sn_fail_memory(error, "a point cache");
     if (status == SN_OK) {
         unsigned char header[HEADER];
         memcpy(header, signature, sizeof signature);
@@ -48,6 +53,7 @@ sn_status sn_pc2_create(const char *path, sn_index point_count, double start_fra
 sn_status sn_pc2_append(sn_pc2 *cache, const sn_vec3 *positions, sn_error *error) {
     if (cache->sample_count == SN_INDEX_MAX) return sn_fail(error, SN_ERROR_MEMORY, "a point cache cannot count more samples");
     unsigned char *at = cache->row;
+    cache->warned = cache->warned || sn_warn_of_rounding(cache->path, cache->point_count, positions);
     for (sn_index i = 0; i < cache->point_count; i++, at += 12) {
         sn_put_f32(at, (float)positions[i].x);
         sn_put_f32(at + 4, (float)positions[i].y);
@@ -73,6 +79,7 @@ void sn_pc2_abort(sn_pc2 *cache) {
     if (cache == NULL) return;
     sn_output_abort(cache->output);
     free(cache->row);
+    free(cache->path);
     free(cache);
 }
 

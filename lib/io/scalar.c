@@ -1,6 +1,7 @@
 /* scalar.c -- the numbers of binary mesh files, read and written byte by byte: no alignment and no byte order of the machine matters. */
 #include "scalar.h"
 
+#include <math.h>
 #include <string.h>
 
 size_t sn_scalar_size(sn_scalar type) {
@@ -75,4 +76,27 @@ sn_scalar sn_scalar_of_attribute(const sn_attribute *attribute, sn_index vertex_
 bool sn_stl_is_binary(const char *data, size_t size) {
     enum { HEADER = 80, START = HEADER + 4, RECORD = 50 };
     return size >= START && START + RECORD * sn_scalar_decode((const unsigned char *)data + HEADER, SN_UINT32, false) == (double)size;
+}
+
+/* Of the points' extent. */
+static const double MOST_ROUNDING = 1e-5;
+
+static double rounding_of(double x) { return fabs((double)(float)x - x); }
+
+bool sn_warn_of_rounding(const char *what, sn_index count, const sn_vec3 *points) {
+    sn_box box = SN_EMPTY_BOX;
+    double most = 0.0;
+    for (sn_index i = 0; i < count; i++) {
+        sn_vec3 p = points[i];
+        sn_box_add(&box, p);
+        most = fmax(most, fmax(rounding_of(p.x), fmax(rounding_of(p.y), rounding_of(p.z))));
+    }
+    double extent = sn_norm(sn_sub(box.high, box.low));
+    if (!(most > MOST_ROUNDING * extent) || !(extent > 0.0)) return false;
+    sn_log(SN_LOG_WARNING,
+           "%s: single precision moves points by up to %.2g, %.2g of their extent of %.3g, as they lie far from the origin; bring them "
+           "nearer, or "
+           "write a format of doubles",
+           what, most, most / extent, extent);
+    return true;
 }

@@ -29,4 +29,8 @@ sn_scalar sn_scalar_of_attribute(const sn_attribute *attribute, sn_index vertex_
 /* Binary STL, by its size: "solid" at the front proves nothing. Here since whoever reads bytes asks for it. */
 bool sn_stl_is_binary(const char *data, size_t size);
 
+/* Warn where single precision, in which `what` is written, moves one of these points by more than a hundred-thousandth of their extent, as
+ * it does far from the origin. false: it does not. */
+bool sn_warn_of_rounding(const char *what, sn_index count, const sn_vec3 *points);
+
 #endif

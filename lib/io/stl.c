@@ -220,6 +220,7 @@ void sn_stl_write(const sn_mesh *mesh, sn_mesh_encoding encoding, sn_output *out
     if (encoding == SN_ENCODING_ASCII) {
         write_text(mesh, output);
     } else {
+        (void)sn_warn_of_rounding("STL", mesh->vertex_count, mesh->positions);
         write_binary(mesh, output);
     }
 }

@@ -103,3 +103,37 @@ member() { sed -n "s/^ *\"$2\": \([-0-9.e]*\),*$/\1/p" "$1" | head -1; } # FILE 
     volume=$(awk '/Volume/ { print $NF }' words)
     awk -v a="$volume" -v b="$(member report.json volume)" 'BEGIN { exit !(a > 0 && (a - b) ^ 2 < (1e-5 * b) ^ 2) }'
 }
+
+@test "what single precision would move far from the origin is said with how far, in STL and in caches; doubles and what lies near are not" {
+    python3 - << 'END'
+import math
+def write(name, far):
+    with open(name, "w") as out:
+        n = 12
+        for z in range(n):
+            for k in range(n):
+                out.write("v %.12g %.12g %.12g\n" % (far + 0.05 * math.cos(2 * math.pi * k / n), 0.05 * math.sin(2 * math.pi * k / n), 0.02 * z))
+        out.write("v %.12g 0 0\nv %.12g 0 %.12g\n" % (far, far, 0.02 * (n - 1)))
+        f = lambda *t: out.write("f %d %d %d\n" % tuple(i + 1 for i in t))
+        for z in range(n - 1):
+            for k in range(n):
+                a, b = z * n + k, z * n + (k + 1) % n
+                f(a, b, a + n), f(b, b + n, a + n)
+        for k in range(n):
+            f(n * n, (k + 1) % n, k), f(n * n + 1, n * (n - 1) + k, n * (n - 1) + (k + 1) % n)
+write("near.obj", 1), write("far.obj", 1e6)
+END
+    for at in near far; do
+        "$BIN/mesh-clean" --units m $at.obj -o $at.muscle.json 2> err
+        ! grep -q precision err
+        for ending in ply obj off vtp; do "$BIN/mesh-clean" --units m $at.obj -o $at.$ending 2>> err; done
+        ! grep -q precision err
+        "$BIN/mesh-clean" --units m $at.obj -o $at.stl 2> $at.stl.err
+        printf '{"format": "sinew-scene", "version": 1, "rate": 24, "frames": [0, 1], "bones": [], "muscles": [{"name": "m", "rig": "%s.muscle.json"}]}\n' \
+            $at > $at.scene.json
+        "$BIN/simulate" $at.scene.json -o $at.pc2 --log log 2> $at.pc2.err
+    done
+    [ "$(grep -c 'warning: STL: single precision moves points by up to 0.0[0-9]*, 0.[0-9]* of their extent' far.stl.err)" -eq 1 ]
+    [ "$(grep -c 'warning: far.pc2: single precision moves points by up to 0.0[0-9]*' far.pc2.err)" -eq 1 ]
+    ! grep -q precision near.stl.err near.pc2.err
+}

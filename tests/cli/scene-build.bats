@@ -213,12 +213,15 @@ for name in ("brachialis", "triceps"):
 }
 
 @test "a scene does not take the place of a file that it names" {
-    for name in biceps.muscle.json ./elbow.motion.json ulna.ply; do
+    cp ulna.ply bone
+    for name in biceps.muscle.json ./elbow.motion.json bone; do
         cp $name kept
-        run -2 "$build" . $arm -o $name
+        run -2 "$build" . $arm -b more=bone -o $name
         [[ "$output" == "scene-build: --output $name: the scene names this file"* ]]
         cmp $name kept
     done
+    run -2 "$build" . $arm -o ulna.ply # whose ending says that it is no scene
+    cmp ulna.ply kept
     ln -s biceps.muscle.json linked.json
     run -2 "$build" . $arm -o linked.json
     "$build" . $arm -o a.scene.json
