@@ -28,13 +28,14 @@ static double read_residual(const sn_statistics *s) { return s->residual; }
 static double read_skipped(const sn_statistics *s) { return (double)(s->skipped_edges + s->skipped_hinges + s->skipped_triangles); }
 static double read_clamped(const sn_statistics *s) { return (double)s->clamped_hinges; }
 static double read_penetration(const sn_statistics *s) { return s->penetration; }
+static double read_entered(const sn_statistics *s) { return s->entered; }
 static double read_torn(const sn_statistics *s) { return s->torn; }
 
 /* Beside these the greatest error of every kind of rows, by its name. */
 static const outcome_measure MEASURES[] = {
     {"volume", read_volume},   {"nan", read_nan},         {"triangle", read_triangle},       {"edge", read_edge},
     {"energy", read_energy},   {"elastic", read_elastic}, {"residual", read_residual},       {"skipped", read_skipped},
-    {"clamped", read_clamped}, {"torn", read_torn},       {"penetration", read_penetration},
+    {"clamped", read_clamped}, {"torn", read_torn},       {"penetration", read_penetration}, {"entered", read_entered},
 };
 enum { MEASURE_COUNT = sizeof MEASURES / sizeof *MEASURES };
 

@@ -119,7 +119,8 @@ static const cli_tool TOOL = {
     .options = OPTIONS,
     .option_count = sizeof OPTIONS / sizeof *OPTIONS,
     .notes = "-o is NAME.pc2 for one muscle, or a folder with one cache per muscle. --stop-after takes FRAME[:SUBSTEP[:ITERATION]].\n"
-             "--fail-on knows volume, nan, triangle, edge, torn, penetration, internal, radial, mesh, dihedral, area, membrane, external, "
+             "--fail-on knows volume, nan, triangle, edge, torn, penetration, entered, internal, radial, mesh, dihedral, area, membrane, "
+             "external, "
              "contact, energy,\n"
              "elastic, residual, skipped and clamped; '<' and '>' compare.",
 };
@@ -496,6 +497,15 @@ static void write_quasi_newton(sn_json *json, const sn_statistics *s) {
     sn_json_text(json, "stopped_by", sn_stop_reason_name(s->stop_reason));
 }
 
+static void write_entered(const job *j, sn_index muscle, const sn_plan_muscle *plan, sn_json *json) {
+    const sn_statistics *s = &j->state->muscles[muscle].statistics;
+    if (plan->groups[SN_ROWS_EXTERNAL].rows == 0) return;
+    sn_json_number(json, "entered", s->entered);
+    if (s->entered_vertex == SN_NONE) return;
+    sn_json_integer(json, "entered_vertex", s->entered_vertex);
+    sn_json_text(json, "entered_target", sn_model_target_name(j->model, muscle, s->entered_target));
+}
+
 static void write_statistics(const job *j, sn_json *json, sn_index muscle, const sn_plan_muscle *plan, bool stopped) {
     const sn_statistics *s = &j->state->muscles[muscle].statistics;
     sn_json_object(json, NULL);
@@ -524,6 +534,7 @@ static void write_statistics(const job *j, sn_json *json, sn_index muscle, const
     sn_json_integer(json, "skipped_triangles", s->skipped_triangles);
     if (j->scene.solver.method == SN_SOLVER_QN) write_quasi_newton(json, s);
     contacts_log(j->model, s, plan, json);
+    write_entered(j, muscle, plan, json);
     fibers_log(&j->fibers, muscle, json);
     sn_json_close(json);
 }

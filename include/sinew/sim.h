@@ -249,6 +249,8 @@ SN_MUST_CHECK sn_status sn_model_create_with(const sn_scene *scene, const sn_mod
 const struct sn_distance_field *sn_model_field(const sn_model *model, sn_index bone);
 /* The voxels of a bone; NULL = the same, or the collision is not by voxels. */
 const struct sn_voxels *sn_model_voxels(const sn_model *model, sn_index bone);
+/* The name of statistics.entered_target of a muscle of this model (by its place in model.muscles). */
+const char *sn_model_target_name(const sn_model *model, sn_index muscle, sn_index target);
 /* How many triangles of a surface of the scene may touch one of its muscles. */
 sn_index sn_model_patch_size(const sn_model *model, sn_index muscle, sn_index surface);
 void sn_model_destroy(sn_model *model); /* NULL is fine */
@@ -286,6 +288,8 @@ typedef struct sn_statistics {
     double overlap;                      /* m: how deep the deepest vertex is in a bone, at rest or not; 0 = none is */
     double penetration;                  /* m: how much deeper than at rest the deepest vertex is in a bone; 0 = none is */
     sn_index penetration_vertex, penetration_bone; /* which that is, and of what (sn_scene_touched_name); SN_NONE = none */
+    double entered;                 /* m: how much deeper than at rest the deepest tied vertex is in what it is tied to; 0 = none is */
+    sn_index entered_vertex, entered_target; /* which that is, and of what (sn_model_target_name); SN_NONE = none */
     bool torn;                      /* far from any shape of rest (SN_FAR_...) now or, under qn, where a substep of the frame began */
     double residual;                /* |dPhi/dx| / (k L) of the last substep, Phi = |x - y|^2_M / (2 h^2) + E; NaN inside a substep */
     double kinetic_energy;          /* J */

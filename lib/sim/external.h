@@ -102,6 +102,8 @@ void sn_externals_find(const sn_group *g, sn_group_state *s);
 
 /* ---- external.c ---- */
 
+/* How deep the vertices of a muscle are in what they slide on, beside where the step found that. */
+void sn_externals_measure(const sn_model_muscle *m, const sn_muscle_state *s, sn_statistics *out);
 /* What a row of the matrix is: a visit for each row that ties free points, with weights over the group's points from the muscle's first,
  * and a scale over the muscle's k. false: visit returned false. */
 bool sn_externals_at_bind(const sn_group *g, sn_index member, sn_rest_visit visit, void *user);

@@ -56,6 +56,8 @@ plan = json.loads(subprocess.run([simulate, "-q", "tied.scene.json", "--external
 count = sum(g["rows"] for m in plan["muscles"] for g in m["groups"] if g["kind"] == "external")
 print("%d muscles, %d rows; converged: %d of %d steps by tolerance" % (
     len(plan["muscles"]), count, sum(r["stopped_by"] == "tolerance" for r in rows), len(rows)))
+deep = sorted(r["entered"] for r in rows)
+print("converged: deeper in a neighbour than at rest by %.2f mm at most, %.2f in 99 of 100 frames of muscles" % (1e3 * deep[-1], 1e3 * deep[len(deep) * 99 // 100]))
 print("tied to nothing, default: %.1f ms a frame" % run("apart", [], False))
 print("%-34s%8s%10s%10s  %s" % ("", "ms", "median", "worst", "of"))
 for name, options in settings:

@@ -465,6 +465,33 @@ static void rigid_motion_costs_nothing(void **state) {
     finish(&s);
 }
 
+/* Two spindles whose vertices are about 3 mm apart, of which one is pushed 5 mm towards the other. */
+static void what_enters_a_neighbour_is_measured_and_named(void **state) {
+    (void)state;
+    sn_scene scene;
+    make_pair(&scene, SN_SOLVER_QN, SLIDE);
+    simulation s = start(&scene);
+    const sn_group *g = &s.model->groups[0];
+    sn_group_state *points = &s.state->groups[0];
+    sn_index pushed = g->muscles[0] == 0 ? 0 : 1; /* which member the fusiform is */
+    for (sn_index v = 0; v < g->point_count; v++) points->previous[v] = sn_point_position(&points->points[v]);
+    sn_externals_find(g, points);
+    for (int k = 0; k < 2; k++) {
+        sn_statistics at_rest;
+        sn_externals_measure(&s.model->muscles[k], &s.state->muscles[k], &at_rest);
+        assert_true(at_rest.entered == 0.0 && at_rest.entered_vertex == SN_NONE);
+    }
+    for (sn_index v = g->first[pushed]; v < g->first[pushed + 1]; v++)
+        sn_put(&points->points[v], sn_add(points->previous[v], sn_v3(0.005, 0, 0)));
+    for (int k = 0; k < 2; k++) {
+        sn_statistics now;
+        sn_externals_measure(&s.model->muscles[k], &s.state->muscles[k], &now);
+        assert_float_equal(now.entered, 0.002, 3e-4);
+        assert_string_equal(sn_model_target_name(s.model, k, now.entered_target), s.model->muscles[1 - k].source->name);
+    }
+    finish(&s);
+}
+
 static void a_group_sleeps_and_wakes_as_one(void **state) {
     (void)state;
     for (int i = 0; i < 2; i++) {
@@ -496,6 +523,7 @@ int main(void) {
         cmocka_unit_test(targets_switch_where_one_is_much_nearer),
         cmocka_unit_test(what_is_hard_goes_along_with_a_bone),
         cmocka_unit_test(rigid_motion_costs_nothing),
+        cmocka_unit_test(what_enters_a_neighbour_is_measured_and_named),
         cmocka_unit_test(a_group_sleeps_and_wakes_as_one),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
