@@ -129,8 +129,7 @@ void sn_deflation_destroy(sn_deflation *d) {
     free(d);
 }
 
-/* ---- what it is made of now ------------------------------------------------------------------------------------------------------------
- */
+/* ---- what it is made of now ---------------------------------------------------------------------------------------------- */
 
 static bool factor(sn_sparse **matrix, sn_index n, sn_index count, const sn_entry *entries) {
     sn_status status = *matrix == NULL ? sn_sparse_factor(n, count, entries, matrix, NULL) : sn_sparse_refactor(*matrix, entries, NULL);
@@ -193,8 +192,7 @@ bool sn_deflation_set(sn_deflation *d, double *gradient, const double *stiffness
 
 bool sn_deflation_acts(const sn_deflation *d) { return d->any; }
 
-/* ---- applied ---------------------------------------------------------------------------------------------------------------------------
- */
+/* ---- applied ------------------------------------------------------------------------------------------------------------ */
 
 /* in -= H S amount */
 static void take_away(const sn_deflation *d, const double *amount, double *in) {

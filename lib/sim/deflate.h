@@ -11,8 +11,8 @@
  * Numbers are those of free points as the matrix has them: of one with a row for each point, x of all, then y and z of all; of one with
  * three, point after point.
  */
-#ifndef SIM_DEFLATE_H
-#define SIM_DEFLATE_H
+#ifndef SN_SIM_DEFLATE_H
+#define SN_SIM_DEFLATE_H
 
 #include "sinew/sparse.h"
 
