@@ -114,11 +114,22 @@ static _Noreturn void exit_printed(const cli_tool *tool) {
     exit(CLI_DONE);
 }
 
+/* Names of files and of what is in them may hold anything: no control character of theirs reaches the terminal, nor a second line. */
+static void put_text(const char *text) {
+    for (; *text != '\0'; text++) fputc((unsigned char)*text < ' ' || *text == 0x7f ? '?' : *text, stderr);
+}
+
+static void put(const char *format, va_list arguments) {
+    char text[8192];
+    vsnprintf(text, sizeof text, format, arguments);
+    put_text(text);
+}
+
 void cli_usage_error(const cli *c, const char *format, ...) {
     va_list arguments;
     va_start(arguments, format);
     fprintf(stderr, "%s: ", c->tool->name);
-    vfprintf(stderr, format, arguments);
+    put(format, arguments);
     fprintf(stderr, "; see %s --help\n", c->tool->name);
     va_end(arguments);
     exit(CLI_USAGE);
@@ -317,7 +328,7 @@ static void receive_log(void *user, sn_log_level level, const char *text) {
     else if (level == SN_LOG_INFO)
         cli_say(c, "%s", text);
     else if (c->verbosity > 1)
-        fprintf(stderr, "%s: %s\n", c->tool->name, text);
+        cli_say(c, "%s", text);
 }
 
 /* Is it one of those in the list, with commas? */
@@ -426,7 +437,7 @@ static void clear_progress(const cli *c) {
 static void message(const cli *c, const char *kind, const char *format, va_list arguments) {
     clear_progress(c);
     fprintf(stderr, "%s: %s", c->tool->name, kind);
-    vfprintf(stderr, format, arguments);
+    put(format, arguments);
     fputc('\n', stderr);
 }
 
@@ -476,12 +487,14 @@ void cli_progress(cli *c, int64_t done, int64_t total, const char *unit) {
 static void print_error(const cli *c, const sn_error *error) {
     fprintf(stderr, "%s: ", c->tool->name);
     if (error->file[0] != '\0') {
-        fprintf(stderr, "%s:", error->file);
+        put_text(error->file);
+        fputc(':', stderr);
         if (error->line > 0) fprintf(stderr, "%lld:", (long long)error->line);
         if (error->line > 0 && error->column > 0) fprintf(stderr, "%lld:", (long long)error->column);
         fputc(' ', stderr);
     }
-    fprintf(stderr, "%s\n", error->text[0] != '\0' ? error->text : "failed");
+    put_text(error->text[0] != '\0' ? error->text : "failed");
+    fputc('\n', stderr);
 }
 
 static int close_trace(cli *c) {

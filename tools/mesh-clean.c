@@ -1,6 +1,7 @@
 /* mesh-clean.c -- from any surface to a closed, oriented 2-manifold. */
 #include "cli.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -8,6 +9,7 @@
 #include "sinew/rig.h"
 
 static sn_clean_params params;
+static sn_length edge_length = {-1.0, 0.0};
 static int64_t max_hole = -1, triangles, smooth;
 static const char *keep = "largest", *weld = "auto", *repair = "exact";
 static bool check;
@@ -30,8 +32,7 @@ static const cli_option options[] = {
      "build a new surface around the old, this share of the diagonal away (--repair full: 0.002 where it must)"},
     {0, "remove-intersections", NULL, CLI_FLAG, &params.remove_intersections, CLI_RESULT, 0, 0, NULL,
      "replace triangles that cross, within 30 s"},
-    {0, "edge-length", "L", CLI_NUMBER, &params.edge_length, CLI_RESULT, 1e-12, 1e12, NULL,
-     "remesh to edges of about this length, in the document's unit"},
+    {0, "edge-length", "LENGTH", CLI_LENGTH, &edge_length, CLI_RESULT, 0, 0, NULL, "remesh to edges of about this length"},
     {0, "triangles", "N", CLI_INTEGER, &triangles, CLI_RESULT, 4, SN_INDEX_MAX, NULL, "decimate to at most N triangles (default: leave)"},
     {0, "smooth", "N", CLI_INTEGER, &smooth, CLI_RESULT, 0, 1000, NULL, "N rounds of smoothing that keep the volume"},
     {0, "flip-slivers", NULL, CLI_FLAG, &params.flip_slivers, CLI_RESULT, 0, 0, NULL,
@@ -76,6 +77,7 @@ static void take_options(cli *c) {
     if (cli_given(c, "keep") && !cli_given(c, "most-lost")) params.most_lost = 1.0; /* what goes was asked for */
     if (!params.make_manifold && (params.full || params.wrap > 0.0))
         cli_usage_error(c, "--no-manifold goes without --repair full and --wrap");
+    if (edge_length.value == 0.0) cli_usage_error(c, "--edge-length: no edge has a length of 0");
     params.smooth = (sn_index)smooth;
     if (max_hole >= 0) params.max_hole = (sn_index)max_hole;
     params.triangles = (sn_index)triangles;
@@ -291,6 +293,7 @@ static sn_status clean(cli *c, cli_muscle *muscle, sn_error *error) {
     sn_trace trace = {.receive = receive, .user = &watch, .stop_after = c->trace.stop_after};
     sn_clean_report report;
     sn_mesh cleaned = {0};
+    params.edge_length = fmax(cli_length(edge_length, muscle->muscle.meters_per_unit), 0.0);
     sn_status status = sn_clean(&muscle->muscle.mesh, &params, &trace, &cleaned, &report, error);
     if (status != SN_OK && status != SN_STOPPED) {
         sn_error_set_file(error, c->inputs.items[0]);

@@ -60,6 +60,7 @@ void outcome_parse_limits(outcome *o, cli *c, const char *text) {
     o->c = c;
     o->limit_count = 0;
     if (text == NULL) return;
+    if (*text == '\0') cli_usage_error(c, "--fail-on: it names no limit; write NAME>VALUE or NAME<VALUE");
     for (const char *end; *text != '\0'; text = *end == ',' ? end + 1 : end) {
         end = text + strcspn(text, ",");
         if (o->limit_count == OUTCOME_MOST_LIMITS) cli_usage_error(c, "--fail-on takes at most %d limits", OUTCOME_MOST_LIMITS);

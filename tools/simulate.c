@@ -240,6 +240,7 @@ static void check_stop(const job *j, sn_index first, bool whole) {
     if (j->stop[0] < first || (whole && j->stop_parts > 1 && j->stop[0] == first))
         cli_usage_error(&j->c, "--stop-after %s: the run starts at frame %d%s", j->c.stop_after, (int)first,
                         whole && j->stop_parts > 1 ? ", which has no substeps" : "");
+    if (j->stop[0] > j->last) cli_usage_error(&j->c, "--stop-after %s: the run ends with frame %d", j->c.stop_after, (int)j->last);
     if (j->stop_parts > 1 && j->stop[1] > sn_solver_substeps(&j->scene.solver))
         cli_usage_error(&j->c, "--stop-after %s: a frame has %d substeps", j->c.stop_after, (int)sn_solver_substeps(&j->scene.solver));
 }

@@ -158,3 +158,23 @@ setup() {
         [ -s "$name" ]
     done
 }
+
+@test "control characters of names do not reach the terminal, and no second line" {
+    esc=$(printf 'a\033[31mb\nc\177d')
+    for tool in $tools; do
+        code=0
+        # shellcheck disable=SC2046
+        "$BIN/$tool" $(needed "$tool") "$esc.json" > out 2> err || code=$?
+        [ "$code" -eq 1 ]
+        [ "$(wc -l < err)" -eq 1 ]
+        grep -q 'a?\[31mb?c?d.json' err || { cat -v err; false; }
+        [ "$(tr -d '\n' < err | tr -d ' -~' | wc -c)" -eq 0 ]
+    done
+    run -2 "$BIN/mesh-clean" --keep "$esc" tetra.off
+    [[ "$output" == *'a?[31mb?c?d'* ]]
+    cat > named.json << 'END'
+{"format": "sinew-scene", "version": 1, "rate": 24, "frames": [0, 1], "bones": [], "muscles": [{"name": "\u001b[31m\u0007", "rig": "none.muscle.json"}]}
+END
+    run -1 "$BIN/simulate" named.json
+    [ "$(echo "$output" | tr -d '\n' | tr -d ' -~' | wc -c)" -eq 0 ]
+}

@@ -483,3 +483,15 @@ for i in range(len(share)):
 END
     done
 }
+
+@test "--edge-length takes a unit, as the lengths of other tools do" {
+    "$EXAMPLES/tip/tip" --triangles 2000 tip > /dev/null
+    for length in 0.008 8mm 0.8cm; do
+        "$BIN/mesh-clean" -q tip/fusiform.muscle.json --edge-length $length --no-history -o "$length.json"
+        cmp 0.008.json "$length.json"
+    done
+    for length in 0 0mm -1mm 8km nan; do
+        run -2 "$BIN/mesh-clean" -q tip/fusiform.muscle.json "--edge-length=$length" -o x.json
+        [ ! -e x.json ]
+    done
+}

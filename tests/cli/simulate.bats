@@ -856,3 +856,12 @@ x.pc2" ]
     [ "$(ls -A shown)" = "_hidden.pc2
 a.b.pc2" ]
 }
+
+@test "a limit that names nothing and a stop beyond the run are wrong usage" {
+    "$EXAMPLES/tip/tip" --triangles 200 tip > /dev/null
+    run -2 "$BIN/simulate" -q tip/tip.scene.json --frames 0:2 --fail-on '' --log log
+    [[ "$output" == *--fail-on*"names no limit"* ]]
+    run -2 "$BIN/simulate" -q tip/tip.scene.json --frames 0:2 --stop-after 3 --log log
+    [[ "$output" == *"--stop-after 3: the run ends with frame 2"* ]]
+    "$BIN/simulate" -q tip/tip.scene.json --frames 0:2 --stop-after 2 --log log
+}
