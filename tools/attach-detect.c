@@ -402,8 +402,18 @@ static void set_bone_frame(const cli *c, const sn_muscle *muscle, bone_list *bon
     bones->up_y = cli_given(c, "bone-up") ? bone_up == 1 : c->read.up_y;
 }
 
+/* A muscle beside bones of another space would be put on the other side's. */
+static sn_status check_spaces(const sn_muscle *muscle, const bone_list *bones, sn_error *error) {
+    sn_space_seen seen = {.space = SN_SPACE_UNKNOWN};
+    sn_status status = sn_space_take(&seen, muscle->space, muscle->name != NULL ? muscle->name : "the muscle", error);
+    for (size_t i = 0; i < bones->count && status == SN_OK; i++)
+        status = sn_space_take(&seen, bones->items[i].space, bones->items[i].name, error);
+    return status;
+}
+
 static sn_status attach(cli *c, sn_muscle *muscle, const pin_list *pins, outcome *o, sn_error *error) {
     sn_status status = bones_load(&o->bones, c->threads, error);
+    if (status == SN_OK) status = check_spaces(muscle, &o->bones, error);
     if (status == SN_OK) status = load_landmarks(&o->bones, muscle->meters_per_unit, &o->landmarks, error);
     return status == SN_OK ? detect(c, muscle, pins, o, error) : status;
 }

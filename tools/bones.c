@@ -128,6 +128,7 @@ static void convert(const bone_list *list, bone *b, sn_mesh_frame frame) {
     double unit = list->given_unit > 0.0 ? list->given_unit : frame.meters_per_unit;
     bool up_y = list->up_given || frame.up == SN_UP_UNKNOWN ? list->up_y : frame.up == SN_UP_Y;
     b->own_unit = frame.meters_per_unit;
+    b->space = frame.space;
     b->scale = unit > 0.0 && list->meters_per_unit > 0.0 ? unit / list->meters_per_unit : 1.0;
     sn_mesh_convert(&b->mesh, b->scale, up_y);
 }

@@ -11,6 +11,7 @@ typedef struct bone {
     bool used;         /* set by the tool: the result depends on its mesh */
     sn_mesh mesh;      /* once loaded: z up */
     double own_unit;   /* metres per unit that the file says; 0 = it says nothing */
+    sn_space space;    /* that the file says */
     double scale;      /* that its own unit was scaled by */
     sn_status status;  /* of its loading, with error */
     sn_error error;

@@ -376,15 +376,15 @@ static void take_collada_frame(struct aiNode *root, sn_mesh_frame *frame) {
     transform t = to_transform(&root->mTransformation);
     double scale = sqrt(t.m[0][0] * t.m[0][0] + t.m[1][0] * t.m[1][0] + t.m[2][0] * t.m[2][0]);
     bool up_z = equal_rotation(&t, scale, z_to_y), up_y = equal_rotation(&t, scale, identity);
-    *frame = (sn_mesh_frame){1.0, SN_UP_Y};
+    *frame = (sn_mesh_frame){1.0, SN_UP_Y, SN_SPACE_UNKNOWN};
     if (!(scale > 0.0) || (!up_z && !up_y)) return;
-    *frame = (sn_mesh_frame){shortest(scale), up_z ? SN_UP_Z : SN_UP_Y};
+    *frame = (sn_mesh_frame){shortest(scale), up_z ? SN_UP_Z : SN_UP_Y, SN_SPACE_UNKNOWN};
     root->mTransformation = (struct aiMatrix4x4){1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
 }
 
 static void take_3ds_frame(struct aiNode *root, sn_mesh_frame *frame) {
     transform t = to_transform(&root->mTransformation);
-    *frame = (sn_mesh_frame){0.0, SN_UP_Z};
+    *frame = (sn_mesh_frame){0.0, SN_UP_Z, SN_SPACE_UNKNOWN};
     if (equal_rotation(&t, 1.0, z_to_y)) root->mTransformation = (struct aiMatrix4x4){1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
 }
 
@@ -407,7 +407,8 @@ static void take_fbx_frame(const struct aiScene *scene, sn_mesh_frame *frame) {
 }
 
 static void take_frame(const struct aiScene *scene, const char *kind, sn_mesh_frame *frame) {
-    if (strcmp(kind, "glb") == 0 || strcmp(kind, "gltf") == 0) *frame = (sn_mesh_frame){1.0, SN_UP_Y}; /* by its specification */
+    if (strcmp(kind, "glb") == 0 || strcmp(kind, "gltf") == 0)
+        *frame = (sn_mesh_frame){1.0, SN_UP_Y, SN_SPACE_UNKNOWN}; /* by its specification */
     if (strcmp(kind, "dae") == 0) take_collada_frame(scene->mRootNode, frame);
     if (strcmp(kind, "3ds") == 0) take_3ds_frame(scene->mRootNode, frame);
     if (strcmp(kind, "fbx") == 0) take_fbx_frame(scene, frame);

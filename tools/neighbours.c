@@ -294,6 +294,14 @@ static void take_found(sn_muscle *muscle, sn_neighbours_found *found) {
     found->count = 0;
 }
 
+static sn_status check_spaces(const sn_muscle *muscle, const neighbour_result *found, sn_error *error) {
+    sn_space_seen seen = {.space = SN_SPACE_UNKNOWN};
+    sn_status status = sn_space_take(&seen, muscle->space, muscle->name != NULL ? muscle->name : "the muscle", error);
+    for (size_t i = 0; i < found->target_count && status == SN_OK; i++)
+        status = sn_space_take(&seen, found->targets[i].muscle.space, found->targets[i].name, error);
+    return status;
+}
+
 static sn_status search(cli *c, const neighbour_request *request, const bone_list *bones, sn_muscle *muscle, neighbour_result *out,
                         sn_error *error) {
     sights s = {.slide = SN_NEW(double, muscle->mesh.vertex_count)};
@@ -307,6 +315,7 @@ static sn_status search(cli *c, const neighbour_request *request, const bone_lis
     if (status == SN_OK && request->source == WEIGHTS_UNIFORM) status = read_uniform(request, muscle, &params, error);
     if (status == SN_OK && request->source == WEIGHTS_PAINTED) status = read_painted(muscle, &params, error);
     if (status == SN_OK && request->source == WEIGHTS_RULE) status = read_rule(request, muscle, out->tendon, s.slide, &params, error);
+    if (status == SN_OK) status = check_spaces(muscle, out, error);
     if (status == SN_OK) status = sn_find_neighbours(muscle, &params, &c->trace, &out->found, error);
     if (status == SN_OK || status == SN_STOPPED) take_found(muscle, &out->found);
     free(s.targets);

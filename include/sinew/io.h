@@ -90,6 +90,7 @@ SN_MUST_CHECK sn_status sn_mesh_parse(const sn_blob *blob, bool allow_nonfinite,
 typedef struct sn_mesh_frame {
     double meters_per_unit; /* 0 = not said */
     sn_up up;
+    sn_space space;
 } sn_mesh_frame;
 /* As sn_mesh_parse, and what the file says of unit and axis; coordinates stay as they are in the file. */
 SN_MUST_CHECK sn_status sn_mesh_parse_frame(const sn_blob *blob, bool allow_nonfinite, sn_mesh *out, sn_mesh_frame *frame, sn_error *error);

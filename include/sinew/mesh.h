@@ -102,6 +102,24 @@ double sn_mesh_mean_side(const sn_mesh *mesh);
 /* Area-weighted unit vertex normals (vertex_count); zero where the area sum vanishes. */
 void sn_mesh_vertex_normals(const sn_mesh *mesh, sn_vec3 *normals);
 
+/* ---- anatomical spaces (lib/geom/space.c) ------------------------------------------------------------------------------ */
+
+/* Which way the axes of a scan's coordinates point: left, posterior, superior; or right, anterior, superior. A turn by half about z is
+ * between the two, so that one file of each puts a muscle beside the other side's bone. */
+typedef enum sn_space { SN_SPACE_UNKNOWN, SN_SPACE_LPS, SN_SPACE_RAS } sn_space;
+const char *sn_space_name(sn_space space);         /* "LPS", "RAS"; NULL of an unknown one */
+sn_space sn_space_from_name(const char *name);     /* that, or SN_SPACE_UNKNOWN */
+/* What a header says by SPACE=LPS or SPACE=RAS, as 3D Slicer writes it into comments and titles: text (size) is the file's beginning. */
+sn_space sn_space_find(const char *text, size_t size);
+
+/* The space of a command's inputs so far, and who told it. */
+typedef struct sn_space_seen {
+    sn_space space;
+    char name[160];
+} sn_space_seen;
+/* One more input. SN_ERROR_INPUT where it is in another space than one before: both are named. */
+SN_MUST_CHECK sn_status sn_space_take(sn_space_seen *seen, sn_space space, const char *name, sn_error *error);
+
 /* ---- defects ------------------------------------------------------------------------------------------------------ */
 
 #define SN_SLIVER_QUALITY 0.05

@@ -108,6 +108,7 @@ typedef enum sn_section {
 typedef struct sn_muscle {
     char *name;             /* nullable */
     double meters_per_unit; /* > 0 */
+    sn_space space;
     sn_mesh mesh;
     sn_roots roots;
     sn_structure structure;

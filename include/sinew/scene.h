@@ -28,6 +28,7 @@ typedef struct sn_scene_bone {
     double meters_per_unit; /* of the mesh */
     bool unit_certain;      /* the document has told it, or the mesh was loaded, whose file may tell another than is taken without */
     sn_mesh mesh;           /* empty until loaded: a run that needs no bone surface never loads one */
+    sn_space space;         /* that its file says, once loaded */
     sn_index joint;         /* SN_NONE = never moves */
     bool passable;          /* no muscle feels it; default false */
 } sn_scene_bone;

@@ -371,6 +371,14 @@ static sn_status check_history(const sn_json_value *value, sn_error *error) {
     return status;
 }
 
+static sn_status parse_space(const sn_json_value *value, sn_space *out, sn_error *error) {
+    static const char *const words[] = {"LPS", "RAS", NULL};
+    int choice = -1;
+    sn_status status = sn_json_get_choice(value, words, &choice, error);
+    if (status == SN_OK && choice >= 0) *out = sn_space_from_name(words[choice]);
+    return status;
+}
+
 static sn_status parse_sections(const sn_json_value *top, sn_muscle *out, sn_error *error) {
     sn_json_value name = sn_json_member(top, "name"), unit = sn_json_member(top, "metersPerUnit"), mesh = sn_json_member(top, "mesh"),
                   roots = sn_json_member(top, "roots"), structure = sn_json_member(top, "structure"),
@@ -380,6 +388,8 @@ static sn_status parse_sections(const sn_json_value *top, sn_muscle *out, sn_err
     if (status == SN_OK) status = sn_json_get_text(&name, &out->name, error);
     if (status == SN_OK) status = sn_json_require(&unit, "the metres per unit of the coordinates, such as 0.001", error);
     if (status == SN_OK) status = sn_json_get_number(&unit, SN_JSON_POSITIVE, INFINITY, &out->meters_per_unit, error);
+    sn_json_value space = sn_json_member(top, "space");
+    if (status == SN_OK) status = parse_space(&space, &out->space, error);
     if (status == SN_OK) status = sn_parse_mesh(&mesh, &out->mesh, error);
     if (status == SN_OK) status = parse_roots(&roots, out->mesh.vertex_count, &out->roots, error);
     if (status == SN_OK) status = parse_structure(&structure, out->mesh.vertex_count, &out->structure, error);
@@ -414,6 +424,7 @@ static void take_frame(sn_mesh_frame frame, const sn_read_options *options, sn_m
     sn_mesh_convert(&out->mesh, 1.0, up_y);
     out->meters_per_unit = options->meters_per_unit > 0.0 ? options->meters_per_unit : frame.meters_per_unit;
     if (!(out->meters_per_unit > 0.0)) out->meters_per_unit = 1.0;
+    out->space = frame.space;
 }
 
 static sn_status parse_bare_mesh(const sn_blob *blob, const sn_read_options *options, sn_muscle *out, sn_error *error) {
@@ -629,7 +640,7 @@ static const struct section {
 };
 enum { SECTION_COUNT = sizeof sections / sizeof *sections };
 
-static const char *const other_members[] = {"format", "version", "name", "metersPerUnit", "history"};
+static const char *const other_members[] = {"format", "version", "name", "metersPerUnit", "space", "history"};
 
 static bool is_known_member(const char *key) {
     for (size_t i = 0; i < SECTION_COUNT; i++)
@@ -744,6 +755,7 @@ sn_status sn_muscle_write(const sn_muscle *muscle, const sn_document *document, 
     sn_json_integer(json, "version", NEWEST_VERSION);
     if (muscle->name != NULL) sn_json_text(json, "name", muscle->name);
     sn_json_number(json, "metersPerUnit", muscle->meters_per_unit);
+    if (muscle->space != SN_SPACE_UNKNOWN) sn_json_text(json, "space", sn_space_name(muscle->space));
     status = write_sections(muscle, tree, from_tree, from_muscle, json, error);
     pass_unknown_members(tree, json);
     if (!options->drop_history) sn_history_write(tree, options->entry, json);

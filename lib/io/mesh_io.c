@@ -170,6 +170,9 @@ sn_status sn_mesh_parse(const sn_blob *blob, bool allow_nonfinite, sn_mesh *out,
     return sn_mesh_parse_frame(blob, allow_nonfinite, out, &frame, error);
 }
 
+/* A header's comments are at the beginning. */
+enum { SPACE_WITHIN = 1024 };
+
 sn_status sn_mesh_parse_frame(const sn_blob *blob, bool allow_nonfinite, sn_mesh *out, sn_mesh_frame *frame, sn_error *error) {
     *out = (sn_mesh){0};
     *frame = (sn_mesh_frame){0};
@@ -178,6 +181,7 @@ sn_status sn_mesh_parse_frame(const sn_blob *blob, bool allow_nonfinite, sn_mesh
     bool ours = sn_stl_is_binary(blob->data, blob->size) || sn_vtk_is(blob) || sn_vtp_is(blob);
     if (!ours && sn_import_detect(blob) != NULL) return sn_import_parse(blob, allow_nonfinite, out, frame, error);
     sn_mesh_format format = sn_mesh_detect(blob);
+    frame->space = sn_space_find(blob->data, blob->size < SPACE_WITHIN ? blob->size : SPACE_WITHIN);
     for (int i = 0; i < FORMAT_COUNT; i++) {
         if (formats[i].format == format) return parse_as(&formats[i], blob, allow_nonfinite, out, error);
     }

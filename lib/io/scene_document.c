@@ -106,6 +106,7 @@ static sn_status load_bone(const sn_json_value *mesh, bool has_units, sn_scene_b
     free(path);
     if (status != SN_OK) return status;
     sn_mesh_convert(&out->mesh, 1.0, frame.up == SN_UP_Y);
+    out->space = frame.space;
     if (!has_units && frame.meters_per_unit > 0.0) out->meters_per_unit = frame.meters_per_unit;
     return SN_OK;
 }
@@ -385,6 +386,17 @@ static sn_status parse_scene(const sn_json_value *top, reader in, sn_error *erro
     return sn_scene_validate(scene, error);
 }
 
+/* As far as they have been loaded. */
+static sn_status check_spaces(const sn_scene *scene, sn_error *error) {
+    sn_space_seen seen = {.space = SN_SPACE_UNKNOWN};
+    sn_status status = SN_OK;
+    for (sn_index i = 0; i < scene->muscle_count && status == SN_OK; i++)
+        status = sn_space_take(&seen, scene->muscles[i].rig.space, scene->muscles[i].name, error);
+    for (sn_index i = 0; i < scene->bone_count && status == SN_OK; i++)
+        status = sn_space_take(&seen, scene->bones[i].space, scene->bones[i].name, error);
+    return status;
+}
+
 static sn_status parse(const sn_blob *blob, reader in, sn_error *error) {
     sn_json_tree *tree = NULL;
     sn_scene_defaults(in.scene);
@@ -392,6 +404,7 @@ static sn_status parse(const sn_blob *blob, reader in, sn_error *error) {
     if (status == SN_OK) {
         sn_json_value top = sn_json_top(tree);
         status = parse_scene(&top, in, error);
+        if (status == SN_OK) status = check_spaces(in.scene, error);
     }
     sn_json_tree_free(tree);
     if (status == SN_OK) return SN_OK;

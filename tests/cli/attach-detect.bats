@@ -519,3 +519,56 @@ END
     "$BIN/simulate" s.scene.json --contact --log log 2> err
     grep -q 'warning: bone "b": .*mesh-clean mends it' err
 }
+
+@test "a muscle and bones whose headers say different spaces are refused, in every format that says it, and in scenes; what says nothing is taken" {
+    python3 - << 'END'
+import struct
+corners = [(x, y, z) for x in (0, .02) for y in (0, .02) for z in (0, .2)]
+faces = [(0, 1, 3), (0, 3, 2), (4, 6, 7), (4, 7, 5), (0, 4, 5), (0, 5, 1), (2, 3, 7), (2, 7, 6), (0, 2, 6), (0, 6, 4), (1, 5, 7), (1, 7, 3)]
+for space in ("RAS", "LPS", ""):
+    word, name = "SPACE=" + space if space else "nothing", space or "none"
+    with open(name + ".ply", "w") as out:
+        out.write("ply\nformat ascii 1.0\ncomment %s\nelement vertex 8\nproperty double x\nproperty double y\nproperty double z\nelement face 12\n"
+                  "property list uchar int vertex_indices\nend_header\n" % word)
+        for c in corners: out.write("%g %g %g\n" % c)
+        for f in faces: out.write("3 %d %d %d\n" % f)
+    with open(name + ".obj", "w") as out:
+        out.write("# by a scanner; %s\n" % word)
+        for c in corners: out.write("v %g %g %g\n" % c)
+        for f in faces: out.write("f %d %d %d\n" % tuple(i + 1 for i in f))
+    with open(name + ".off", "w") as out:
+        out.write("OFF\n# %s\n8 12 0\n" % word)
+        for c in corners: out.write("%g %g %g\n" % c)
+        for f in faces: out.write("3 %d %d %d\n" % f)
+    with open(name + ".vtk", "w") as out:
+        out.write("# vtk DataFile Version 3.0\n3D Slicer output. %s\nASCII\nDATASET POLYDATA\nPOINTS 8 double\n" % word)
+        for c in corners: out.write("%g %g %g\n" % c)
+        out.write("POLYGONS 12 48\n")
+        for f in faces: out.write("3 %d %d %d\n" % f)
+    with open(name + ".stl", "wb") as out:
+        out.write(("3D Slicer output. " + word).encode().ljust(80, b"\0") + struct.pack("<I", 12))
+        for f in faces: out.write(struct.pack("<12fH", 0, 0, 0, *(v for i in f for v in corners[i]), 0))
+END
+    for ending in ply obj off vtk stl; do
+        "$BIN/mesh-clean" -q --units m RAS.$ending > muscle.json
+        grep -q '"space": "RAS"' muscle.json
+        for other in ply obj off vtk stl; do
+            run -1 "$BIN/attach-detect" muscle.json --bone a=none.$other --bone b=LPS.$other -o x.json
+            [[ "$output" == *'in the space RAS'*'"b" in LPS'* ]] || { echo "$ending $other $output"; false; }
+            [ ! -e x.json ]
+        done
+    done
+    for bone in RAS none; do "$BIN/attach-detect" -q muscle.json --bone a=$bone.stl -o $bone.json; done
+    "$BIN/mesh-clean" -q --units m none.ply -o plain.json
+    ! grep -q '"space"' plain.json
+    run -1 "$BIN/attach-detect" plain.json --bone a=RAS.stl --bone b=LPS.ply -o x.json
+    [[ "$output" == *'"a" is in the space RAS, and "b" in LPS'* ]]
+    "$BIN/mesh-clean" -q --units m LPS.ply -o lps.json
+    run -1 "$BIN/attach-detect" muscle.json --glue lps.json -o x.json
+    [[ "$output" == *'in the space RAS'*LPS* ]]
+    run -1 "$BIN/scene-build" none.json -b a=LPS.obj -o s.scene.json
+    [[ "$output" == *'in the space RAS'*LPS* ]]
+    sed 's/"space": "RAS"/"space": "ARS"/' muscle.json > wrong.json
+    run -1 "$BIN/attach-detect" wrong.json --bone a=none.ply
+    [[ "$output" == *wrong.json*LPS*RAS* ]]
+}
