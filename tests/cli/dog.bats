@@ -28,3 +28,26 @@ setup() {
     [ "$(wc -l < err)" -eq 1 ] && grep -q 'includes are not read' err
     python3 "$BATS_TEST_DIRNAME/../model-fk.py" bones "$dog" trot.sto trot.motion.json "$DATA/dog-dmcontrol/meshes"
 }
+
+@test "sites become pins of their own muscles: not those of other muscles, of bones that are not there, or of a muscle with one alone" {
+    sites=$BATS_TEST_DIRNAME/../../share/examples/dog/sites.awk
+    {
+        printf 'muscle\tbone\tx_m\ty_m\tz_m\tsite_radius_m\tmuscle_file\tbone_file\tdist_to_muscle_vertex_m\tdist_to_bone_vertex_m\n'
+        printf 'a\tL-1\t1\t2\t3\t0.001\tMUSCa.stl\tBONEL_1.stl\t0.002\t0.001\n' # the name of the file, not of the site
+        printf 'a\tRib_L_4\t4\t5\t6\t0.001\tMUSCa.stl\t\t0.020\t\n'             # merged; farther than 10 mm
+        printf 'a\tL-2\t7\t8\t9\t0.001\tMUSCa.stl\tBONEL_2.stl\t0.500\t0.001\n' # another muscle's
+        printf 'a\tTooth\t7\t8\t9\t0.001\tMUSCa.stl\tBONETooth.stl\t0.001\t0.001\n'
+        printf 'b\tL-1\t1\t2\t3\t0.001\tMUSCb.stl\tBONEL_1.stl\t0.002\t0.001\n'
+        printf 'c\tL-1\t1\t2\t3\t0.001\t\tBONEL_1.stl\t\t0.001\n'
+    } > attachments.tsv
+    printf 'L_1.ply\nL_2.ply\nRibcage.ply\n' | awk -f "$sites" - attachments.tsv > options.tsv
+    printf 'MUSCa\tattach-detect\t--method none --pin L_1=sphere:1,2,3,0.01 --pin Ribcage=sphere:4,5,6,0.022\n' | cmp - options.tsv
+}
+
+@test "all of the dog's muscles have rigs, candidates and a scene whose targets are there" {
+    [ -f "$dog" ] || skip "no dog-dmcontrol in DATA"
+    [ -n "${ALL_OF_THE_DOG:-}" ] || skip "takes minutes; set ALL_OF_THE_DOG"
+    make -s -f "$BATS_TEST_DIRNAME/../../share/examples/dog/Makefile" -j2 DATA="$DATA" TOOLS="$BIN" scene 2> err
+    [ "$(find rigs/candidates -name '*.muscle.json' | wc -l)" -eq 253 ]
+    "$BIN/simulate" -q trot.scene.json --externals --plan | grep -q '"coupled"'
+}
