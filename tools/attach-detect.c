@@ -282,19 +282,14 @@ static void warn_of_sliding(const cli *c, const outcome *o) {
                  name_of(o), names, used >= sizeof names ? ", ..." : "");
 }
 
-static double box_gap(sn_box a, sn_box b) {
-    sn_vec3 apart = sn_max3(sn_sub(a.low, b.high), sn_sub(b.low, a.high));
-    return sn_norm(sn_max3(apart, sn_v3(0, 0, 0)));
-}
-
 /* The unit in which a bone's box would meet the muscle's where it does not now; -1 = none. */
 static int fitting_unit(const outcome *o, const bone *b) {
     sn_box muscle = sn_mesh_box(&o->muscle->mesh), now = sn_mesh_box(&b->mesh);
-    if (box_gap(muscle, now) == 0.0) return -1;
+    if (sn_box_gap(muscle, now) == 0.0) return -1;
     for (int unit = 0; cli_unit_names[unit] != NULL; unit++) {
         double factor = cli_unit_meters[unit] / o->muscle->meters_per_unit / b->scale;
         sn_box box = {sn_scale(now.low, factor), sn_scale(now.high, factor)};
-        if (box_gap(muscle, box) == 0.0 && sn_box_diagonal(box) < 1e3 * sn_box_diagonal(muscle)) return unit;
+        if (sn_box_gap(muscle, box) == 0.0 && sn_box_diagonal(box) < 1e3 * sn_box_diagonal(muscle)) return unit;
     }
     return -1;
 }
@@ -330,23 +325,15 @@ static void warn_nothing(const cli *c, const outcome *o) {
 }
 
 /* Contact asks what is inside of a bone. */
-static sn_status warn_of_bone(const cli *c, const bone *b, sn_error *error) {
-    sn_mesh_report report;
-    char why[256];
-    sn_status status = sn_mesh_inspect(&b->mesh, &report, error);
-    if (status == SN_OK && sn_mesh_is_ambiguous(&report, sizeof why, why)) cli_warn(c, "bone \"%s\": %s", b->name, why);
-    return status;
-}
-
-static sn_status warn_of_bones(const cli *c, const outcome *o, sn_error *error) {
+static sn_status warn_of_bones(const outcome *o, sn_error *error) {
     sn_status status = SN_OK;
     for (size_t i = 0; i < o->bones.count && status == SN_OK && (method_bits[method] & SN_ATTACH_CONTACT); i++)
-        if (o->bones.items[i].used) status = warn_of_bone(c, &o->bones.items[i], error);
+        if (o->bones.items[i].used) status = sn_mesh_warn_of_sides(&o->bones.items[i].mesh, o->bones.items[i].name, error);
     return status;
 }
 
 static sn_status warn(const cli *c, const outcome *o, bool stopped, sn_error *error) {
-    sn_status status = warn_of_bones(c, o, error);
+    sn_status status = warn_of_bones(o, error);
     if (status != SN_OK) return status;
     warn_of_areas(c, o);
     warn_of_sliding(c, o);
@@ -402,18 +389,9 @@ static void set_bone_frame(const cli *c, const sn_muscle *muscle, bone_list *bon
     bones->up_y = cli_given(c, "bone-up") ? bone_up == 1 : c->read.up_y;
 }
 
-/* A muscle beside bones of another space would be put on the other side's. */
-static sn_status check_spaces(const sn_muscle *muscle, const bone_list *bones, sn_error *error) {
-    sn_space_seen seen = {.space = SN_SPACE_UNKNOWN};
-    sn_status status = sn_space_take(&seen, muscle->space, muscle->name != NULL ? muscle->name : "the muscle", error);
-    for (size_t i = 0; i < bones->count && status == SN_OK; i++)
-        status = sn_space_take(&seen, bones->items[i].space, bones->items[i].name, error);
-    return status;
-}
-
 static sn_status attach(cli *c, sn_muscle *muscle, const pin_list *pins, outcome *o, sn_error *error) {
     sn_status status = bones_load(&o->bones, c->threads, error);
-    if (status == SN_OK) status = check_spaces(muscle, &o->bones, error);
+    if (status == SN_OK) status = bones_check_spaces(&o->bones, muscle, error);
     if (status == SN_OK) status = load_landmarks(&o->bones, muscle->meters_per_unit, &o->landmarks, error);
     return status == SN_OK ? detect(c, muscle, pins, o, error) : status;
 }

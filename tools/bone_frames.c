@@ -23,11 +23,11 @@ static sn_status check_names(const bone_request *request, const sn_scene *scene,
     for (sn_index b = 0; b < scene->bone_count; b++) {
         const char *name = scene->bones[b].name;
         for (sn_index i = 0; i < b; i++)
-            if (frame_names_clash(name, scene->bones[i].name))
+            if (frame_names_clash(name, scene->bones[i].name, ""))
                 return sn_fail(error, SN_ERROR_INPUT, "the bones \"%s\" and \"%s\" would share a file of frames; rename one",
                                scene->bones[i].name, name);
         for (sn_index i = 0; shared && i < scene->muscle_count; i++)
-            if (scene->muscles[i].enabled && frame_names_clash(name, scene->muscles[i].name))
+            if (scene->muscles[i].enabled && frame_names_clash(name, scene->muscles[i].name, ""))
                 return sn_fail(error, SN_ERROR_INPUT,
                                "the bone and the muscle \"%s\" would share a file of frames; give the bones a "
                                "folder of their own",

@@ -160,6 +160,14 @@ sn_status bones_load(bone_list *list, int threads, sn_error *error) {
     return SN_OK;
 }
 
+sn_status bones_check_spaces(const bone_list *list, const sn_muscle *muscle, sn_error *error) {
+    sn_space_seen seen = {.space = SN_SPACE_UNKNOWN};
+    sn_status status = sn_space_take(&seen, muscle->space, muscle->name != NULL ? muscle->name : "the muscle", error);
+    for (size_t i = 0; i < list->count && status == SN_OK; i++)
+        status = sn_space_take(&seen, list->items[i].space, list->items[i].name, error);
+    return status;
+}
+
 /* ---- the history ---------------------------------------------------------------------------------------------------------------- */
 
 typedef struct text {

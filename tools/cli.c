@@ -121,8 +121,9 @@ static void put_text(const char *text) {
 
 static void put(const char *format, va_list arguments) {
     char text[8192];
-    vsnprintf(text, sizeof text, format, arguments);
+    int length = vsnprintf(text, sizeof text, format, arguments);
     put_text(text);
+    if (length >= (int)sizeof text) put_text(" ...");
 }
 
 void cli_usage_error(const cli *c, const char *format, ...) {

@@ -30,10 +30,14 @@ char *frame_path(const char *folder, const char *name, const char *suffix) {
     return path;
 }
 
-bool frame_names_clash(const char *a, const char *b) {
-    size_t i = 0;
-    while (a[i] != '\0' && in_file(a, i) == in_file(b, i)) i++;
-    return in_file(a, i) == in_file(b, i);
+bool frame_names_clash(const char *a, const char *b, const char *suffix) {
+    size_t length = strlen(b);
+    if (strlen(a) != length + strlen(suffix)) return false;
+    for (size_t i = 0; i < length; i++)
+        if (in_file(a, i) != in_file(b, i)) return false;
+    for (size_t i = 0; suffix[i] != '\0'; i++)
+        if (in_file(a, length + i) != suffix[i]) return false;
+    return true;
 }
 
 sn_status frame_write_ply(const char *prefix, sn_index frame, const sn_mesh *mesh, sn_error *error) {

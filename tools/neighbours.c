@@ -76,11 +76,6 @@ static sn_status load_named(const reading *r, const char *text, neighbour_target
 
 /* ---- the muscles of a list: those near by box --------------------------------------------------------------------------- */
 
-static double box_gap(sn_box a, sn_box b) {
-    sn_vec3 apart = sn_max3(sn_sub(a.low, b.high), sn_sub(b.low, a.high));
-    return sn_norm(sn_max3(apart, sn_v3(0, 0, 0)));
-}
-
 typedef struct listing {
     const reading *reading;
     const sn_muscle *muscle;
@@ -121,7 +116,7 @@ static sn_status judge(const listing *l, sn_index i, sn_error *error) {
         return sn_fail_at(
             error, SN_ERROR_INPUT, file->file, 0,
             "it has the name of the muscle at hand, \"%s\", but another mesh; make it anew, or give one of the two another name", t->name);
-    l->gaps[i] = box_gap(sn_mesh_box(&l->muscle->mesh), sn_mesh_box(&t->muscle.mesh));
+    l->gaps[i] = sn_box_gap(sn_mesh_box(&l->muscle->mesh), sn_mesh_box(&t->muscle.mesh));
     file->used = !l->itself[i] && l->gaps[i] <= l->reach;
     return SN_OK;
 }
@@ -208,7 +203,7 @@ static sn_status load_obstacles(const cli *c, const sn_muscle *muscle, const bon
     out->obstacles.up_y = bones->up_y;
     sn_status status = bones_load(&out->obstacles, c->threads, error);
     for (size_t i = 0; i < out->obstacles.count && status == SN_OK; i++)
-        out->obstacles.items[i].used = box_gap(sn_mesh_box(&out->obstacles.items[i].mesh), sn_mesh_box(&muscle->mesh)) <= out->reach;
+        out->obstacles.items[i].used = sn_box_gap(sn_mesh_box(&out->obstacles.items[i].mesh), sn_mesh_box(&muscle->mesh)) <= out->reach;
     return status;
 }
 
@@ -294,12 +289,13 @@ static void take_found(sn_muscle *muscle, sn_neighbours_found *found) {
     found->count = 0;
 }
 
+/* Bones are checked where they are loaded. */
 static sn_status check_spaces(const sn_muscle *muscle, const neighbour_result *found, sn_error *error) {
     sn_space_seen seen = {.space = SN_SPACE_UNKNOWN};
     sn_status status = sn_space_take(&seen, muscle->space, muscle->name != NULL ? muscle->name : "the muscle", error);
     for (size_t i = 0; i < found->target_count && status == SN_OK; i++)
         status = sn_space_take(&seen, found->targets[i].muscle.space, found->targets[i].name, error);
-    return status;
+    return status == SN_OK ? bones_check_spaces(&found->obstacles, muscle, error) : status;
 }
 
 static sn_status search(cli *c, const neighbour_request *request, const bone_list *bones, sn_muscle *muscle, neighbour_result *out,

@@ -119,9 +119,8 @@ static const cli_tool TOOL = {
     .options = OPTIONS,
     .option_count = sizeof OPTIONS / sizeof *OPTIONS,
     .notes = "-o is NAME.pc2 for one muscle, or a folder with one cache per muscle. --stop-after takes FRAME[:SUBSTEP[:ITERATION]].\n"
-             "--fail-on knows volume, nan, triangle, edge, torn, penetration, entered, internal, radial, mesh, dihedral, area, membrane, "
-             "external, "
-             "contact, energy,\n"
+             "--fail-on knows volume, nan, triangle, edge, torn, penetration, entered, internal, radial, mesh, dihedral, area, "
+             "membrane, external, contact, energy,\n"
              "elastic, residual, skipped and clamped; '<' and '>' compare.",
 };
 
@@ -406,12 +405,7 @@ static sn_status open_target(job *j, sn_index muscle, bool file, sn_error *error
 
 /* Would two of them be one file in the folder? That of b's fibres is named after b's. */
 static bool files_clash(const char *a, const char *b) {
-    size_t size = strlen(b) + sizeof FIBERS_SUFFIX;
-    char *fibers = given.fibers.frames ? sn_alloc(size, 1) : NULL;
-    if (fibers != NULL) snprintf(fibers, size, "%s%s", b, FIBERS_SUFFIX);
-    bool clash = frame_names_clash(a, b) || (fibers != NULL && frame_names_clash(a, fibers));
-    free(fibers);
-    return clash;
+    return frame_names_clash(a, b, "") || (given.fibers.frames && frame_names_clash(a, b, FIBERS_SUFFIX));
 }
 
 static sn_status check_names(const job *j, sn_error *error) {

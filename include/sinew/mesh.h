@@ -86,6 +86,11 @@ static inline void sn_box_add(sn_box *box, sn_vec3 p) {
     box->low = sn_min3(box->low, p);
     box->high = sn_max3(box->high, p);
 }
+/* How far they are apart; 0: they meet. */
+static inline double sn_box_gap(sn_box a, sn_box b) {
+    sn_vec3 apart = sn_max3(sn_sub(a.low, b.high), sn_sub(b.low, a.high));
+    return sn_norm(sn_max3(apart, sn_v3(0, 0, 0)));
+}
 static inline bool sn_boxes_meet(const sn_box *a, const sn_box *b) {
     return a->low.x <= b->high.x && b->low.x <= a->high.x && a->low.y <= b->high.y && b->low.y <= a->high.y && a->low.z <= b->high.z &&
            b->low.z <= a->high.z;
@@ -139,8 +144,8 @@ typedef struct sn_mesh_report {
     bool closed, manifold, oriented, outward;
 } sn_mesh_report;
 SN_MUST_CHECK sn_status sn_mesh_inspect(const sn_mesh *mesh, sn_mesh_report *out, sn_error *error);
-/* Does more than a hundredth of the surface speak against itself (triangles that stand twice, opposite windings, edges in more than two
- * triangles), so that what is inside of it cannot be told? Then why (size bytes) says of what. */
-bool sn_mesh_is_ambiguous(const sn_mesh_report *report, size_t size, char *why);
+/* Warn of a bone of which more than a hundredth speaks against itself (triangles that stand twice, opposite windings, edges in more than
+ * two triangles), so that what is inside of it cannot be told. */
+SN_MUST_CHECK sn_status sn_mesh_warn_of_sides(const sn_mesh *mesh, const char *name, sn_error *error);
 
 #endif

@@ -3,7 +3,6 @@
  */
 #include "sinew/mesh.h"
 
-#include <stdio.h>
 #include <stdlib.h>
 
 #include "edit.h"
@@ -204,14 +203,19 @@ sn_status sn_mesh_inspect(const sn_mesh *mesh, sn_mesh_report *out, sn_error *er
     return status;
 }
 
-bool sn_mesh_is_ambiguous(const sn_mesh_report *r, size_t size, char *why) {
-    const double share = 0.01;
-    double edges = share * r->edges, triangles = share * r->triangles;
-    if (!(r->duplicate_triangles > triangles || r->inconsistent_edges > edges || r->nonmanifold_edges > edges)) return false;
-    snprintf(why, size,
-             "%ld of %ld triangles stand twice, %ld edges lie between triangles of opposite winding, and %ld are in more than two: what is "
-             "inside "
-             "cannot be told, and contact with it is wrong; mesh-clean mends it",
-             (long)r->duplicate_triangles, (long)r->triangles, (long)r->inconsistent_edges, (long)r->nonmanifold_edges);
-    return true;
+/* Of a surface's edges or triangles. */
+static const double AMBIGUOUS_SHARE = 0.01;
+
+sn_status sn_mesh_warn_of_sides(const sn_mesh *mesh, const char *name, sn_error *error) {
+    sn_mesh_report r;
+    sn_status status = sn_mesh_inspect(mesh, &r, error);
+    if (status != SN_OK) return status;
+    double edges = AMBIGUOUS_SHARE * r.edges, triangles = AMBIGUOUS_SHARE * r.triangles;
+    if (r.duplicate_triangles > triangles || r.inconsistent_edges > edges || r.nonmanifold_edges > edges)
+        sn_log(
+            SN_LOG_WARNING,
+            "bone \"%s\": %ld of %ld triangles stand twice, %ld edges lie between triangles of opposite winding, and %ld are in more than "
+            "two: what is inside cannot be told, and contact with it is wrong; mesh-clean mends it",
+            name, (long)r.duplicate_triangles, (long)r.triangles, (long)r.inconsistent_edges, (long)r.nonmanifold_edges);
+    return SN_OK;
 }

@@ -94,9 +94,8 @@ bool sn_warn_of_rounding(const char *what, sn_index count, const sn_vec3 *points
     double extent = sn_norm(sn_sub(box.high, box.low));
     if (!(most > MOST_ROUNDING * extent) || !(extent > 0.0)) return false;
     sn_log(SN_LOG_WARNING,
-           "%s: single precision moves points by up to %.2g, %.2g of their extent of %.3g, as they lie far from the origin; bring them "
-           "nearer, or "
-           "write a format of doubles",
+           "%s: single precision moves points by up to %.2g, %.2g of their extent of %.3g, as they lie far from the origin; bring "
+           "them nearer, or write a format of doubles",
            what, most, most / extent, extent);
     return true;
 }

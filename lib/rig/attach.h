@@ -14,12 +14,6 @@ typedef struct sn_bone_search {
     sn_pool *pool;
 } sn_bone_search;
 
-/* Distance of two boxes, 0 where they overlap; a point is a box without size. */
-static inline double sn_box_gap(sn_box a, sn_box b) {
-    sn_vec3 apart = sn_max3(sn_sub(a.low, b.high), sn_sub(b.low, a.high));
-    return sn_norm(sn_max3(apart, sn_v3(0, 0, 0)));
-}
-
 /* ---- attach_pairs.c: is this bone near this muscle? ------------------------------------------------------------------ */
 
 typedef struct sn_pair_probe {

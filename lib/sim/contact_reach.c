@@ -227,18 +227,10 @@ static sn_status take_field(const reach_work *w, const sn_model_options *options
     return status;
 }
 
-static sn_status warn_of_bone(const char *name, const sn_mesh *mesh, sn_error *error) {
-    sn_mesh_report report;
-    char why[256];
-    sn_status status = sn_mesh_inspect(mesh, &report, error);
-    if (status == SN_OK && sn_mesh_is_ambiguous(&report, sizeof why, why)) sn_log(SN_LOG_WARNING, "bone \"%s\": %s", name, why);
-    return status;
-}
-
 static sn_status make_field(const reach_work *w, const sn_model_options *options, sn_index bone, double edge, sn_error *error) {
     sn_mesh mesh = {0};
     sn_status status = scaled_mesh(&w->scene->bones[bone], &mesh, error);
-    if (status == SN_OK) status = warn_of_bone(w->scene->bones[bone].name, &mesh, error);
+    if (status == SN_OK) status = sn_mesh_warn_of_sides(&mesh, w->scene->bones[bone].name, error);
     if (status == SN_OK) status = take_field(w, options, bone, &mesh, edge, error);
     sn_mesh_free(&mesh);
     if (status == SN_OK || error == NULL) return status;
@@ -299,7 +291,7 @@ sn_status sn_contact_plan_create(const sn_scene *scene, const sn_model_options *
         measure_rest(&w);
         status = look_through(&w, error);
     }
-    if (status == SN_OK) { status = make_fields(&w, options, error); }
+    if (status == SN_OK) status = make_fields(&w, options, error);
     free(w.bones);
     free(w.muscles);
     free(w.swept);

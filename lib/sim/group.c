@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Points of a large group. Of 253 muscles of a dog one factor of 88,000 points takes 2 s, and ten iterations 1 s. */
+/* Points of a large group. Of the 251 of a dog that are tied a factor of 75,000 free points takes 2.2 s, and a frame of 20 iterations 2.0 s. */
 enum { LARGE_GROUP = 20000 };
 
 static bool allocate(sn_index count, sn_group *out) {

@@ -73,8 +73,8 @@ double sn_objective_evaluate(const sn_objective *objective, const sn_point *poin
 /* ---- precondition.c ---- */
 
 /* An approximate Hessian of Phi without the volume rows, scalar, corotated or two-level (precondition.c), of a group of muscles that are
- * solved together; the volume rows enter as k_V g gT (Sherman-Morrison). Below, `points` of the group are those of its members one after
- * the other, and what is given by member is (count). */
+ * solved together; the volume rows enter as k_V g gT, that of a muscle alone exactly, those of a group by deflation (deflate.h). Below,
+ * `points` of the group are those of its members one after the other, and what is given by member is (count). */
 SN_MUST_CHECK sn_status sn_preconditioner_create(sn_index count, const sn_model_muscle *const *members, sn_preconditioner **out,
                                                  sn_error *error);
 /* The scalar matrix knows the external constraints of the group from here on, at the triangles that they are bound to; nothing where it has
@@ -98,7 +98,7 @@ void sn_preconditioner_correct(sn_preconditioner *p, const sn_vec3 *positions, d
 /* From the next solve on: the volume rows at volume_gradient g (point_count, vertices are read; copied) with stiffness k_V by
  * member; k_V = 0, or NULL for all: without. */
 void sn_preconditioner_set_volume(sn_preconditioner *p, const sn_vec3 *volume_gradient, const double *volume_stiffness);
-/* out = (A + k_V g gT)^-1 in, on free points; zero on carried ones. Both (point_count); out may be in. */
+/* out = (A + k_V g gT)^-1 in, or what deflation makes of it, on free points; zero on carried ones. Both (point_count); out may be in. */
 bool sn_preconditioner_apply(sn_preconditioner *p, const sn_vec3 *in, sn_vec3 *out);
 /* in += A_fk jump + k_V g_f (g_k . jump): what a motion of the carried points adds to the gradient of the free ones. */
 void sn_preconditioner_add_jump(const sn_preconditioner *p, const sn_vec3 *jump, const sn_vec3 *volume_gradient,
