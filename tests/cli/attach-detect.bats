@@ -566,6 +566,10 @@ END
     "$BIN/mesh-clean" -q --units m LPS.ply -o lps.json
     run -1 "$BIN/attach-detect" muscle.json --glue lps.json -o x.json
     [[ "$output" == *'in the space RAS'*LPS* ]]
+    mkdir obstacles
+    cp LPS.stl obstacles
+    run -1 "$BIN/attach-detect" muscle.json --glue plain.json --obstacles obstacles -o x.json
+    [[ "$output" == *'in the space RAS'*LPS* ]]
     run -1 "$BIN/scene-build" none.json -b a=LPS.obj -o s.scene.json
     [[ "$output" == *'in the space RAS'*LPS* ]]
     sed 's/"space": "RAS"/"space": "ARS"/' muscle.json > wrong.json
