@@ -200,7 +200,7 @@ void sn_externals_measure(const sn_model_muscle *m, const sn_muscle_state *s, sn
         if (!(depth > out->entered) || !(depth > DEPTH_NOISE * m->diagonal)) continue;
         out->entered = depth;
         out->entered_vertex = row->point;
-        out->entered_target = (sn_index)holds[r].target;
+        out->entered_target = s->inputs->slides_on[r];
     }
 }
 

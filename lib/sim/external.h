@@ -62,8 +62,6 @@ typedef struct sn_external_hold {
     sn_external_foot slide, bound;
     sn_vec3 normal; /* unit; zero: there is none */
     sn_vec3 offset; /* hard: in the world */
-    double target;  /* number of the one that it slides on, and of the triangle there: where the next search starts */
-    double triangle;
 } sn_external_hold;
 
 static inline const sn_externals *sn_externals_of(const sn_model_muscle *m) { return m->own[SN_ROWS_EXTERNAL]; }
@@ -97,7 +95,11 @@ void sn_externals_aim(const sn_group *g, sn_group_state *s, const sn_scene *scen
 /* They have come this far. */
 void sn_externals_keep(const sn_group *g, sn_group_state *s);
 bool sn_externals_moved(const sn_group *g, const sn_group_state *s);
-/* What each row holds on to in the step, whose `previous` points are set. */
+/* Each row slides on the point that it is bound to. */
+void sn_externals_reset(const sn_group *g, sn_group_state *s);
+/* Does each slide on one of its targets? Not in a state that is damaged. */
+bool sn_externals_sound(const sn_group *g, const sn_group_state *s);
+/* What each row holds on to in the step, whose `previous` points are set. Asked again it says the same. */
 void sn_externals_find(const sn_group *g, sn_group_state *s);
 
 /* ---- external.c ---- */

@@ -69,9 +69,16 @@ static sn_external_foot foot_of(const sn_group *g, const sn_group_state *s, cons
  * back, and with it what it is pulled by. */
 static const double MUCH_NEARER = 1.5;
 
+/* Where a row slides: a target of the group, and a triangle of its moving mesh. */
+typedef struct sliding {
+    sn_index *on, *at;
+} sliding;
+
+static sliding seat_of(const sn_muscle_state *s, sn_index row) { return (sliding){&s->inputs->slides_on[row], &s->inputs->slides_at[row]}; }
+
 /* Where a vertex slides: on the nearest of its targets. */
 static void find_slide(const sn_group *g, const sn_group_state *s, const sn_externals *all, const sn_external_row *row, sn_index base,
-                       sn_external_hold *hold) {
+                       sliding seat, sn_external_hold *hold) {
     sn_vec3 at = s->previous[base + row->point], normal = {0, 0, 0};
     sn_closest best = {.triangle = SN_NONE};
     double least = INFINITY;
@@ -79,15 +86,15 @@ static void find_slide(const sn_group *g, const sn_group_state *s, const sn_exte
     for (sn_index c = row->begin; c < row->end; c++) {
         const sn_external_target *t = &g->targets[all->candidates[c]];
         sn_moving_shape shape = shape_before(g, s, t);
-        bool known = hold->target == (double)all->candidates[c];
-        sn_closest foot = sn_moving_closest(&shape, known ? (sn_index)hold->triangle : row->triangle, at);
+        bool known = *seat.on == all->candidates[c];
+        sn_closest foot = sn_moving_closest(&shape, known ? *seat.at : row->triangle, at);
         double distance = known ? foot.distance / MUCH_NEARER : foot.distance;
         if (!(distance < least)) continue;
         best = foot, on = t, least = distance;
         sn_moving_side(&shape, &foot, at, &normal);
     }
     if (on == NULL) return;
-    hold->target = (double)(on - g->targets), hold->triangle = (double)best.triangle;
+    *seat.on = (sn_index)(on - g->targets), *seat.at = best.triangle;
     if (on->member == SN_NONE) { /* the vertex is carried along, and looks again */
         sn_moving_shape before = shape_before(g, s, on), after = shape_after(s, on);
         sn_vec3 carried = sn_add(at, sn_sub(sn_moving_point(&after, &best), sn_moving_point(&before, &best)));
@@ -96,6 +103,32 @@ static void find_slide(const sn_group *g, const sn_group_state *s, const sn_exte
     }
     hold->normal = normal;
     hold->slide = foot_of(g, s, on, &best, base);
+}
+
+void sn_externals_reset(const sn_group *g, sn_group_state *s) {
+    for (sn_index i = 0; i < g->count; i++) {
+        const sn_externals *all = sn_externals_of(g->members[i]);
+        for (sn_index r = 0; r < g->members[i]->external_count; r++) {
+            sliding seat = seat_of(s->members[i], r);
+            *seat.on = all->candidates[all->rows[r].begin], *seat.at = all->rows[r].triangle;
+        }
+    }
+}
+
+static bool sits(const sn_group *g, const sn_externals *all, const sn_external_row *row, sliding seat) {
+    bool found = false;
+    for (sn_index c = row->begin; c < row->end; c++) found = found || all->candidates[c] == *seat.on;
+    return found && *seat.at >= 0 && *seat.at < g->targets[*seat.on].moving.triangle_count;
+}
+
+bool sn_externals_sound(const sn_group *g, const sn_group_state *s) {
+    bool sound = true;
+    for (sn_index i = 0; i < g->count; i++) {
+        const sn_externals *all = sn_externals_of(g->members[i]);
+        for (sn_index r = 0; r < g->members[i]->external_count && sound; r++)
+            sound = sits(g, all, &all->rows[r], seat_of(s->members[i], r));
+    }
+    return sound;
 }
 
 /* The point that it was bound to, and where its tangent frame puts the vertex. */
@@ -118,7 +151,7 @@ static void find_member(const sn_group *g, sn_group_state *s, sn_index member) {
         const sn_external_row *row = &all->rows[r];
         bool slides = row->weights[SN_EXTERNAL_SLIDE] > 0.0 || row->least > -INFINITY;
         holds[r].normal = sn_v3(0, 0, 0);
-        if (slides) find_slide(g, s, all, row, g->first[member], &holds[r]);
+        if (slides) find_slide(g, s, all, row, g->first[member], seat_of(s->members[member], r), &holds[r]);
         if (row->weights[SN_EXTERNAL_SOFT] > 0.0 || row->weights[SN_EXTERNAL_HARD] > 0.0)
             find_bound(g, s, all, row, g->first[member], &holds[r]);
     }

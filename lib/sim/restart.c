@@ -14,7 +14,7 @@
 #include "external.h"
 
 static const char MAGIC[12] = "sinew state\n";
-enum { VERSION = 6, HEADER = sizeof MAGIC + sizeof(int32_t) + SN_HASH_LENGTH };
+enum { VERSION = 7, HEADER = sizeof MAGIC + sizeof(int32_t) + SN_HASH_LENGTH };
 
 /* ---- the numbers of a group and of its members ------------------------------------------------------------------------------ */
 
@@ -113,6 +113,7 @@ static const char *member_fault(const sn_model_muscle *m, const sn_muscle_state 
 static const char *group_fault(const sn_backend *backend, const sn_group *g, const sn_group_state *part) {
     GROUP_NUMBERS(SN_CHECK_NUMBER)
     SN_POINT_ARRAYS(SN_CHECK_ARRAY)
+    if (!sn_externals_sound(g, part)) return "slides_on";
     return backend->fault(g, part);
 }
 

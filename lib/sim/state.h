@@ -42,6 +42,8 @@ typedef struct sn_bone_motion {
     X(sn_index, feet, m->feet_count, SN_LEFT)                               /* of rows: the triangle to walk from */                       \
     X(double, multipliers, m->quasi_newton ? m->contact_count : 0, SN_KEPT) /* of the rows of contact, N */                                \
     X(sn_index, near, m->contact_count, SN_LEFT)                            /* those that may act in the step at hand */                   \
+    X(sn_index, slides_on, m->external_count, SN_KEPT) /* of each external row: the target that it slides on, as the group counts */       \
+    X(sn_index, slides_at, m->external_count, SN_KEPT) /* and the triangle there: where the next search starts */                          \
     X(bool, guarded, m->quasi_newton ? m->area_count : 0, SN_KEPT)
 
 /* What one muscle is told of the step at hand. */

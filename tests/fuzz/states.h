@@ -5,6 +5,7 @@
 #define FUZZ_STATES_H
 
 #include "../unit/contact_scene.h"
+#include "../unit/tied_scene.h"
 
 #include <stdio.h>
 
@@ -20,19 +21,23 @@ typedef struct state_model {
     sn_index substeps, iterations;
     bool contact;    /* with distance fields */
     sn_index voxels; /* with voxels, so many along each axis of a bone; 0 = none */
+    bool tied;       /* to each other */
 } state_model;
 
 static const state_model MODELS[] = {
-    {"xpbd", SN_SOLVER_XPBD, SN_PRECISION_DOUBLE, SN_PRECONDITION_SCALAR, SN_STRETCH_SPRINGS, 4, 3, false, 0},
-    {"xpbd, single", SN_SOLVER_XPBD, SN_PRECISION_SINGLE, SN_PRECONDITION_SCALAR, SN_STRETCH_SPRINGS, 4, 3, false, 0},
-    {"xpbd, voxels", SN_SOLVER_XPBD, SN_PRECISION_DOUBLE, SN_PRECONDITION_SCALAR, SN_STRETCH_SPRINGS, 4, 3, false, 8},
-    {"qn, scalar", SN_SOLVER_QN, SN_PRECISION_DOUBLE, SN_PRECONDITION_SCALAR, SN_STRETCH_SPRINGS, 2, 6, false, 0},
-    {"qn, scalar, membrane", SN_SOLVER_QN, SN_PRECISION_DOUBLE, SN_PRECONDITION_SCALAR, SN_STRETCH_MEMBRANE, 2, 6, false, 0},
-    {"qn, corotated", SN_SOLVER_QN, SN_PRECISION_DOUBLE, SN_PRECONDITION_COROTATED, SN_STRETCH_SPRINGS, 2, 6, false, 0},
-    {"qn, two-level", SN_SOLVER_QN, SN_PRECISION_DOUBLE, SN_PRECONDITION_TWO_LEVEL, SN_STRETCH_SPRINGS, 2, 6, false, 0},
-    {"xpbd, contact", SN_SOLVER_XPBD, SN_PRECISION_DOUBLE, SN_PRECONDITION_SCALAR, SN_STRETCH_SPRINGS, 4, 3, true, 0},
-    {"xpbd, single, contact", SN_SOLVER_XPBD, SN_PRECISION_SINGLE, SN_PRECONDITION_SCALAR, SN_STRETCH_SPRINGS, 4, 3, true, 0},
-    {"qn, contact", SN_SOLVER_QN, SN_PRECISION_DOUBLE, SN_PRECONDITION_SCALAR, SN_STRETCH_SPRINGS, 2, 6, true, 0},
+    {"xpbd", SN_SOLVER_XPBD, SN_PRECISION_DOUBLE, SN_PRECONDITION_SCALAR, SN_STRETCH_SPRINGS, 4, 3, false, 0, false},
+    {"xpbd, single", SN_SOLVER_XPBD, SN_PRECISION_SINGLE, SN_PRECONDITION_SCALAR, SN_STRETCH_SPRINGS, 4, 3, false, 0, false},
+    {"xpbd, voxels", SN_SOLVER_XPBD, SN_PRECISION_DOUBLE, SN_PRECONDITION_SCALAR, SN_STRETCH_SPRINGS, 4, 3, false, 8, false},
+    {"qn, scalar", SN_SOLVER_QN, SN_PRECISION_DOUBLE, SN_PRECONDITION_SCALAR, SN_STRETCH_SPRINGS, 2, 6, false, 0, false},
+    {"qn, scalar, membrane", SN_SOLVER_QN, SN_PRECISION_DOUBLE, SN_PRECONDITION_SCALAR, SN_STRETCH_MEMBRANE, 2, 6, false, 0, false},
+    {"qn, corotated", SN_SOLVER_QN, SN_PRECISION_DOUBLE, SN_PRECONDITION_COROTATED, SN_STRETCH_SPRINGS, 2, 6, false, 0, false},
+    {"qn, two-level", SN_SOLVER_QN, SN_PRECISION_DOUBLE, SN_PRECONDITION_TWO_LEVEL, SN_STRETCH_SPRINGS, 2, 6, false, 0, false},
+    {"xpbd, contact", SN_SOLVER_XPBD, SN_PRECISION_DOUBLE, SN_PRECONDITION_SCALAR, SN_STRETCH_SPRINGS, 4, 3, true, 0, false},
+    {"xpbd, single, contact", SN_SOLVER_XPBD, SN_PRECISION_SINGLE, SN_PRECONDITION_SCALAR, SN_STRETCH_SPRINGS, 4, 3, true, 0, false},
+    {"qn, contact", SN_SOLVER_QN, SN_PRECISION_DOUBLE, SN_PRECONDITION_SCALAR, SN_STRETCH_SPRINGS, 2, 6, true, 0, false},
+    {"xpbd, tied", SN_SOLVER_XPBD, SN_PRECISION_DOUBLE, SN_PRECONDITION_SCALAR, SN_STRETCH_SPRINGS, 4, 3, false, 0, true},
+    {"qn, tied", SN_SOLVER_QN, SN_PRECISION_DOUBLE, SN_PRECONDITION_SCALAR, SN_STRETCH_SPRINGS, 2, 6, false, 0, true},
+    {"qn, two-level, tied, contact", SN_SOLVER_QN, SN_PRECISION_DOUBLE, SN_PRECONDITION_TWO_LEVEL, SN_STRETCH_SPRINGS, 2, 6, true, 0, true},
 };
 enum { MODEL_COUNT = sizeof MODELS / sizeof *MODELS };
 
@@ -41,6 +46,7 @@ static void make_model(const state_model *from, sn_scene *scene, simulation *out
     fusiform small = FUSIFORM, bare = FUSIFORM;
     small.rings = 6, small.sectors = 4, small.pinned = 0.2;
     bare.rings = 3, bare.sectors = 3, bare.structure = false, bare.pinned = 0.2;
+    if (from->tied) bare.offset.x = 0.04;
     make_scene(scene, &small);
     add_muscle(scene, "bare", &bare);
     scene->solver = sn_solver_defaults(from->method);
@@ -61,6 +67,7 @@ static void make_model(const state_model *from, sn_scene *scene, simulation *out
         scene->bones[0].passable = true;
         give_bone_cube(&scene->bones[1], sn_v3(0, 0.03, 0.08), 0.02);
     }
+    if (from->tied) tie_all(2.0 * TIED_REACH, scene, MIXED);
     if (from->contact) {
         capsule rod = {{{0.055, -0.08, 0.1}, {0.055, 0.08, 0.1}}, 0.02};
         turn_contact_on(scene);

@@ -1,12 +1,14 @@
 /*
  * sim_golden.c -- one hash of a run's end under each back end, the same from 1, 2 and 4 threads, from a run that is watched and from one
- * that stops anywhere, in the middle of a substep too, and goes on from bytes; and the same as in tests/data/golden.txt, whatever the
+ * that stops anywhere, in the middle of a substep too, and goes on from bytes, of muscles that are tied from one with these in another
+ * order; and the same as in tests/data/golden.txt, whatever the
  * machine and the build. Prints "hash SOLVER HASH" for each, then "N passed, N failed".
  *
  *   sim_golden [FILE]              compare with FILE instead
  *   sim_golden --hashes THREADS    print the hashes of that many threads and do nothing else: tests/golden, `make golden-accept`
  */
 #include "../unit/contact_scene.h"
+#include "../unit/tied_scene.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -24,6 +26,7 @@ static const struct {
     sn_hinge_rule hinges;
     bool contact;    /* with distance fields */
     sn_index voxels; /* with voxels, so many along each axis of a bone; 0 = none */
+    bool tied;       /* side by side, each to the other two: one group */
 } SOLVERS[] = {{.name = "xpbd", .method = SN_SOLVER_XPBD},
                {.name = "xpbd-single", .method = SN_SOLVER_XPBD, .precision = SN_PRECISION_SINGLE},
                {.name = "xpbd-kohout", .method = SN_SOLVER_XPBD, .scheme = SN_SCHEME_KOHOUT},
@@ -38,7 +41,12 @@ static const struct {
                {.name = "xpbd-single-contact", .method = SN_SOLVER_XPBD, .precision = SN_PRECISION_SINGLE, .contact = true},
                {.name = "qn-scalar-contact", .method = SN_SOLVER_QN, .contact = true},
                {.name = "qn-corotated-contact", .method = SN_SOLVER_QN, .preconditioner = SN_PRECONDITION_COROTATED, .contact = true},
-               {.name = "qn-two-level-contact", .method = SN_SOLVER_QN, .preconditioner = SN_PRECONDITION_TWO_LEVEL, .contact = true}};
+               {.name = "qn-two-level-contact", .method = SN_SOLVER_QN, .preconditioner = SN_PRECONDITION_TWO_LEVEL, .contact = true},
+               {.name = "xpbd-tied", .method = SN_SOLVER_XPBD, .tied = true},
+               {.name = "xpbd-tied-contact", .method = SN_SOLVER_XPBD, .contact = true, .tied = true},
+               {.name = "qn-scalar-tied", .method = SN_SOLVER_QN, .tied = true},
+               {.name = "qn-two-level-tied", .method = SN_SOLVER_QN, .preconditioner = SN_PRECONDITION_TWO_LEVEL, .tied = true},
+               {.name = "qn-scalar-tied-contact", .method = SN_SOLVER_QN, .contact = true, .tied = true}};
 static int solver; /* index of SOLVERS */
 
 /* The lower bone is a cube that lies in the muscles at rest, and is swung through them. */
@@ -61,10 +69,17 @@ static void add_bones(sn_scene *scene) {
     make_capsule(&ball, 6, add_solid(scene, "ball", NULL, 0));
 }
 
+/* The order of the muscles in the scene turned round. */
+static void turn_round(sn_scene *scene) {
+    sn_scene_muscle first = scene->muscles[0];
+    scene->muscles[0] = scene->muscles[2], scene->muscles[2] = first;
+}
+
 /* Three muscles that use every kind of row, every law, and every factor on a row. */
 static void make_everything(sn_scene *scene) {
-    fusiform small = FUSIFORM;
+    fusiform small = FUSIFORM, other = FUSIFORM;
     small.rings = 13, small.sectors = 11, small.structure = false;
+    if (SOLVERS[solver].tied) small.offset.x = 0.062, other.offset = sn_v3(0.031, 0.054, 0);
     make_scene(scene, &FUSIFORM);
     scene->solver = sn_solver_defaults(SOLVERS[solver].method);
     scene->solver.preconditioner = SOLVERS[solver].preconditioner;
@@ -74,7 +89,8 @@ static void make_everything(sn_scene *scene) {
     if (SOLVERS[solver].method == SN_SOLVER_QN) scene->solver.substeps = 2;
     if (SOLVERS[solver].voxels > 0) collide(scene);
     add_muscle(scene, "isochoric", &small);
-    add_muscle(scene, "paper", &FUSIFORM);
+    add_muscle(scene, "paper", &other);
+    if (SOLVERS[solver].tied) tie_all(TIED_REACH, scene, MIXED);
     scene->muscles[0].anisotropy = SOLVERS[solver].method == SN_SOLVER_XPBD ? SN_ANISOTROPY_PBD : SN_ANISOTROPY_XPBD;
     scene->muscles[1].law = SN_LAW_ISOCHORIC;
     scene->muscles[1].anisotropy = SN_ANISOTROPY_XPBD;
@@ -109,10 +125,16 @@ static void stop_at(sn_step_options *options, int piece, sn_index frame) {
     options->stop_iteration = qn ? 1 + (3 * piece + frame) % 9 : 1 + (piece + frame) % 2;
 }
 
-/* 12 frames; with `stops`, each of them in pieces. The hash of positions and velocities of all points. */
-static void run(int threads, bool watched, bool stops, char hash[SN_HASH_LENGTH]) {
+/* Of a run. */
+enum { PLAIN = 0, WATCHED = 1, STOPS = 2, TURNED = 4 };
+
+/* 12 frames; with STOPS, each of them in pieces. The hash of positions and velocities of all points; of TURNED in the order of the others.
+ */
+static void run(int threads, int how, char hash[SN_HASH_LENGTH]) {
     sn_scene scene;
+    bool watched = how & WATCHED, stops = how & STOPS;
     make_everything(&scene);
+    if (how & TURNED) turn_round(&scene);
     simulation s = start(&scene);
     sn_trace trace = {.receive = ignore, .stop_after = -1};
     sn_step_options options = {.pool = sn_pool_create(threads), .trace = watched ? &trace : NULL};
@@ -127,9 +149,10 @@ static void run(int threads, bool watched, bool stops, char hash[SN_HASH_LENGTH]
     }
     char hashes[3 * 2 * SN_HASH_LENGTH];
     for (sn_index i = 0; i < 3; i++) {
-        size_t n = (size_t)s.model->muscles[i].point_count;
-        sn_hash(s.state->muscles[i].points, n * sizeof(sn_point), hashes + (size_t)(2 * i) * SN_HASH_LENGTH);
-        sn_hash(s.state->muscles[i].velocities, n * sizeof(sn_vec3), hashes + (size_t)(2 * i + 1) * SN_HASH_LENGTH);
+        const sn_index of = how & TURNED ? 2 - i : i;
+        size_t n = (size_t)s.model->muscles[of].point_count;
+        sn_hash(s.state->muscles[of].points, n * sizeof(sn_point), hashes + (size_t)(2 * i) * SN_HASH_LENGTH);
+        sn_hash(s.state->muscles[of].velocities, n * sizeof(sn_vec3), hashes + (size_t)(2 * i + 1) * SN_HASH_LENGTH);
     }
     sn_hash(hashes, sizeof hashes, hash);
     sn_pool_destroy(options.pool);
@@ -162,7 +185,7 @@ static void compare_with_file(const char *file, const char *hash) {
 }
 
 static void print_hash(int threads, char hash[SN_HASH_LENGTH]) {
-    run(threads, false, false, hash);
+    run(threads, PLAIN, hash);
     printf("hash %s %s\n", SOLVERS[solver].name, hash);
 }
 
@@ -171,13 +194,16 @@ static void all_runs(const char *file) {
     print_hash(1, hash);
     compare_with_file(file, hash);
     for (int threads = 2; threads <= 4; threads += 2) {
-        run(threads, false, false, other);
+        run(threads, PLAIN, other);
         compare(threads == 2 ? "2 threads" : "4 threads", hash, other);
     }
-    run(2, true, false, other);
+    run(2, WATCHED, other);
     compare("watched", hash, other);
-    run(1, false, true, other);
+    run(1, STOPS, other);
     compare("stopped, packed and continued", hash, other);
+    if (!SOLVERS[solver].tied) return;
+    run(2, TURNED, other);
+    compare("muscles in another order", hash, other);
 }
 
 int main(int argc, char **argv) {

@@ -5,33 +5,9 @@
 #include "../../lib/sim/external.h"
 #include "../../lib/sim/qn.h"
 #include "sim_inside.h"
-#include "sinew/rig.h"
+#include "tied_scene.h"
 
 static const sn_solver_method METHODS[2] = {SN_SOLVER_XPBD, SN_SOLVER_QN};
-
-/* Candidates of a muscle of the scene to meshes in its unit. */
-static void tie(sn_scene_muscle *muscle, sn_index count, const sn_neighbour *targets, const double weights[3]) {
-    sn_neighbours_params params = sn_neighbours_defaults();
-    params.target_count = count, params.targets = targets;
-    params.reach = 0.02 / muscle->rig.meters_per_unit;
-    memcpy(params.weights, weights, sizeof params.weights);
-    sn_externals_free(muscle->rig.externals, muscle->rig.external_count);
-    muscle->rig.has_externals = true;
-    sn_neighbours_found found;
-    assert_int_equal(sn_find_neighbours(&muscle->rig, &params, NULL, &found, NULL), SN_OK);
-    muscle->rig.externals = found.items, muscle->rig.external_count = found.count; /* taken */
-}
-
-/* Each to the other. */
-static void tie_pair(sn_scene *scene, const double weights[3]) {
-    for (int i = 0; i < 2; i++) {
-        const sn_neighbour other = {scene->muscles[1 - i].name, &scene->muscles[1 - i].rig.mesh, false};
-        tie(&scene->muscles[i], 1, &other, weights);
-        assert_true(scene->muscles[i].rig.external_count == 1 && scene->muscles[i].rig.externals[0].count > 8);
-    }
-}
-
-static const double SLIDE[3] = {1, 0, 0}, SOFT[3] = {0, 1, 0}, HARD[3] = {0, 0, 1}, MIXED[3] = {0.5, 0.25, 0.75};
 
 /* Two spindles side by side, 2 mm apart, between the same bones. */
 static void make_pair(sn_scene *scene, sn_solver_method method, const double weights[3]) {
@@ -43,8 +19,7 @@ static void make_pair(sn_scene *scene, sn_solver_method method, const double wei
     add_muscle(scene, "neighbour", &other);
     scene->solver = sn_solver_defaults(method);
     for (int i = 0; i < 2; i++) scene->muscles[i].stiffness_relaxed = scene->muscles[i].stiffness_active = 2000.0;
-    tie_pair(scene, weights);
-    scene->externals.enabled = true;
+    tie_all(TIED_REACH, scene, weights);
 }
 
 static double greatest_error(const simulation *s, sn_index muscle) {
@@ -152,8 +127,7 @@ static void momentum_of_a_free_pair_is_kept(void **state) {
             scene.muscles[k].stiffness_relaxed = scene.muscles[k].stiffness_active = 2000.0;
             scene.muscles[k].damping = 0.0;
         }
-        tie_pair(&scene, MIXED);
-        scene.externals.enabled = true;
+        tie_all(TIED_REACH, &scene, MIXED);
         simulation s = start(&scene);
         for (sn_index v = 0; v < s.model->muscles[0].point_count; v++) s.state->muscles[0].velocities[v] = sn_v3(-0.1, 0.02, 0.0);
         double mass = s.model->muscles[0].mass;
@@ -418,11 +392,11 @@ static void targets_switch_where_one_is_much_nearer(void **state) {
     for (int i = 0; i < 7; i++) {
         s.state->groups[0].previous[v] = sn_v3(0.03, 0.0, 0.1 + over[i]);
         sn_externals_find(&s.model->groups[0], &s.state->groups[0]);
-        const sn_external_hold *hold = &sn_external_holds_of(&s.state->muscles[0])[r];
-        const sn_external_target *on = &s.model->groups[0].targets[(sn_index)hold->target];
+        const sn_index *slides_on = &s.state->muscles[0].inputs->slides_on[r];
+        const sn_external_target *on = &s.model->groups[0].targets[*slides_on];
         assert_int_equal(on->touched == scene.bone_count - 1, is_high[i]);
         sn_externals_find(&s.model->groups[0], &s.state->groups[0]); /* asked again, as where a run goes on, it says the same */
-        assert_ptr_equal(&s.model->groups[0].targets[(sn_index)hold->target], on);
+        assert_ptr_equal(&s.model->groups[0].targets[*slides_on], on);
     }
     finish(&s);
 }
