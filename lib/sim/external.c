@@ -33,6 +33,7 @@ static void pull(const sn_external_foot *foot, sn_index point, sn_vec3 gradient,
 static double slide_energy(const sn_external_row *row, const sn_external_hold *hold, const sn_point *points, double k, sn_forces out) {
     sn_vec3 u = away_from(&hold->slide, sn_point_position(&points[row->point]), points);
     double along = sn_dot(hold->normal, u), c = along - row->distance, below = fmin(0.0, along - row->least);
+    k *= hold->slide.share;
     double slide = k * row->weights[SN_EXTERNAL_SLIDE], least = row->least > -INFINITY ? k - slide : 0.0;
     if (slide * c != 0.0 || least * below != 0.0) pull(&hold->slide, row->point, sn_scale(hold->normal, slide * c + least * below), out);
     return 0.5 * (slide * c * c + least * below * below);
@@ -41,6 +42,7 @@ static double slide_energy(const sn_external_row *row, const sn_external_hold *h
 static double bound_energy(const sn_external_row *row, const sn_external_hold *hold, const sn_point *points, double k, sn_forces out) {
     sn_vec3 u = away_from(&hold->bound, sn_point_position(&points[row->point]), points), off = sn_sub(u, hold->offset);
     double length = sn_norm(u), c = length - row->bound;
+    k *= hold->bound.share;
     double soft = k * row->weights[SN_EXTERNAL_SOFT], hard = k * row->weights[SN_EXTERNAL_HARD];
     sn_vec3 gradient = sn_scale(u, soft * c / fmax(length, LEAST_LENGTH));
     pull(&hold->bound, row->point, sn_add_scaled(gradient, off, hard), out);
@@ -89,8 +91,8 @@ static void shift(const sn_external_foot *foot, sn_index point, sn_vec3 way, sn_
  * are far stiffer than a step, and what differs is within the sweep. */
 static void correct(const sn_external_foot *foot, sn_index point, sn_vec3 direction, double c, double compliance, sn_point *points) {
     double mobility = mobility_of(foot, point, points);
-    if (!(mobility > 0.0) || c == 0.0) return;
-    shift(foot, point, sn_scale(direction, -c / (mobility + compliance)), points);
+    if (!(mobility > 0.0) || !(foot->share > 0.0) || c == 0.0) return;
+    shift(foot, point, sn_scale(direction, -c / (mobility + compliance / foot->share)), points);
 }
 
 static void project_row(const sn_external_row *row, const sn_external_hold *hold, double compliance, sn_point *points) {

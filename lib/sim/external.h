@@ -8,7 +8,9 @@
  * slide's weight leaves of 1: what slides alone keeps its distance anyway. Muscles that touch each other so are a group.
  *
  * Rows belong to the muscle of the vertex. Their points are numbered from its own first one: those of other members are below 0, or beyond
- * its last. What a target moves by itself (bones, surfaces of the scene) is told once a step, at its end.
+ * its last. A row between two muscles is as stiff as the softer of them makes it. With the k of its own, one that is a million times as
+ * stiff as its neighbour tore that: all that a line search sees of the energy is then the stiff one's. What a target moves by itself
+ * (bones, surfaces of the scene) is told once a step, at its end.
  */
 #ifndef SN_SIM_EXTERNAL_H
 #define SN_SIM_EXTERNAL_H
@@ -55,6 +57,7 @@ typedef struct sn_external_foot {
     sn_index point[3]; /* from the muscle's first; of no use where weight is 0 */
     double weight[3];
     sn_vec3 place; /* where the target moves by itself; weights are 0 */
+    double share;  /* stiffness over that of the vertex's muscle: 1, or less where the target is the softer one */
 } sn_external_foot;
 
 /* A row in the step at hand. */

@@ -51,17 +51,23 @@ static sn_moving_shape shape_after(const sn_group_state *s, const sn_external_ta
 
 /* ---- rows ---------------------------------------------------------------------------------------------------------------------------- */
 
-/* A point of a target over the step: base: the muscle's first point in the group. */
+static double stiffness_share(const sn_group_state *s, sn_index member, sn_index target) {
+    double own = s->members[member]->inputs->stiffness, other = s->members[target]->inputs->stiffness;
+    return own > other ? other / own : 1.0;
+}
+
+/* A point of a target over the step, for a row of that member. */
 static sn_external_foot foot_of(const sn_group *g, const sn_group_state *s, const sn_external_target *t, const sn_closest *at,
-                                sn_index base) {
-    sn_external_foot foot = {.weight = {0}};
+                                sn_index member) {
+    sn_external_foot foot = {.weight = {0}, .share = 1.0};
     if (t->member == SN_NONE) {
         sn_moving_shape after = shape_after(s, t);
         foot.place = sn_moving_point(&after, at);
         return foot;
     }
     const sn_index *v = t->moving.triangles[at->triangle].v;
-    for (int k = 0; k < 3; k++) foot.point[k] = g->first[t->member] + v[k] - base, foot.weight[k] = at->barycentric[k];
+    for (int k = 0; k < 3; k++) foot.point[k] = g->first[t->member] + v[k] - g->first[member], foot.weight[k] = at->barycentric[k];
+    foot.share = stiffness_share(s, member, t->member);
     return foot;
 }
 
@@ -77,9 +83,9 @@ typedef struct sliding {
 static sliding seat_of(const sn_muscle_state *s, sn_index row) { return (sliding){&s->inputs->slides_on[row], &s->inputs->slides_at[row]}; }
 
 /* Where a vertex slides: on the nearest of its targets. */
-static void find_slide(const sn_group *g, const sn_group_state *s, const sn_externals *all, const sn_external_row *row, sn_index base,
+static void find_slide(const sn_group *g, const sn_group_state *s, const sn_externals *all, const sn_external_row *row, sn_index member,
                        sliding seat, sn_external_hold *hold) {
-    sn_vec3 at = s->previous[base + row->point], normal = {0, 0, 0};
+    sn_vec3 at = s->previous[g->first[member] + row->point], normal = {0, 0, 0};
     sn_closest best = {.triangle = SN_NONE};
     double least = INFINITY;
     const sn_external_target *on = NULL;
@@ -102,7 +108,7 @@ static void find_slide(const sn_group *g, const sn_group_state *s, const sn_exte
         sn_moving_side(&after, &best, carried, &normal);
     }
     hold->normal = normal;
-    hold->slide = foot_of(g, s, on, &best, base);
+    hold->slide = foot_of(g, s, on, &best, member);
 }
 
 void sn_externals_reset(const sn_group *g, sn_group_state *s) {
@@ -132,14 +138,14 @@ bool sn_externals_sound(const sn_group *g, const sn_group_state *s) {
 }
 
 /* The point that it was bound to, and where its tangent frame puts the vertex. */
-static void find_bound(const sn_group *g, const sn_group_state *s, const sn_externals *all, const sn_external_row *row, sn_index base,
+static void find_bound(const sn_group *g, const sn_group_state *s, const sn_externals *all, const sn_external_row *row, sn_index member,
                        sn_external_hold *hold) {
     const sn_external_target *t = &g->targets[all->candidates[row->begin]];
     sn_moving_shape shape = t->member != SN_NONE ? shape_before(g, s, t) : shape_after(s, t);
     sn_closest at = {.triangle = row->triangle, .barycentric = {row->barycentric[0], row->barycentric[1], row->barycentric[2]}};
     sn_vec3 axes[3];
     sn_external_frame(&shape, row->triangle, axes);
-    hold->bound = foot_of(g, s, t, &at, base);
+    hold->bound = foot_of(g, s, t, &at, member);
     hold->offset = sn_add_scaled(sn_add_scaled(sn_scale(axes[0], row->offset.x), axes[1], row->offset.y), axes[2], row->offset.z);
 }
 
@@ -151,9 +157,8 @@ static void find_member(const sn_group *g, sn_group_state *s, sn_index member) {
         const sn_external_row *row = &all->rows[r];
         bool slides = row->weights[SN_EXTERNAL_SLIDE] > 0.0 || row->least > -INFINITY;
         holds[r].normal = sn_v3(0, 0, 0);
-        if (slides) find_slide(g, s, all, row, g->first[member], seat_of(s->members[member], r), &holds[r]);
-        if (row->weights[SN_EXTERNAL_SOFT] > 0.0 || row->weights[SN_EXTERNAL_HARD] > 0.0)
-            find_bound(g, s, all, row, g->first[member], &holds[r]);
+        if (slides) find_slide(g, s, all, row, member, seat_of(s->members[member], r), &holds[r]);
+        if (row->weights[SN_EXTERNAL_SOFT] > 0.0 || row->weights[SN_EXTERNAL_HARD] > 0.0) find_bound(g, s, all, row, member, &holds[r]);
     }
 }
 

@@ -7,8 +7,8 @@
  *   two-level  A^-1 + 0.8 Z (ZT H Z)^-1 ZT with the scalar A: rigid motions of sections are solved for where the muscle is (two_level.c)
  *
  * One factor for a group of muscles that are solved together, a muscle alone being a group of one: their points are numbered one member
- * after the other. External constraints are in the scalar matrix alone, each with the k of its own muscle (couplings). The volume row of a
- * muscle alone is added by the formula of Sherman and Morrison, those of a group by deflation (deflate.h).
+ * after the other. External constraints are in the scalar matrix alone, each with the k of the softer of its muscles (couplings). The
+ * volume row of a muscle alone is added by the formula of Sherman and Morrison, those of a group by deflation (deflate.h).
  *
  * Which of them a substep goes by is decided at its start; a matrix that is never asked for is never made.
  */
@@ -35,11 +35,11 @@ typedef struct rest_matrix {
     sn_deflation *deflation;  /* of a group whose volumes are kept; NULL = none yet */
 } rest_matrix;
 
-/* An external constraint's share of the scalar matrix, over the k of its muscle. */
+/* An external constraint's share of the scalar matrix, over the k of the softer of its muscles. */
 typedef struct coupling {
-    sn_index row, column; /* numbers of points; a column of free_count or more is a carried one */
-    sn_index entry;       /* of the matrix, where it is in it */
-    sn_index member;
+    sn_index row, column;   /* numbers of points; a column of free_count or more is a carried one */
+    sn_index entry;         /* of the matrix, where it is in it */
+    sn_index member, other; /* the same one where the target moves by itself */
     double value;
 } coupling;
 
@@ -198,7 +198,7 @@ static bool factor(sn_preconditioner *p, rest_matrix *matrix, double h, const do
     sn_blocks_entries(b, p->count, p->first_free, stiffness, p->mass);
     for (sn_index i = 0; i < p->coupling_count && b->size == 1; i++) {
         const coupling *c = &p->couplings[i];
-        if (c->column < p->free_count) b->entries[c->entry].value += stiffness[c->member] * c->value;
+        if (c->column < p->free_count) b->entries[c->entry].value += fmin(stiffness[c->member], stiffness[c->other]) * c->value;
     }
     if (!split_members(p, matrix)) return false;
     sn_status status = matrix->factor == NULL ? sn_sparse_factor(b->size * p->free_count, b->entry_count, b->entries, &matrix->factor, NULL)
@@ -283,9 +283,17 @@ typedef struct coupler {
     sn_index member;
 } coupler;
 
+/* Whose point of the group it is. */
+static sn_index member_of(const sn_preconditioner *p, sn_index point) {
+    sn_index member = 0;
+    while (point >= p->first[member + 1]) member++;
+    return member;
+}
+
 static bool add_coupling(void *user, const sn_rest_row *row) {
     const coupler *of = user;
     sn_preconditioner *p = of->p;
+    sn_index other = row->count > 1 ? member_of(p, p->first[of->member] + row->point[1]) : of->member;
     for (int i = 0; i < row->count; i++) {
         sn_index at = p->number_of[p->first[of->member] + row->point[i]];
         if (at >= p->free_count) continue;
@@ -293,8 +301,9 @@ static bool add_coupling(void *user, const sn_rest_row *row) {
             sn_index column = p->number_of[p->first[of->member] + row->point[j]];
             if (column > at && column < p->free_count) continue; /* the upper triangle */
             if (!sn_grow((void **)&p->couplings, &p->coupling_capacity, (size_t)p->coupling_count + 1, sizeof *p->couplings)) return false;
+            double value = row->scale * row->weight[i] * row->weight[j];
             p->couplings[p->coupling_count++] =
-                (coupling){.row = at, .column = column, .member = of->member, .value = row->scale * row->weight[i] * row->weight[j]};
+                (coupling){.row = at, .column = column, .member = of->member, .other = other, .value = value};
         }
     }
     return true;

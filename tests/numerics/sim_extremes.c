@@ -1,7 +1,7 @@
 /*
- * sim_extremes.c -- the table of numerics.md 5, both columns; the rows with bones in the way are in extremes_contact.h.
- * Usage: sim_extremes [--all] [--solver xpbd|qn] [--group NAME] [MUSCLE-DOCUMENT ...]; groups: stiffness activation contraction motion
- * starts models meshes place steps cycle contact
+ * sim_extremes.c -- the table of numerics.md 5, both columns; the rows with bones in the way are in extremes_contact.h, those with muscles
+ * tied to each other in extremes_tied.h. Usage: sim_extremes [--all] [--solver xpbd|qn] [--group NAME] [MUSCLE-DOCUMENT ...]; groups:
+ * stiffness activation contraction motion starts models meshes place steps cycle contact tied
  *
  * On the generated fusiform muscle, or on the documents: the last of their attachments moves, the others stay. Without --all a short form,
  * for every day. In every case the muscle stays finite and within 2 L of where its bones have been; and besides, under
@@ -106,34 +106,44 @@ static bool same_energy(const simulation *s, double found, double converged) {
     return found <= 1.01 * converged + 1e-12 * inputs_of(s)->stiffness * m->diagonal * m->diagonal;
 }
 
+static sn_vec3 position_of(const simulation *s, sn_index muscle, sn_index point) {
+    return sn_point_position(&s->state->muscles[muscle].points[point]);
+}
+
 /* The box of the attached points, grown by where they are now. */
-static void grow(const simulation *s, sn_box *box) {
-    const sn_model_muscle *m = &s->model->muscles[0];
+static void grow_of(const simulation *s, sn_index muscle, sn_box *box) {
+    const sn_model_muscle *m = &s->model->muscles[muscle];
     for (sn_index i = 0; i < m->kinematic_count; i++) {
-        box->low = sn_min3(box->low, position(s, m->kinematic_points[i]));
-        box->high = sn_max3(box->high, position(s, m->kinematic_points[i]));
+        box->low = sn_min3(box->low, position_of(s, muscle, m->kinematic_points[i]));
+        box->high = sn_max3(box->high, position_of(s, muscle, m->kinematic_points[i]));
     }
 }
 
+static void grow(const simulation *s, sn_box *box) { grow_of(s, 0, box); }
+
 /* Greatest distance of a point from the box, over L; infinite where a point is not finite. */
-static double farthest(const simulation *s, sn_box box) {
-    const sn_model_muscle *m = &s->model->muscles[0];
+static double farthest_of(const simulation *s, sn_index muscle, sn_box box) {
+    const sn_model_muscle *m = &s->model->muscles[muscle];
     double most = 0.0;
     for (sn_index i = 0; i < m->point_count; i++) {
-        sn_vec3 p = position(s, i);
+        sn_vec3 p = position_of(s, muscle, i);
         if (!sn_finite3(p)) return INFINITY;
         most = fmax(most, sn_distance(p, sn_max3(box.low, sn_min3(p, box.high))));
     }
     return most / m->diagonal;
 }
 
+static double farthest(const simulation *s, sn_box box) { return farthest_of(s, 0, box); }
+
 /* RMS distance from the rest pose, over L. */
-static double rest_error(const simulation *s) {
-    const sn_model_muscle *m = &s->model->muscles[0];
+static double rest_error_of(const simulation *s, sn_index muscle) {
+    const sn_model_muscle *m = &s->model->muscles[muscle];
     double sum = 0.0;
-    for (sn_index i = 0; i < m->point_count; i++) sum += sn_norm2(sn_sub(position(s, i), m->rest[i]));
+    for (sn_index i = 0; i < m->point_count; i++) sum += sn_norm2(sn_sub(position_of(s, muscle, i), m->rest[i]));
     return sqrt(sum / m->point_count) / m->diagonal;
 }
+
+static double rest_error(const simulation *s) { return rest_error_of(s, 0); }
 
 static const sn_box NOWHERE = {{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
 
@@ -688,6 +698,7 @@ static void halved_steps(void) {
 }
 
 #include "extremes_contact.h"
+#include "extremes_tied.h"
 
 static void cycles(void) { cyclic(all_of_it ? 10000 : 300); }
 
@@ -705,7 +716,8 @@ static const struct {
               {"place", a_kilometre_away, false},
               {"steps", halved_steps, true},
               {"cycle", cycles, false},
-              {"contact", contacts, false}};
+              {"contact", contacts, false},
+              {"tied", couplings, false}};
 
 static const char *wanted_group; /* NULL: all of them */
 
