@@ -501,6 +501,54 @@ static void write_entered(const job *j, sn_index muscle, const sn_plan_muscle *p
     sn_json_text(json, "entered_target", sn_model_target_name(j->model, muscle, s->entered_target));
 }
 
+/* ---- groups of muscles ------------------------------------------------------------------------------------------------------ */
+
+static sn_index members_of(const sn_model *model, sn_index group) {
+    sn_index members = 0;
+    for (sn_index i = 0; i < model->muscle_count; i++) members += model->muscles[i].group == group;
+    return members;
+}
+
+/* Farther from its end; of two that are as far the one whose name comes first, whatever their order in the scene. */
+static bool is_worse(const job *j, sn_index muscle, sn_index other) {
+    double a = j->state->muscles[muscle].statistics.residual, b = j->state->muscles[other].statistics.residual;
+    return a > b || (a == b && strcmp(j->model->muscles[muscle].source->name, j->model->muscles[other].source->name) < 0);
+}
+
+/* Of the group of a muscle that is tied to others: who keeps it from its end. */
+static void write_group_of(const job *j, sn_index muscle, sn_json *json) {
+    const sn_model *model = j->model;
+    sn_index group = model->muscles[muscle].group, worst = muscle;
+    if (members_of(model, group) < 2) return;
+    for (sn_index i = 0; i < model->muscle_count; i++)
+        if (model->muscles[i].group == group && is_worse(j, i, worst)) worst = i;
+    sn_json_text(json, "group_worst", model->muscles[worst].source->name);
+    sn_json_number(json, "group_residual", j->state->muscles[worst].statistics.residual);
+}
+
+/* What the scalar matrix of a group costs: the best of a few factors and solves. */
+static void write_matrix(const job *j, sn_json *json, sn_index group) {
+    double factor = INFINITY, solve = INFINITY;
+    sn_trial_matrix *trial = NULL;
+    if (j->scene.solver.method != SN_SOLVER_QN) return;
+    bool works = sn_trial_matrix_create(j->model, group, &trial, NULL) == SN_OK && sn_trial_matrix_factor(trial, NULL) == SN_OK;
+    for (int k = 0; k < 3 && works; k++) {
+        double started = cli_seconds();
+        works = sn_trial_matrix_factor(trial, NULL) == SN_OK;
+        factor = fmin(factor, cli_seconds() - started), started = cli_seconds();
+        works = works && sn_trial_matrix_solve(trial, NULL) == SN_OK;
+        solve = fmin(solve, cli_seconds() - started);
+    }
+    if (works) {
+        sn_json_object(json, "matrix");
+        sn_json_integer(json, "entries", sn_trial_matrix_entries(trial));
+        sn_json_number(json, "factorMilliseconds", 1e3 * factor);
+        sn_json_number(json, "solveMilliseconds", 1e3 * solve);
+        sn_json_close(json);
+    }
+    sn_trial_matrix_destroy(trial);
+}
+
 static void write_statistics(const job *j, sn_json *json, sn_index muscle, const sn_plan_muscle *plan, bool stopped) {
     const sn_statistics *s = &j->state->muscles[muscle].statistics;
     sn_json_object(json, NULL);
@@ -530,6 +578,7 @@ static void write_statistics(const job *j, sn_json *json, sn_index muscle, const
     if (j->scene.solver.method == SN_SOLVER_QN) write_quasi_newton(json, s);
     contacts_log(j->model, s, plan, json);
     write_entered(j, muscle, plan, json);
+    write_group_of(j, muscle, json);
     fibers_log(&j->fibers, muscle, json);
     sn_json_close(json);
 }
@@ -687,13 +736,15 @@ static void write_muscle_plan(const job *j, sn_json *json, const sn_plan_muscle 
     sn_json_integer(json, "modelBytes", (int64_t)plan->model_bytes);
     sn_json_integer(json, "stateBytes", (int64_t)plan->state_bytes);
     write_groups(j, json, plan, costs ? muscle : SN_NONE);
+    if (costs && muscle != SN_NONE && members_of(j->model, j->model->muscles[muscle].group) == 1)
+        write_matrix(j, json, j->model->muscles[muscle].group);
     contacts_plan_muscle(j->model, plan, json);
     fibers_plan(&j->fibers, costs ? j->state : NULL, muscle, json);
     sn_json_close(json);
 }
 
 /* Muscles that are solved together. */
-static void write_coupled(const job *j, sn_json *json) {
+static void write_coupled(const job *j, sn_json *json, bool costs) {
     const sn_model *model = j->model;
     if (!j->scene.externals.enabled) return;
     sn_json_array(json, "coupled");
@@ -708,6 +759,7 @@ static void write_coupled(const job *j, sn_json *json) {
             if (model->muscles[i].group == g) sn_json_text(json, NULL, model->muscles[i].source->name);
         sn_json_close(json);
         sn_json_integer(json, "rows", rows);
+        if (costs) write_matrix(j, json, g);
         sn_json_close(json);
     }
     sn_json_close(json);
@@ -726,7 +778,7 @@ static void write_plan_members(const job *j, sn_json *json, bool costs) {
     }
     sn_json_close(json);
     contacts_plan(&j->contact, j->model, json);
-    write_coupled(j, json);
+    write_coupled(j, json, costs);
 }
 
 static sn_status print_plan(job *j, sn_error *error) {

@@ -288,7 +288,7 @@ typedef struct sn_statistics {
     double overlap;                      /* m: how deep the deepest vertex is in a bone, at rest or not; 0 = none is */
     double penetration;                  /* m: how much deeper than at rest the deepest vertex is in a bone; 0 = none is */
     sn_index penetration_vertex, penetration_bone; /* which that is, and of what (sn_scene_touched_name); SN_NONE = none */
-    double entered;                 /* m: how much deeper than at rest the deepest tied vertex is in what it is tied to; 0 = none is */
+    double entered; /* m: how much deeper than at rest the deepest tied vertex is in what it is tied to; 0 = none is */
     sn_index entered_vertex, entered_target; /* which that is, and of what (sn_model_target_name); SN_NONE = none */
     bool torn;                      /* far from any shape of rest (SN_FAR_...) now or, under qn, where a substep of the frame began */
     double residual;                /* |dPhi/dx| / (k L) of the last substep, Phi = |x - y|^2_M / (2 h^2) + E; NaN inside a substep */
@@ -304,9 +304,9 @@ typedef struct sn_statistics {
     int64_t iterations, rejected_steps, refactorisations; /* steps: those that would have raised the energy */
     int64_t steps;                                        /* under xpbd too: substeps, or the parts in which they were taken */
     int64_t halvings;                                     /* steps that were too long, and were given up for two of half the length */
-    int64_t leaps; /* steps, the shortest there are, in which a bone still went too far for contact: it may have passed through */
-    int64_t torn_substeps;                                /* that began torn */
-    int64_t restarts;           /* wrecked shapes that were given up for the rest pose, carried along with the bones */
+    int64_t leaps;         /* steps, the shortest there are, in which a bone still went too far for contact: it may have passed through */
+    int64_t torn_substeps; /* that began torn */
+    int64_t restarts;      /* wrecked shapes that were given up for the rest pose, carried along with the bones */
     sn_stop_reason stop_reason; /* of the last substep */
 } sn_statistics;
 
@@ -412,6 +412,17 @@ SN_MUST_CHECK sn_status sn_step(const sn_model *model, sn_state *state, const sn
 /* Project the rows of one kind of a muscle once, as the first iteration of a substep does under `xpbd`; under `qn` evaluate their energy
  * and its gradient: to measure what they cost. */
 void sn_project(const sn_model *model, sn_state *state, sn_index muscle, sn_row_kind kind);
+
+/* The matrix that a group goes by under `qn` (model->muscles[i].group), at rest and relaxed, as a thing of its own: what it costs can be
+ * told before anything runs. A muscle that nothing ties to others has a group of its own. */
+typedef struct sn_trial_matrix sn_trial_matrix;
+SN_MUST_CHECK sn_status sn_trial_matrix_create(const sn_model *model, sn_index group, sn_trial_matrix **out, sn_error *error);
+/* Analyse and factor it; called again, factor it again. */
+SN_MUST_CHECK sn_status sn_trial_matrix_factor(sn_trial_matrix *trial, sn_error *error);
+/* One direction of a step, as an iteration asks for it. */
+SN_MUST_CHECK sn_status sn_trial_matrix_solve(sn_trial_matrix *trial, sn_error *error);
+int64_t sn_trial_matrix_entries(const sn_trial_matrix *trial); /* numbers in the factor */
+void sn_trial_matrix_destroy(sn_trial_matrix *trial);          /* NULL is fine */
 
 /* ---- errors row by row (errors.c): what sn_residual is the sum of --------------------------------------------------------- */
 

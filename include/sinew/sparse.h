@@ -22,6 +22,8 @@ SN_MUST_CHECK sn_status sn_sparse_refactor(sn_sparse *factor, const sn_entry *en
 /* x = A^-1 b for `columns` right-hand sides, each n long, one after the other; x may be b. Three (points) are
  * solved together, and six in little more time than three. Not for two threads on one factor. */
 SN_MUST_CHECK sn_status sn_sparse_solve(sn_sparse *factor, sn_index columns, const double *b, double *x, sn_error *error);
+/* Numbers in the factor's lower triangle. */
+int64_t sn_sparse_entries(const sn_sparse *factor);
 void sn_sparse_destroy(sn_sparse *factor); /* NULL is fine */
 
 #endif

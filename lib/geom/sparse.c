@@ -204,6 +204,13 @@ sn_status sn_sparse_solve(sn_sparse *factor, sn_index columns, const double *b, 
     return SN_OK;
 }
 
+int64_t sn_sparse_entries(const sn_sparse *factor) {
+    const int *counts = factor->factor->nz;
+    int64_t sum = 0;
+    for (sn_index j = 0; j < factor->n; j++) sum += counts[j];
+    return sum;
+}
+
 /* ---- the rest -------------------------------------------------------------------------------------------------------- */
 
 void sn_sparse_destroy(sn_sparse *factor) {

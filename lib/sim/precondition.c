@@ -43,6 +43,8 @@ typedef struct coupling {
     double value;
 } coupling;
 
+static double coupling_stiffness(const coupling *c, const double *stiffness) { return fmin(stiffness[c->member], stiffness[c->other]); }
+
 struct sn_preconditioner {
     sn_index count;                  /* members of the group */
     const sn_model_muscle **members; /* (count) */
@@ -198,7 +200,7 @@ static bool factor(sn_preconditioner *p, rest_matrix *matrix, double h, const do
     sn_blocks_entries(b, p->count, p->first_free, stiffness, p->mass);
     for (sn_index i = 0; i < p->coupling_count && b->size == 1; i++) {
         const coupling *c = &p->couplings[i];
-        if (c->column < p->free_count) b->entries[c->entry].value += fmin(stiffness[c->member], stiffness[c->other]) * c->value;
+        if (c->column < p->free_count) b->entries[c->entry].value += coupling_stiffness(c, stiffness) * c->value;
     }
     if (!split_members(p, matrix)) return false;
     sn_status status = matrix->factor == NULL ? sn_sparse_factor(b->size * p->free_count, b->entry_count, b->entries, &matrix->factor, NULL)
@@ -511,6 +513,11 @@ static bool apply_group(sn_preconditioner *p, const rest_matrix *matrix, const s
     return true;
 }
 
+int64_t sn_preconditioner_entries(const sn_preconditioner *p) {
+    const rest_matrix *matrix = p->turns != NULL ? &p->corotated : &p->scalar;
+    return matrix->factor != NULL ? sn_sparse_entries(matrix->factor) : 0;
+}
+
 bool sn_preconditioner_apply(sn_preconditioner *p, const sn_vec3 *in, sn_vec3 *out) {
     const rest_matrix *matrix = p->turns != NULL ? &p->corotated : &p->scalar;
     if (matrix->factor == NULL) return false;
@@ -540,7 +547,7 @@ static void add_carried(const sn_preconditioner *p, const rest_matrix *matrix, c
         const coupling *c = &p->couplings[i];
         if (c->column < p->free_count) continue;
         sn_index to = p->point_of[c->row];
-        in[to] = sn_add_scaled(in[to], jump[p->point_of[c->column]], matrix->factor_stiffness[c->member] * c->value);
+        in[to] = sn_add_scaled(in[to], jump[p->point_of[c->column]], coupling_stiffness(c, matrix->factor_stiffness) * c->value);
     }
 }
 

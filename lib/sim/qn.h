@@ -78,7 +78,7 @@ double sn_objective_evaluate(const sn_objective *objective, const sn_point *poin
 SN_MUST_CHECK sn_status sn_preconditioner_create(sn_index count, const sn_model_muscle *const *members, sn_preconditioner **out,
                                                  sn_error *error);
 /* The scalar matrix knows the external constraints of the group from here on, at the triangles that they are bound to; nothing where it has
- * none. Each counts with the k of its own muscle. */
+ * none. Each counts with the k of the softer of its muscles. */
 SN_MUST_CHECK sn_status sn_preconditioner_couple(sn_preconditioner *p, const sn_group *g, sn_error *error);
 void sn_preconditioner_destroy(sn_preconditioner *p); /* NULL is fine */
 /* stiffness and factored_for by member. Go by the corotated matrix, its frames in turns (point_count; sn_preconditioner_turn writes them),
@@ -100,6 +100,8 @@ void sn_preconditioner_correct(sn_preconditioner *p, const sn_vec3 *positions, d
 void sn_preconditioner_set_volume(sn_preconditioner *p, const sn_vec3 *volume_gradient, const double *volume_stiffness);
 /* out = (A + k_V g gT)^-1 in, or what deflation makes of it, on free points; zero on carried ones. Both (point_count); out may be in. */
 bool sn_preconditioner_apply(sn_preconditioner *p, const sn_vec3 *in, sn_vec3 *out);
+/* Numbers in the factor that it goes by; 0: there is none yet. */
+int64_t sn_preconditioner_entries(const sn_preconditioner *p);
 /* in += A_fk jump + k_V g_f (g_k . jump): what a motion of the carried points adds to the gradient of the free ones. */
 void sn_preconditioner_add_jump(const sn_preconditioner *p, const sn_vec3 *jump, const sn_vec3 *volume_gradient,
                                 const double *volume_stiffness, sn_vec3 *in);

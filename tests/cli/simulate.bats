@@ -801,10 +801,21 @@ END
     /usr/bin/python3 -c 'import json
 d = json.load(open("plan.json"))
 assert len(d["plan"]["coupled"]) == 1 and len(d["plan"]["coupled"][0]["muscles"]) >= 2 and d["plan"]["coupled"][0]["rows"] > 20, d["plan"]["coupled"]
+m = d["plan"]["coupled"][0]["matrix"]
+assert m["entries"] > 1000 and m["solveMilliseconds"] > 0 and m["factorMilliseconds"] > 0, m
+tied = d["plan"]["coupled"][0]["muscles"]
+assert all(("matrix" in m) == (m["name"] not in tied) for m in d["plan"]["muscles"]), d["plan"]["muscles"]
 assert d["scene"]["externals"] == {"stiffness": 10, "slide": True, "soft": True, "hard": True, "minimum": True}'
     "$BIN/simulate" -q tied.scene.json --externals --frames 0:30 -o a --log a.jsonl --threads 1
     "$BIN/simulate" -q turned.scene.json --externals --frames 0:30 -o b --log b.jsonl --threads 4
     for m in biceps brachialis triceps; do cmp a/$m.pc2 b/$m.pc2; done
+    /usr/bin/python3 -c 'import json
+rows = [json.loads(line) for line in open("a.jsonl")]
+tied = [r for r in rows if r["errors"].get("external") and r["residual"] is not None]
+for r in tied:
+    now = {o["muscle"]: o["residual"] for o in tied if o["frame"] == r["frame"]}
+    assert r["group_residual"] == max(now.values()) == now[r["group_worst"]], r
+assert tied and all(("group_worst" in r) == ("external" in r["errors"]) for r in rows)'
     sort a.jsonl > a.sorted; sort b.jsonl | cmp - a.sorted
     "$BIN/simulate" -q tied.scene.json --externals --frames 0:12 -o c --log c1.jsonl --state s.state
     "$BIN/simulate" -q tied.scene.json --externals --from s.state --frames 13:30 -o c --log c2.jsonl
