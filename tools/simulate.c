@@ -187,8 +187,8 @@ static void apply_externals(job *j) {
     if (cli_given(&j->c, "external-stiffness") && !externals->enabled)
         cli_warn(&j->c, "--external-stiffness has no effect: external constraints are off (--externals turns them on)");
     if (externals->enabled && j->scene.solver.method == SN_SOLVER_XPBD &&
-        (j->scene.solver.scheme != SN_SCHEME_GUARDED || j->scene.solver.precision == SN_PRECISION_SINGLE))
-        cli_warn(&j->c, "external constraints are left out: they run under qn, and under xpbd in the guarded scheme and in double");
+        (j->scene.solver.scheme == SN_SCHEME_KOHOUT || j->scene.solver.precision == SN_PRECISION_SINGLE))
+        cli_warn(&j->c, "external constraints are left out: they run under qn, and under xpbd in double by the schemes guarded and romeo");
 }
 
 static void apply_options(job *j) {

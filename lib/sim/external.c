@@ -117,11 +117,30 @@ static void project_row(const sn_external_row *row, const sn_external_hold *hold
     }
 }
 
+/* [R18] eq. 14: of the vertex alone, the mean of what each type would move it by; none nearer than its minimum. */
+static void project_one_way(const sn_external_row *row, const sn_external_hold *hold, double compliance, sn_point *points) {
+    const double *w = row->weights;
+    sn_point *p = &points[row->point];
+    sn_vec3 at = sn_point_position(p), n = hold->normal, move = {0, 0, 0};
+    bool slides = sn_norm2(n) > 0.0;
+    double along = slides ? sn_dot(n, away_from(&hold->slide, at, points)) : 0.0;
+    if (slides) move = sn_scale(n, w[SN_EXTERNAL_SLIDE] * (row->distance - along));
+    if (is_bound(row)) {
+        sn_vec3 u = away_from(&hold->bound, at, points);
+        double length = sn_norm(u);
+        if (length > LEAST_LENGTH) move = sn_add_scaled(move, u, w[SN_EXTERNAL_SOFT] * (row->bound - length) / length);
+        move = sn_add_scaled(move, sn_sub(hold->offset, u), w[SN_EXTERNAL_HARD]);
+    }
+    if (slides) move = sn_add_scaled(move, n, fmax(0.0, row->least - along - sn_dot(n, move)));
+    sn_put(p, sn_add_scaled(at, move, p->w > 0.0 ? p->w / (p->w + compliance) : 0.0));
+}
+
 static void sweep(const sn_model_muscle *m, sn_muscle_state *s, sn_row_kind kind, const sn_sweep *how) {
     const sn_externals *all = m->own[kind];
     const sn_external_hold *holds = sn_external_holds_of(s);
     double compliance = all->factor > 0.0 ? how->compliance / all->factor : INFINITY;
-    for (sn_index r = 0; r < m->external_count && isfinite(compliance); r++) project_row(&all->rows[r], &holds[r], compliance, s->points);
+    for (sn_index r = 0; r < m->external_count && isfinite(compliance); r++)
+        (how->one_way ? project_one_way : project_row)(&all->rows[r], &holds[r], compliance, s->points);
 }
 
 /* ---- back end `qn`: the matrix --------------------------------------------------------------------------------------------------------

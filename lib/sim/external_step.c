@@ -40,13 +40,46 @@ bool sn_externals_moved(const sn_group *g, const sn_group_state *s) {
 
 /* ---- shapes ------------------------------------------------------------------------------------------------------------------------- */
 
-static sn_moving_shape shape_before(const sn_group *g, const sn_group_state *s, const sn_external_target *t) {
-    const sn_vec3 *positions = t->member != SN_NONE ? s->previous + g->first[t->member] : s->target_points_placed + t->first_point;
-    return (sn_moving_shape){&t->moving, positions, s->target_boxes + t->first_box};
+/* Where what a row holds on to is looked for. */
+typedef struct look {
+    const sn_group *g;
+    const sn_group_state *s;
+    const sn_vec3 *points;  /* of the group */
+    const sn_vec3 *targets; /* of those that move by themselves */
+    bool ahead;             /* for all of a step, from where it begins: what moves by itself carries its vertices along */
+    double much_nearer;
+} look;
+
+/* Another target must be so much nearer than the one that a vertex slides on: where two are as near, it would go from one to the other and
+ * back, and with it what it is pulled by. */
+static const double MUCH_NEARER = 1.5;
+
+/* For a step; of a group that goes one way, to the letter of [R18], the nearest is the nearest. */
+static look look_from(const sn_group *g, const sn_group_state *s) {
+    if (g->one_way) return (look){g, s, s->previous, s->target_points, false, 1.0};
+    return (look){g, s, s->previous, s->target_points_placed, true, MUCH_NEARER};
+}
+
+static look look_here(const sn_group *g, const sn_group_state *s) { return (look){g, s, s->here, s->target_points, false, 1.0}; }
+
+static const sn_vec3 *positions_of(const look *from, const sn_external_target *t) {
+    return t->member != SN_NONE ? from->points + from->g->first[t->member] : from->targets + t->first_point;
+}
+
+static sn_moving_shape shape_of(const look *from, const sn_external_target *t) {
+    return (sn_moving_shape){&t->moving, positions_of(from, t), from->s->target_boxes + t->first_box};
 }
 
 static sn_moving_shape shape_after(const sn_group_state *s, const sn_external_target *t) {
     return (sn_moving_shape){&t->moving, s->target_points + t->first_point, NULL};
+}
+
+static void fit(const look *from, const sn_external_target *t) {
+    sn_moving_fit(&t->moving, positions_of(from, t), from->s->target_boxes + t->first_box);
+}
+
+static void fit_all(const look *from) {
+    for (sn_index i = 0; i < from->g->target_count; i++) fit(from, &from->g->targets[i]);
 }
 
 /* ---- rows ---------------------------------------------------------------------------------------------------------------------------- */
@@ -57,23 +90,19 @@ static double stiffness_share(const sn_group_state *s, sn_index member, sn_index
 }
 
 /* A point of a target over the step, for a row of that member. */
-static sn_external_foot foot_of(const sn_group *g, const sn_group_state *s, const sn_external_target *t, const sn_closest *at,
-                                sn_index member) {
+static sn_external_foot foot_of(const look *from, const sn_external_target *t, const sn_closest *at, sn_index member) {
+    const sn_group *g = from->g;
     sn_external_foot foot = {.weight = {0}, .share = 1.0};
     if (t->member == SN_NONE) {
-        sn_moving_shape after = shape_after(s, t);
+        sn_moving_shape after = shape_after(from->s, t);
         foot.place = sn_moving_point(&after, at);
         return foot;
     }
     const sn_index *v = t->moving.triangles[at->triangle].v;
     for (int k = 0; k < 3; k++) foot.point[k] = g->first[t->member] + v[k] - g->first[member], foot.weight[k] = at->barycentric[k];
-    foot.share = stiffness_share(s, member, t->member);
+    foot.share = stiffness_share(from->s, member, t->member);
     return foot;
 }
-
-/* Another target must be so much nearer than the one that a vertex slides on: where two are as near, it would go from one to the other and
- * back, and with it what it is pulled by. */
-static const double MUCH_NEARER = 1.5;
 
 /* Where a row slides: a target of the group, and a triangle of its moving mesh. */
 typedef struct sliding {
@@ -83,32 +112,32 @@ typedef struct sliding {
 static sliding seat_of(const sn_muscle_state *s, sn_index row) { return (sliding){&s->inputs->slides_on[row], &s->inputs->slides_at[row]}; }
 
 /* Where a vertex slides: on the nearest of its targets. */
-static void find_slide(const sn_group *g, const sn_group_state *s, const sn_externals *all, const sn_external_row *row, sn_index member,
-                       sliding seat, sn_external_hold *hold) {
-    sn_vec3 at = s->previous[g->first[member] + row->point], normal = {0, 0, 0};
+static void find_slide(const look *from, const sn_externals *all, const sn_external_row *row, sn_index member, sliding seat,
+                       sn_external_hold *hold) {
+    sn_vec3 at = from->points[from->g->first[member] + row->point], normal = {0, 0, 0};
     sn_closest best = {.triangle = SN_NONE};
     double least = INFINITY;
     const sn_external_target *on = NULL;
     for (sn_index c = row->begin; c < row->end; c++) {
-        const sn_external_target *t = &g->targets[all->candidates[c]];
-        sn_moving_shape shape = shape_before(g, s, t);
+        const sn_external_target *t = &from->g->targets[all->candidates[c]];
+        sn_moving_shape shape = shape_of(from, t);
         bool known = *seat.on == all->candidates[c];
         sn_closest foot = sn_moving_closest(&shape, known ? *seat.at : row->triangle, at);
-        double distance = known ? foot.distance / MUCH_NEARER : foot.distance;
+        double distance = known ? foot.distance / from->much_nearer : foot.distance;
         if (!(distance < least)) continue;
         best = foot, on = t, least = distance;
         sn_moving_side(&shape, &foot, at, &normal);
     }
     if (on == NULL) return;
-    *seat.on = (sn_index)(on - g->targets), *seat.at = best.triangle;
-    if (on->member == SN_NONE) { /* the vertex is carried along, and looks again */
-        sn_moving_shape before = shape_before(g, s, on), after = shape_after(s, on);
+    *seat.on = (sn_index)(on - from->g->targets), *seat.at = best.triangle;
+    if (on->member == SN_NONE && from->ahead) { /* the vertex is carried along, and looks again */
+        sn_moving_shape before = shape_of(from, on), after = shape_after(from->s, on);
         sn_vec3 carried = sn_add(at, sn_sub(sn_moving_point(&after, &best), sn_moving_point(&before, &best)));
         best = sn_moving_walk(&after, best.triangle, carried);
         sn_moving_side(&after, &best, carried, &normal);
     }
     hold->normal = normal;
-    hold->slide = foot_of(g, s, on, &best, member);
+    hold->slide = foot_of(from, on, &best, member);
 }
 
 void sn_externals_reset(const sn_group *g, sn_group_state *s) {
@@ -138,35 +167,58 @@ bool sn_externals_sound(const sn_group *g, const sn_group_state *s) {
 }
 
 /* The point that it was bound to, and where its tangent frame puts the vertex. */
-static void find_bound(const sn_group *g, const sn_group_state *s, const sn_externals *all, const sn_external_row *row, sn_index member,
-                       sn_external_hold *hold) {
-    const sn_external_target *t = &g->targets[all->candidates[row->begin]];
-    sn_moving_shape shape = t->member != SN_NONE ? shape_before(g, s, t) : shape_after(s, t);
+static void find_bound(const look *from, const sn_externals *all, const sn_external_row *row, sn_index member, sn_external_hold *hold) {
+    const sn_external_target *t = &from->g->targets[all->candidates[row->begin]];
+    sn_moving_shape shape = t->member != SN_NONE ? shape_of(from, t) : shape_after(from->s, t);
     sn_closest at = {.triangle = row->triangle, .barycentric = {row->barycentric[0], row->barycentric[1], row->barycentric[2]}};
     sn_vec3 axes[3];
     sn_external_frame(&shape, row->triangle, axes);
-    hold->bound = foot_of(g, s, t, &at, member);
+    hold->bound = foot_of(from, t, &at, member);
     hold->offset = sn_add_scaled(sn_add_scaled(sn_scale(axes[0], row->offset.x), axes[1], row->offset.y), axes[2], row->offset.z);
 }
 
-static void find_member(const sn_group *g, sn_group_state *s, sn_index member) {
-    const sn_model_muscle *m = g->members[member];
+static void find_member(const look *from, sn_index member) {
+    const sn_model_muscle *m = from->g->members[member];
+    const sn_muscle_state *s = from->s->members[member];
     const sn_externals *all = sn_externals_of(m);
-    sn_external_hold *holds = sn_external_holds_of(s->members[member]);
+    sn_external_hold *holds = sn_external_holds_of(s);
     for (sn_index r = 0; r < m->external_count; r++) {
         const sn_external_row *row = &all->rows[r];
         bool slides = row->weights[SN_EXTERNAL_SLIDE] > 0.0 || row->least > -INFINITY;
         holds[r].normal = sn_v3(0, 0, 0);
-        if (slides) find_slide(g, s, all, row, member, seat_of(s->members[member], r), &holds[r]);
-        if (row->weights[SN_EXTERNAL_SOFT] > 0.0 || row->weights[SN_EXTERNAL_HARD] > 0.0) find_bound(g, s, all, row, member, &holds[r]);
+        if (slides) find_slide(from, all, row, member, seat_of(s, r), &holds[r]);
+        if (row->weights[SN_EXTERNAL_SOFT] > 0.0 || row->weights[SN_EXTERNAL_HARD] > 0.0) find_bound(from, all, row, member, &holds[r]);
     }
 }
 
 void sn_externals_find(const sn_group *g, sn_group_state *s) {
     if (g->row_count == 0) return;
-    for (sn_index i = 0; i < g->target_count; i++) {
-        sn_moving_shape shape = shape_before(g, s, &g->targets[i]);
-        sn_moving_fit(&g->targets[i].moving, shape.positions, s->target_boxes + g->targets[i].first_box);
-    }
-    for (sn_index i = 0; i < g->count; i++) find_member(g, s, i);
+    const look from = look_from(g, s);
+    fit_all(&from);
+    for (sn_index i = 0; i < g->count; i++) find_member(&from, i);
+}
+
+/* ---- one way, in each iteration -------------------------------------------------------------------------------------------------------
+ */
+
+static void take_points(sn_group_state *s, sn_index begin, sn_index end) {
+    for (sn_index i = begin; i < end; i++) s->here[i] = sn_point_position(&s->points[i]);
+}
+
+void sn_externals_begin(const sn_group *g, sn_group_state *s) {
+    const look from = look_here(g, s);
+    take_points(s, 0, g->point_count);
+    fit_all(&from);
+}
+
+void sn_externals_update(const sn_group *g, sn_group_state *s, sn_index member) {
+    const look from = look_here(g, s);
+    find_member(&from, member);
+}
+
+void sn_externals_went(const sn_group *g, sn_group_state *s, sn_index member) {
+    const look from = look_here(g, s);
+    take_points(s, g->first[member], g->first[member + 1]);
+    for (sn_index i = 0; i < g->target_count; i++)
+        if (g->targets[i].member == member) fit(&from, &g->targets[i]);
 }

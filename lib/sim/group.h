@@ -25,6 +25,7 @@ typedef struct sn_group {
     struct sn_external_target *targets;   /* (target_count) */
     sn_index target_points, target_boxes; /* vertices of those that move by themselves; boxes of all of them */
     sn_index row_count;                   /* of all members */
+    bool one_way;                         /* scheme romeo: each moves its own vertex alone, and looks for its target in each iteration */
 } sn_group;
 
 /* The groups of the model's muscles: those that external constraints tie to each other, directly or over others, by name; each of the

@@ -54,9 +54,8 @@ typedef struct sn_qn {
     sn_preconditioner *preconditioner;
 } sn_qn;
 
-/* A group's; and a point's new place. */
+/* A group's. */
 static inline sn_qn *sn_qn_of(const sn_group_state *s) { return s->memory; }
-static inline void sn_put(sn_point *point, sn_vec3 position) { point->x = position.x, point->y = position.y, point->z = position.z; }
 
 /* ---- energy.c ---- */
 

@@ -20,11 +20,14 @@ typedef struct sn_build {
     const struct sn_contact_plan *contact; /* NULL = contact is off */
 } sn_build;
 
+/* A point's new place. */
+static inline void sn_put(sn_point *point, sn_vec3 position) { point->x = position.x, point->y = position.y, point->z = position.z; }
+
 /* ---- scheme.c ---- */
 
 typedef struct sn_scheme_rules {
     int count;
-    sn_row_kind order[4];      /* (count) as they are projected; 0 = in the order of the table, with the least areas after what crushes */
+    sn_row_kind order[5];      /* (count) as they are projected; 0 = in the order of the table, with the least areas after what crushes */
     double gain[SN_ROW_KINDS]; /* factor on each correction; 0 = 1 */
     double hinge_clamp;        /* rad */
     double hinge_step;         /* most move of a point by one hinge, mean edges */
@@ -37,6 +40,7 @@ typedef struct sn_scheme_rules {
     bool unit_mass;            /* points of 1 kg */
     bool contracts;            /* activation shortens, stiffens and swells */
     bool scales;               /* stiffness by area, where the muscle wants it */
+    bool one_way;              /* external constraints move their own vertex alone, towards targets as they are, blended by [R18] eq. 14 */
     bool yields;               /* anisotropy where the muscle leaves it to the scheme */
 } sn_scheme_rules;
 
@@ -54,6 +58,7 @@ typedef struct sn_sweep {
     double most_step;  /* of a point by one hinge, m */
     bool published;    /* hinges by the rule of [K21]'s program */
     int projections;   /* of the volume, at most */
+    bool one_way;      /* external constraints: of the vertex alone */
     bool first;        /* lambda starts at 0 */
 } sn_sweep;
 

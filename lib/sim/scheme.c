@@ -4,7 +4,8 @@
  *   guarded   every row; inside first, then the surface, then its shape, the volume last; the least areas after each group that can crush
  *             a triangle (once an iteration leaves triangles of 0.01 of their rest area in the dog's biceps, so often 0.37)
  *             no hinge moves a point by more than two edges: one whose arms are stretched 50 times would throw it 15
- *   romeo     the rows of [R18]: no dihedral angles, no least area; one projection of the volume
+ *   romeo     the rows of [R18]: no dihedral angles, no least area; one projection of the volume; external constraints one way, last, with
+ *             targets where they are when the muscle's turn comes
  *   kohout    [K21]: the surface only; plain position based dynamics, so no stiffness but a factor on each correction; points of 1 kg;
  *             velocities times 0.99 in each step; no contraction. Where contact is on, bones come last in each iteration, by the paper's
  *             voxels unless the scene wants distance fields (contact_voxels.c). Its hinges by one of two rules (dihedral.c):
@@ -26,8 +27,9 @@ enum { KOHOUT_PRINTED = SN_SCHEME_KOHOUT + 1 };
 static const sn_scheme_rules RULES[] = {
     [SN_SCHEME_GUARDED] =
         {.hinge_clamp = SN_HINGE_CLAMP, .hinge_step = 2.0, .volume_projections = 5, .most_speed = 50.0, .contracts = true, .scales = true},
-    [SN_SCHEME_ROMEO] = {.count = 4,
-                         .order = {SN_ROWS_MESH, SN_ROWS_INTERNAL, SN_ROWS_RADIAL, SN_ROWS_VOLUME},
+    [SN_SCHEME_ROMEO] = {.count = 5,
+                         .order = {SN_ROWS_MESH, SN_ROWS_INTERNAL, SN_ROWS_RADIAL, SN_ROWS_VOLUME, SN_ROWS_EXTERNAL},
+                         .one_way = true,
                          .hinge_clamp = INFINITY,
                          .hinge_step = INFINITY,
                          .volume_projections = 1,

@@ -54,22 +54,27 @@ static void project_kind(const sn_model_muscle *m, sn_muscle_state *s, sn_row_ki
                             .most_step = rules->hinge_step * m->mean_edge,
                             .published = rules->hinges_published,
                             .projections = rules->volume_projections,
+                            .one_way = rules->one_way,
                             .first = first};
     (m->single ? ops->sweep_single : ops->sweep)(m, s, kind, &sweep);
 }
 
 /* One iteration of one muscle. */
-static void project(const sn_model_muscle *m, sn_muscle_state *s, const sn_substep *substep, sn_index iteration) {
+static void project(const sn_group *g, sn_group_state *s, sn_index member, const sn_substep *substep, sn_index iteration) {
+    const sn_model_muscle *m = g->members[member];
     sn_row_kind order[SN_MOST_SWEEPS];
     int count = sn_scheme_order(substep->rules, order);
     if (iteration >= m->iterations) return;
-    for (int k = 0; k < count; k++) project_kind(m, s, order[k], substep->rules, substep->h, iteration == 0);
+    if (g->one_way) sn_externals_update(g, s, member);
+    for (int k = 0; k < count; k++) project_kind(m, s->members[member], order[k], substep->rules, substep->h, iteration == 0);
+    if (g->one_way) sn_externals_went(g, s, member);
 }
 
 static void iterate(const sn_group *g, sn_group_state *s, const sn_substep *substep) {
     if (substep->before != NULL) memcpy(substep->before, s->points, (size_t)g->point_count * sizeof *s->points);
+    if (g->one_way) sn_externals_begin(g, s);
     for (sn_index k = substep->begin; k < substep->end; k++)
-        for (sn_index i = 0; i < g->count; i++) project(g->members[i], s->members[i], substep, k);
+        for (sn_index i = 0; i < g->count; i++) project(g, s, i, substep, k);
     for (sn_index i = 0; i < g->count; i++) {
         if (g->members[i]->single) sn_single_leave(g->members[i], s->members[i]);
         s->members[i]->statistics.residual = NAN;

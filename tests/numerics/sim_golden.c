@@ -43,6 +43,7 @@ static const struct {
                {.name = "qn-corotated-contact", .method = SN_SOLVER_QN, .preconditioner = SN_PRECONDITION_COROTATED, .contact = true},
                {.name = "qn-two-level-contact", .method = SN_SOLVER_QN, .preconditioner = SN_PRECONDITION_TWO_LEVEL, .contact = true},
                {.name = "xpbd-tied", .method = SN_SOLVER_XPBD, .tied = true},
+               {.name = "xpbd-romeo-tied", .method = SN_SOLVER_XPBD, .scheme = SN_SCHEME_ROMEO, .tied = true},
                {.name = "xpbd-tied-contact", .method = SN_SOLVER_XPBD, .contact = true, .tied = true},
                {.name = "qn-scalar-tied", .method = SN_SOLVER_QN, .tied = true},
                {.name = "qn-two-level-tied", .method = SN_SOLVER_QN, .preconditioner = SN_PRECONDITION_TWO_LEVEL, .tied = true},

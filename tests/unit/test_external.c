@@ -22,6 +22,8 @@ static void make_pair(sn_scene *scene, sn_solver_method method, const double wei
     tie_all(TIED_REACH, scene, weights);
 }
 
+static void bend(sn_scene *scene, double angle) { set_keys(&scene->motion.joints[0].angle, 0.0, 0.0, 0.4, angle); }
+
 static double greatest_error(const simulation *s, sn_index muscle) {
     return sn_rows_residual(&s->model->muscles[muscle], &s->state->muscles[muscle], SN_ROWS_EXTERNAL, NULL).max;
 }
@@ -111,6 +113,74 @@ static void gradients_are_of_the_energy(void **state) {
     }
 }
 
+/* [R18] to the letter: of one sweep over one row each vertex moves by eq. 14, less its compliance, and nothing else moves at all. */
+static void one_way_moves_the_vertex_alone_by_the_mean_of_its_types(void **state) {
+    (void)state;
+    sn_scene scene;
+    make_pair(&scene, SN_SOLVER_XPBD, MIXED);
+    scene.solver.scheme = SN_SCHEME_ROMEO;
+    scene.externals.no_minimum = true;
+    simulation s = start(&scene);
+    const sn_group *g = &s.model->groups[0];
+    sn_group_state *all = &s.state->groups[0];
+    assert_true(g->one_way && s.model->muscles[0].external_count > 8);
+    for (sn_index i = 0; i < g->point_count; i++) /* off their places, each a little otherwise */
+        sn_put(&all->points[i],
+               sn_add(sn_point_position(&all->points[i]), sn_v3(1e-3 * sn_sin(i), 1e-3 * sn_cos(2.0 * i), 5e-4 * sn_sin(3.0 * i))));
+    sn_point *before = SN_NEW(sn_point, g->point_count);
+    memcpy(before, all->points, (size_t)g->point_count * sizeof *before);
+    sn_externals_begin(g, all);
+    sn_externals_update(g, all, 0);
+    const sn_sweep how = {.compliance = 3e-4, .one_way = true};
+    const sn_model_muscle *m = g->members[0];
+    const sn_externals *rows = sn_externals_of(m);
+    sn_rows_external.sweep(m, all->members[0], SN_ROWS_EXTERNAL, &how);
+    const sn_external_hold *holds = sn_external_holds_of(all->members[0]);
+    sn_index moved = 0;
+    for (sn_index r = 0; r < m->external_count; r++) {
+        const sn_external_row *row = &rows->rows[r];
+        sn_vec3 places[2], p = sn_point_position(&before[row->point]);
+        for (int k = 0; k < 2; k++) {
+            const sn_external_foot *foot = k == 0 ? &holds[r].slide : &holds[r].bound;
+            places[k] = foot->place;
+            for (int c = 0; c < 3; c++) places[k] = sn_add_scaled(places[k], sn_point_position(&before[foot->point[c]]), foot->weight[c]);
+        }
+        sn_vec3 n = holds[r].normal, away = sn_sub(p, places[1]);
+        sn_vec3 slide = sn_scale(n, row->distance - sn_dot(n, sn_sub(p, places[0])));
+        sn_vec3 soft = sn_scale(sn_normalize(away), row->bound - sn_norm(away)), hard = sn_sub(sn_add(places[1], holds[r].offset), p);
+        sn_vec3 mean = sn_add(sn_scale(slide, 0.5), sn_add(sn_scale(soft, 0.125), sn_scale(hard, 0.375)));
+        double share = before[row->point].w / (before[row->point].w + how.compliance / rows->factor);
+        sn_vec3 right = sn_add_scaled(p, mean, share), now = sn_point_position(&all->points[row->point]);
+        assert_true(sn_distance(now, right) < 1e-15 && sn_distance(now, p) > 1e-6);
+    }
+    for (sn_index i = 0; i < g->point_count; i++) moved += memcmp(&before[i], &all->points[i], sizeof *before) != 0;
+    assert_int_equal(moved, m->external_count);
+    free(before);
+    finish(&s);
+}
+
+/* Under the paper's scheme a target does not feel what slides on it: its frames are those of a run in which nothing is tied to it. */
+static void one_way_leaves_the_target_alone(void **state) {
+    (void)state;
+    sn_scene scenes[2];
+    simulation runs[2];
+    for (int k = 0; k < 2; k++) {
+        make_pair(&scenes[k], SN_SOLVER_XPBD, MIXED);
+        scenes[k].solver.scheme = SN_SCHEME_ROMEO;
+        scenes[k].externals.enabled = k == 1;
+        bend(&scenes[k], 0.5);
+        sn_externals_free(scenes[k].muscles[1].rig.externals, scenes[k].muscles[1].rig.external_count);
+        scenes[k].muscles[1].rig.externals = NULL, scenes[k].muscles[1].rig.external_count = 0;
+        runs[k] = start(&scenes[k]);
+        step_frames(&runs[k], 8, NULL);
+    }
+    assert_true(runs[1].model->muscles[0].external_count > 8);
+    assert_same_muscle(&runs[0], 1, &runs[1], 1);
+    assert_true(sn_distance(sn_point_position(&runs[0].state->muscles[0].points[40]),
+                            sn_point_position(&runs[1].state->muscles[0].points[40])) > 1e-5);
+    for (int k = 0; k < 2; k++) finish(&runs[k]);
+}
+
 /* Free muscles, of which one is hit: what the one loses the other gains. */
 static void momentum_of_a_free_pair_is_kept(void **state) {
     (void)state;
@@ -147,8 +217,6 @@ static void momentum_of_a_free_pair_is_kept(void **state) {
 }
 
 /* ---- what slides, what is held ------------------------------------------------------------------------------------------------------- */
-
-static void bend(sn_scene *scene, double angle) { set_keys(&scene->motion.joints[0].angle, 0.0, 0.0, 0.4, angle); }
 
 /* From the point that row r of the first muscle is bound to, to its vertex: now or at rest. */
 static sn_vec3 away(const simulation *s, sn_index r, bool at_rest) {
@@ -487,6 +555,8 @@ int main(void) {
         cmocka_unit_test(weights_are_those_of_the_paper),
         cmocka_unit_test(muscles_that_touch_are_one_group_and_rest_is_rest),
         cmocka_unit_test(gradients_are_of_the_energy),
+        cmocka_unit_test(one_way_moves_the_vertex_alone_by_the_mean_of_its_types),
+        cmocka_unit_test(one_way_leaves_the_target_alone),
         cmocka_unit_test(momentum_of_a_free_pair_is_kept),
         cmocka_unit_test(what_slides_keeps_its_distance_and_what_is_held_its_point),
         cmocka_unit_test(the_order_of_muscles_does_not_matter),
