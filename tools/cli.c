@@ -2,6 +2,7 @@
 #include "cli_given.h"
 
 #include <errno.h>
+#include <limits.h>
 #include <locale.h>
 #include <signal.h>
 #include <stdio.h>
@@ -21,7 +22,7 @@ const char *const cli_up_names[] = {"z", "y", NULL};
 typedef struct shared_values {
     const char *output, *report, *trace, *stop_after, *mesh;
     int units, up;
-    bool list, no_history, quiet, help, usage, version;
+    bool list, no_history, strict, quiet, help, usage, version;
     int64_t threads;
 } shared_values;
 
@@ -50,6 +51,8 @@ static const shared_option shared_options[] = {
      {0, "list", NULL, CLI_FLAG, &shared.list, 0, 0, 0, NULL,
       "print number, name, vertices and triangles of each mesh, and do nothing else"}},
     {CLI_HAS_HISTORY, {0, "no-history", NULL, CLI_FLAG, &shared.no_history, 0, 0, 0, NULL, "leave the history out of the document"}},
+    {CLI_HAS_STRICT,
+     {0, "strict", NULL, CLI_FLAG, &shared.strict, 0, 0, 0, NULL, "refuse documents with members that sinew does not know"}},
     {CLI_HAS_REPORT, {0, "report", "FILE", CLI_TEXT, &shared.report, 0, 0, 0, NULL, "write figures and timings as JSON to FILE"}},
     {CLI_HAS_TRACE, {0, "trace", "FILE", CLI_TEXT, &shared.trace, 0, 0, 0, NULL, "write every inner step as a JSON line to FILE"}},
     {CLI_HAS_TRACE,
@@ -153,6 +156,20 @@ static const cli_option *find_letter(const cli_tool *tool, char letter) {
     return NULL;
 }
 
+static _Noreturn void no_such_option(const cli *c, const char *name, size_t length) {
+    const cli_option *option;
+    const char *meant = NULL;
+    int best = INT_MAX;
+    for (int i = 0; (option = cli_option_at(c->tool, i)) != NULL; i++) {
+        int distance = option->kind != CLI_HEADING ? sn_word_distance(name, length, option->name) : INT_MAX;
+        if (distance >= best) continue;
+        best = distance;
+        meant = option->name;
+    }
+    cli_usage_error(c, "there is no option --%.*s%s%s%s", (int)length, name, meant != NULL ? "; did you mean --" : "",
+                    meant != NULL ? meant : "", meant != NULL ? "?" : "");
+}
+
 /* Exact name, or the only one that starts so. */
 static const cli_option *find_name(const cli *c, const char *name, size_t length) {
     const cli_option *option, *found = NULL;
@@ -162,7 +179,7 @@ static const cli_option *find_name(const cli *c, const char *name, size_t length
         if (found != NULL) cli_usage_error(c, "option --%.*s could be --%s or --%s", (int)length, name, found->name, option->name);
         found = option;
     }
-    if (found == NULL) cli_usage_error(c, "there is no option --%.*s", (int)length, name);
+    if (found == NULL) no_such_option(c, name, length);
     return found;
 }
 
@@ -178,17 +195,22 @@ static void append(cli_list *list, const char *item) {
     list->items[list->count++] = item;
 }
 
+void cli_no_such_value(const cli *c, const char *option, const char *value, size_t length, const char *const *known) {
+    const char *meant = sn_nearest_word(value, length, known);
+    char list[256] = "";
+    for (size_t used = 0; *known != NULL && used < sizeof list; known++)
+        used += (size_t)snprintf(list + used, sizeof list - used, "%s%s", used > 0 ? ", " : "", *known);
+    cli_usage_error(c, "--%s %.*s: not one of %s%s%s%s", option, (int)length, value, list, meant != NULL ? "; did you mean " : "",
+                    meant != NULL ? meant : "", meant != NULL ? "?" : "");
+}
+
 static void set_choice(const cli *c, const cli_option *option, const char *value) {
-    char known[256] = "";
     for (int i = 0; option->choices[i] != NULL; i++) {
-        if (strcmp(option->choices[i], value) == 0) {
-            *(int *)option->target = i;
-            return;
-        }
-        size_t used = strlen(known);
-        snprintf(known + used, sizeof known - used, "%s%s", i > 0 ? ", " : "", option->choices[i]);
+        if (strcmp(option->choices[i], value) != 0) continue;
+        *(int *)option->target = i;
+        return;
     }
-    cli_usage_error(c, "--%s %s: not one of %s", option->name, value, known);
+    cli_no_such_value(c, option->name, value, strlen(value), option->choices);
 }
 
 static void set_number(const cli *c, const cli_option *option, const char *value) {
@@ -322,10 +344,18 @@ static void take_stop_after(cli *c) {
     c->trace.stop_after = steps;
 }
 
+/* Documents that many parts of a scene name are read for each of them: a warning is not said again behind itself. */
+static void warn_once(const cli *c, const char *text) {
+    static char last[1024];
+    if (strcmp(text, last) == 0) return;
+    snprintf(last, sizeof last, "%s", text);
+    cli_warn(c, "%s", text);
+}
+
 static void receive_log(void *user, sn_log_level level, const char *text) {
     const cli *c = user;
     if (level == SN_LOG_WARNING)
-        cli_warn(c, "%s", text);
+        warn_once(c, text);
     else if (level == SN_LOG_INFO)
         cli_say(c, "%s", text);
     else if (c->verbosity > 1)
@@ -371,6 +401,7 @@ static void take_shared(cli *c) {
     c->read.mesh = shared.mesh;
     c->list = shared.list;
     c->history = !shared.no_history;
+    sn_documents_strict(shared.strict);
     c->threads = (int)shared.threads;
     c->verbosity = shared.quiet ? -1 : verbose_twice ? 2 : verbose_once ? 1 : 0;
     take_stop_after(c);

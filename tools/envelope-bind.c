@@ -34,8 +34,8 @@ static const cli_option options[] = {
 
 static const cli_tool tool = {"envelope-bind",
                               "bind a surface to the bones beneath it",
-                              CLI_TAKES_INPUT | CLI_HAS_OUTPUT | CLI_HAS_TRACE | CLI_HAS_REPORT | CLI_HAS_UNITS | CLI_HAS_HISTORY |
-                                  CLI_HAS_THREADS,
+                              CLI_TAKES_INPUT | CLI_HAS_OUTPUT | CLI_HAS_STRICT | CLI_HAS_TRACE | CLI_HAS_REPORT | CLI_HAS_UNITS |
+                                  CLI_HAS_HISTORY | CLI_HAS_THREADS,
                               options,
                               sizeof options / sizeof *options,
                               "INPUT is a mesh, or an envelope document, which is taken as it is bound.",

@@ -88,7 +88,7 @@ static const cli_option options[] = {
 static const cli_tool tool = {
     .name = "rig-view",
     .summary = "Draw muscle documents, meshes, motions, scenes, frames and states of a simulation as a PNG picture.",
-    .shared = CLI_TAKES_INPUTS | CLI_HAS_OUTPUT | CLI_HAS_UNITS | CLI_HAS_THREADS,
+    .shared = CLI_TAKES_INPUTS | CLI_HAS_OUTPUT | CLI_HAS_STRICT | CLI_HAS_UNITS | CLI_HAS_THREADS,
     .options = options,
     .option_count = sizeof options / sizeof *options,
     .writes = ".png",
@@ -99,25 +99,17 @@ static const cli_tool tool = {
 
 /* ---- words into values ---------------------------------------------------------------------------------------------------------- */
 
+/* The words of --show. */
+static const char *const show_names[] = {"surface", "roots",  "structure", "fibers", "attachments", "bones", "wire",
+                                         "auto",    "joints", "envelopes", "fields", "externals",   NULL};
+static const unsigned show_bits[] = {SN_SHOW_SURFACE,     SN_SHOW_ROOTS,     SN_SHOW_STRUCTURE, SN_SHOW_FIBERS,
+                                     SN_SHOW_ATTACHMENTS, SN_SHOW_BONES,     SN_SHOW_WIRE,      SN_SHOW_AUTO,
+                                     SN_SHOW_JOINTS,      SN_SHOW_ENVELOPES, SN_SHOW_FIELDS,    SN_SHOW_EXTERNALS};
+
 /* The bit of one word of --show; 0 = no such word. */
 static unsigned show_bit(const char *word, size_t length) {
-    static const struct {
-        const char *name;
-        unsigned bit;
-    } names[] = {{"surface", SN_SHOW_SURFACE},
-                 {"roots", SN_SHOW_ROOTS},
-                 {"structure", SN_SHOW_STRUCTURE},
-                 {"fibers", SN_SHOW_FIBERS},
-                 {"attachments", SN_SHOW_ATTACHMENTS},
-                 {"bones", SN_SHOW_BONES},
-                 {"wire", SN_SHOW_WIRE},
-                 {"auto", SN_SHOW_AUTO},
-                 {"joints", SN_SHOW_JOINTS},
-                 {"envelopes", SN_SHOW_ENVELOPES},
-                 {"fields", SN_SHOW_FIELDS},
-                 {"externals", SN_SHOW_EXTERNALS}};
-    for (size_t i = 0; i < sizeof names / sizeof *names; i++)
-        if (strlen(names[i].name) == length && memcmp(names[i].name, word, length) == 0) return names[i].bit;
+    for (size_t i = 0; show_names[i] != NULL; i++)
+        if (strlen(show_names[i]) == length && memcmp(show_names[i], word, length) == 0) return show_bits[i];
     return 0;
 }
 
@@ -127,11 +119,7 @@ static unsigned parse_show(const cli *c, const char *text) {
     while (*text) {
         size_t length = strcspn(text, ",");
         unsigned bit = show_bit(text, length);
-        if (!bit)
-            cli_usage_error(c,
-                            "--show: '%.*s' is none of surface, roots, structure, fibers, attachments, externals, bones, joints, "
-                            "envelopes, fields, wire, auto",
-                            (int)length, text);
+        if (!bit) cli_no_such_value(c, "show", text, length, show_names);
         show |= bit;
         text += length + (text[length] == ',');
     }
@@ -235,6 +223,12 @@ typedef struct kind_list {
     sn_state_figure items[KINDS_MAX];
 } kind_list;
 
+static _Noreturn void no_such_kind(const cli *c, const char *text, size_t length) {
+    const char *names[SN_FIGURES + 1] = {NULL};
+    for (int kind = 0; kind < SN_FIGURES; kind++) names[kind] = sn_state_figure_name((sn_state_figure)kind);
+    cli_no_such_value(c, "error", text, length, names);
+}
+
 /* The figures of --error. */
 static kind_list parse_kinds(const cli *c) {
     kind_list all = {0, {(sn_state_figure)SN_ROWS_MESH}};
@@ -245,11 +239,8 @@ static kind_list parse_kinds(const cli *c) {
         while (kind < SN_FIGURES && (strlen(sn_state_figure_name((sn_state_figure)kind)) != length ||
                                      strncmp(sn_state_figure_name((sn_state_figure)kind), text, length) != 0))
             kind++;
-        if (kind == SN_FIGURES || all.count == KINDS_MAX)
-            cli_usage_error(c,
-                            "--error: '%.*s' is none of mesh, internal, radial, dihedral, area, membrane, volume, external, contact, "
-                            "pressure, penetration",
-                            (int)length, text);
+        if (kind == SN_FIGURES) no_such_kind(c, text, length);
+        if (all.count == KINDS_MAX) cli_usage_error(c, "--error: more than %d kinds", KINDS_MAX);
         all.items[all.count++] = (sn_state_figure)kind;
     }
     if (all.count == 0) cli_usage_error(c, "--error: an empty list");

@@ -17,6 +17,12 @@
 #include "sinew/scene.h"
 #include "sinew/sense.h"
 
+/* ---- documents (lib/io/json.c) ---------------------------------------------------------------------------------------- */
+
+/* Whether a member that no reader knows makes a document an error, in the whole process; by default it only draws a warning. Members whose
+ * names begin with '_' or "x-" are the user's own under both. Set it before anything is read. */
+void sn_documents_strict(bool strict);
+
 /* ---- bytes (lib/io/stream.c) ---------------------------------------------------------------------------------------- */
 
 typedef struct sn_blob {

@@ -39,7 +39,7 @@ sn_status sn_bone_parse(const sn_json_value *value, const sn_motion *motion, sn_
     if (status == SN_OK) status = sn_json_get_text(&mesh, &out->path, error);
     if (status == SN_OK) status = sn_units_parse(&units, &out->meters_per_unit, error);
     if (status == SN_OK) status = parse_joint(&joint, motion, &out->joint, error);
-    if (status == SN_OK) sn_json_warn_unknown(value, known);
+    if (status == SN_OK) status = sn_json_check_members(value, known, error);
     return status;
 }
 

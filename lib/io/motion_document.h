@@ -29,6 +29,8 @@ SN_MUST_CHECK sn_status sn_motion_bones_parse(const sn_json_value *list, sn_moti
 /* document: where the document will be; NULL, "-": it goes to standard output. */
 SN_MUST_CHECK sn_status sn_motion_bones_write(const sn_motion *motion, const char *document, sn_json *json, sn_error *error);
 
+/* The members of an activation document, NULL at the end. */
+extern const char *const sn_activation_members[];
 /* An activation: a number, { "keys": [[time, activation], ...] }, or { "uri": ..., "channel": ... } (fallback: the muscle's name). */
 SN_MUST_CHECK sn_status sn_activation_parse(const sn_json_value *value, sn_clock clock, const char *fallback, sn_channel *out,
                                             sn_error *error);

@@ -45,6 +45,42 @@ setup() {
     done
 }
 
+@test "a mistyped option is named as it was meant, in every tool; what is like none is not" {
+    for tool in $tools; do
+        for option in $("$BIN/$tool" --help | grep -o -e '^ *\(-.,\)\? *--[a-z-]*' | grep -o -e '--[a-z-]*'); do
+            [ "${#option}" -ge 7 ] || continue
+            mistyped=${option:0:4}q${option:5} # another letter for the third
+            code=0
+            "$BIN/$tool" "$mistyped" > out 2> err < /dev/null || code=$?
+            [ "$code" -eq 2 ]
+            grep -q -e "there is no option $mistyped; did you mean --[a-z-]*?;" err || { echo "$tool $mistyped"; cat err; false; }
+            swapped=${option:0:3}${option:4:1}${option:3:1}${option:5}
+            [ "$swapped" != "$option" ] || continue
+            "$BIN/$tool" "$swapped" > out 2> err < /dev/null || true
+            grep -q -e "did you mean $option?;" err || { echo "$tool $swapped"; cat err; false; }
+        done
+        run -2 "$BIN/$tool" --qqqqqqqqqqqqqqqq
+        [[ "$output" != *"did you mean"* ]]
+    done
+}
+
+@test "a mistyped value of an option with known values is named as it was meant" {
+    means() { # TOOL OPTION VALUE MEANT
+        run -2 "$BIN/$1" "--$2" "$3" none.json
+        [[ "$output" == *"did you mean $4?"* ]] || { echo "$*: $output"; false; }
+    }
+    means simulate scheme romoe romeo
+    means simulate solver QN qn
+    means simulate law isochorik isochoric
+    means rig-view show fibres fibers
+    means rig-view show surface,atachments attachments
+    means attach-detect method prximity proximity
+    means error-time stretch membran membrane
+    run -2 "$BIN/mesh-clean" --units dm none.off
+    [[ "$output" != *"did you mean"* ]]
+    [[ "$output" == *"not one of m, cm, mm;"* ]]
+}
+
 @test "a missing input file is named, status 1" {
     for tool in $tools; do
         code=0
