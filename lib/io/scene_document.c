@@ -119,8 +119,9 @@ static const sn_motion_bone *find_motion_bone(const sn_motion *motion, const cha
 
 /* In the place of one of the motion document's, where that has one of its name: on its joint, unless it names another. */
 static sn_status parse_bone(const sn_json_value *value, const reader *in, sn_scene_bone *out, sn_error *error) {
+    static const char *const known[] = {"name", "mesh", "units", "joint", "contact", NULL};
     sn_motion_bone bone;
-    sn_status status = sn_bone_parse(value, &in->scene->motion, &bone, error);
+    sn_status status = sn_bone_parse(value, known, &in->scene->motion, &bone, error);
     const sn_motion_bone *replaced = status == SN_OK ? find_motion_bone(&in->scene->motion, bone.name) : NULL;
     out->name = bone.name;
     out->uri = bone.path;

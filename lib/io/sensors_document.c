@@ -177,7 +177,8 @@ static sn_status parse_response(const sn_json_value *value, sn_side side, sn_sen
 static bool is_angular(sn_sensor_kind kind) { return kind <= SN_SENSOR_ANGULAR_ACCELERATION; }
 
 static sn_status check_members(const sn_json_value *value, sn_sensor_kind kind, sn_error *error) {
-    static const char *const of_rotations[] = {"name", "type", "joint", "relativeTo", "axis", "filter", "curve", "trigger", NULL};
+    static const char *const of_rotations[] = {"name",   "type",          "joint", "relativeTo", "axis",
+                                               "filter", "metersPerUnit", "curve", "trigger",    NULL};
     static const char *const of_points[] = {"name", "type", "joint", "point", "relativeTo", "axis", "filter", "curve", "trigger", NULL};
     static const char *const of_two[] = {"name", "type", "joint", "point", "to", "relativeTo", "axis", "filter", "curve", "trigger", NULL};
     return sn_json_check_members(value, is_angular(kind) ? of_rotations : kind == SN_SENSOR_DISTANCE ? of_two : of_points, error);

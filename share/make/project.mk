@@ -15,7 +15,7 @@ CLI_SUITES := $(sort $(wildcard tests/cli/*.bats))
 UNIT_STAMPS := $(UNIT_TESTS:$(B)/tests/unit/%=$(STAMPS)/unit-%)
 CLI_STAMPS := $(CLI_SUITES:tests/cli/%.bats=$(STAMPS)/cli-%)
 PROGRAM_STAMPS := $(patsubst tests/%.c,$(STAMPS)/program-%,$(sort $(wildcard tests/fuzz/*.c tests/numerics/*.c)))
-SHORT_STAMPS := $(STAMPS)/layering $(STAMPS)/circles $(STAMPS)/parameters $(UNIT_STAMPS) $(CLI_STAMPS)
+SHORT_STAMPS := $(STAMPS)/layering $(STAMPS)/circles $(STAMPS)/parameters $(STAMPS)/man-schema $(UNIT_STAMPS) $(CLI_STAMPS)
 ALL_STAMPS := $(SHORT_STAMPS) $(PROGRAM_STAMPS) $(STAMPS)/examples $(STAMPS)/anatomy $(STAMPS)/install
 ASSETS := $(wildcard share/make/sinew.mk share/make/assets share/make/*.awk)
 EVERYTHING := $(ASSETS) $(wildcard share/plots/* share/examples/arm/* share/examples/body/* share/examples/assets/* share/examples/papers/* share/examples/sensors/* share/completions/*) $(BUILT_TOOLS) $(BUILT_LIBEXEC) $(EXAMPLES) $(wildcard share/schema/*.json) tests/suite
@@ -40,6 +40,8 @@ $(STAMPS)/circles: tests/circles $(B)/libsinew.a
 	@tests/suite $@ circles tests/circles $(addprefix $(B)/lib/,base geom motion sim view)
 $(STAMPS)/parameters: tests/parameters $(wildcard include/sinew/*.h lib/*/*.[ch] lib/*/*.hpp lib/*/*.cpp tools/*.[ch])
 	@tests/suite $@ parameters tests/parameters
+$(STAMPS)/man-schema: tests/man-schema $(wildcard share/man/*.5 share/schema/*.json)
+	@tests/suite $@ man-schema tests/man-schema share/man share/schema
 $(UNIT_STAMPS): $(STAMPS)/unit-%: $(B)/tests/unit/%
 	@DATA=$(DATA) tests/suite $@ unit/$* $<
 $(STAMPS)/program-numerics/sim_golden: tests/data/golden.txt

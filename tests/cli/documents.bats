@@ -259,3 +259,37 @@ END
     scene '"motion": {"joints": [{"name": "b", "type": "hinge", "axis": [1,0,0], "point": [0,0,0]}]}, "surfaces": [{"name": "skin", "envelope": "a.envelope.json"}], '
     mistyped reech reach a.envelope.json "$BIN/rig-view" a.scene.json -o a.png
 }
+
+@test "the defaults of the scene's schema are those that simulate fills in" {
+    echo '{"format": "sinew-muscle", "version": 1, "metersPerUnit": 1, "mesh": {"vertices": [0,0,0, 0.1,0,0, 0,0.1,0, 0,0,0.1], "triangles": [0,2,1, 0,1,3, 1,2,3, 2,0,3]}}' > a.muscle.json
+    for method in '{}' '{"method": "xpbd"}' '{"scheme": "kohout"}'; do
+        echo '{"format": "sinew-scene", "version": 1, "contact": true, "externals": true, "solver": '"$method"', "muscles": [{"rig": "a.muscle.json"}]}' > a.scene.json
+        "$BIN/simulate" --plan a.scene.json > "plan-${#method}.json"
+    done
+    /usr/bin/python3 - "$schemas/scene.schema.json" plan-*.json << 'END'
+import json, sys
+schema = json.load(open(sys.argv[1]))
+top, muscle = schema["properties"], schema["$defs"]["muscle"]["properties"]
+compared = set()
+
+def compare(properties, found, path, given):
+    for name, node in properties.items():
+        if "default" not in node or name not in found or name in given: continue
+        assert found[name] == node["default"], f"{path}.{name}: {found[name]} is not {node['default']}"
+        compared.add(f"{path}.{name}")
+
+for plan in sys.argv[2:]:
+    scene = json.load(open(plan))["scene"]
+    solver = scene["solver"]
+    given = {"method", "scheme"} if solver["method"] == "xpbd" else set()
+    if solver["scheme"] == "kohout": given |= {"hinges", "collision"}
+    compare(top, scene, "", set())
+    compare(top["solver"]["properties"], solver, "solver", given)
+    compare(top["contact"]["anyOf"][1]["properties"], scene["contact"], "contact", given | ({"collision"}))
+    compare(top["externals"]["anyOf"][1]["properties"], scene["externals"], "externals", set())
+    compare(muscle, scene["muscles"][0], "muscle", set())
+    compare(muscle["stiffness"]["properties"], scene["muscles"][0]["stiffness"], "stiffness", set())
+print(len(compared), sorted(compared))
+assert len(compared) >= 38, len(compared)
+END
+}
