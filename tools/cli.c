@@ -94,6 +94,26 @@ static void print_option(const cli_option *option) {
         printf("  %-28s  %s\n", left, option->help);
 }
 
+/* The words that may be its value, or some of them; NULL = it has none. */
+static const char *const *words_of(const cli_option *option) {
+    static const char *const automatic[] = {"auto", NULL};
+    return option->kind == CLI_AUTO ? automatic : option->choices;
+}
+
+/* A line "--option  word, word, ..." for each that has some: completions are made of it. */
+static void print_values(const cli_tool *tool) {
+    const cli_option *option;
+    bool any = false;
+    for (int i = 0; (option = cli_option_at(tool, i)) != NULL; i++) {
+        const char *const *words = words_of(option);
+        if (words == NULL) continue;
+        printf("%s  --%-26s  ", any ? "" : "\nValues:\n", option->name);
+        for (int k = 0; words[k] != NULL; k++) printf("%s%s", k > 0 ? ", " : "", words[k]);
+        printf("\n");
+        any = true;
+    }
+}
+
 static void print_help(const cli_tool *tool) {
     print_usage(stdout, tool);
     printf("%s\n", tool->summary);
@@ -102,6 +122,7 @@ static void print_help(const cli_tool *tool) {
     printf("\nShared options:\n");
     for (int i = 0; i < SHARED_COUNT; i++)
         if (brings(tool, &shared_options[i])) print_option(&shared_options[i].option);
+    print_values(tool);
     if (tool->notes != NULL) printf("\n%s\n", tool->notes);
     printf("\nExit status: 0 done; 1 bad input or failed work; 2 wrong usage; 3 done, but short of what was asked.\n"
            "Lengths take a unit: 6mm, 0.5cm, 0.006m; a bare number is in the document's unit. See %s(1).\n",

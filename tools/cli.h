@@ -47,7 +47,7 @@ typedef struct cli_option {
     void *target;
     unsigned flags;
     double low, high;           /* CLI_INTEGER, CLI_NUMBER */
-    const char *const *choices; /* CLI_CHOICE: NULL-terminated */
+    const char *const *choices; /* NULL-terminated. CLI_CHOICE: the words that it may be; others, nullable: words to tell in the help */
     const char *help;           /* one sentence; default in it where there is one */
 } cli_option;
 

@@ -25,9 +25,18 @@ static struct {
     cli_list bones, bone_lists, states, neighbours;
 } given = {.cut_depth = {-1.0, 0.0}, .camera = "auto", .zoom = 1.0, .samples = 9, .legend = true};
 
+/* The words of --show. */
+static const char *const show_names[] = {"surface", "roots",  "structure", "fibers", "attachments", "bones", "wire",
+                                         "auto",    "joints", "envelopes", "fields", "externals",   NULL};
+/* The words of --error (sn_state_figure_name), --camera, --views and --background. */
+static const char *const error_names[] = {"mesh",   "internal", "radial",  "dihedral", "area",        "membrane",
+                                          "volume", "external", "contact", "pressure", "penetration", NULL};
+static const char *const camera_names[] = {"auto", "front", "back", "left", "right", "top", "bottom", NULL};
+static const char *const background_names[] = {"white", "grey", "black", NULL};
+
 static const cli_option options[] = {
     {.kind = CLI_HEADING, .help = "What is drawn:"},
-    {0, "show", "LIST", CLI_TEXT, &given.show, 0, 0, 0, NULL,
+    {0, "show", "LIST", CLI_TEXT, &given.show, 0, 0, 0, show_names,
      "any of surface, roots, structure, fibers, attachments, externals, bones, joints, envelopes, fields, wire, with commas (default: what "
      "is\n"
      "there)"},
@@ -50,7 +59,7 @@ static const cli_option options[] = {
     {.kind = CLI_HEADING, .help = "States of a scene:"},
     {0, "state", "FILE", CLI_LIST, &given.states, 0, 0, 0, NULL,
      "draw the scene at a state of simulate, coloured by constraint error; one tile each"},
-    {0, "error", "LIST", CLI_TEXT, &given.error, 0, 0, 0, NULL,
+    {0, "error", "LIST", CLI_TEXT, &given.error, 0, 0, 0, error_names,
      "which error: mesh (default), internal, radial, dihedral, area, membrane, volume, external, contact; or pressure, penetration;\n"
      "several with commas, one tile each"},
     {0, "range", "NUMBER", CLI_NUMBER, &given.range, 0, 1e-300, 1e300, NULL,
@@ -70,9 +79,9 @@ static const cli_option options[] = {
     {0, "externals", NULL, CLI_FLAG, &given.externals, 0, 0, 0, NULL, "as simulate was told"},
     {0, "no-externals", NULL, CLI_FLAG, &given.no_externals, 0, 0, 0, NULL, "as simulate was told"},
     {.kind = CLI_HEADING, .help = "From where:"},
-    {0, "camera", "VIEW", CLI_TEXT, &given.camera, 0, 0, 0, NULL,
+    {0, "camera", "VIEW", CLI_TEXT, &given.camera, 0, 0, 0, camera_names,
      "auto (default: across the long axis), front, back, left, right, top, bottom, or AZIMUTH:ELEVATION in degrees"},
-    {0, "views", "N|LIST", CLI_TEXT, &given.views, 0, 0, 0, NULL,
+    {0, "views", "N|LIST", CLI_TEXT, &given.views, 0, 0, 0, camera_names + 1,
      "several tiles: N turns of the camera, or a list such as front,left,30:20"},
     {0, "zoom", "FACTOR", CLI_NUMBER, &given.zoom, 0, 0.01, 1000, NULL, "enlarge about the middle (default 1: all is in the picture)"},
     {.kind = CLI_HEADING, .help = "The picture:"},
@@ -81,7 +90,8 @@ static const cli_option options[] = {
     {0, "columns", "N", CLI_INTEGER, &given.columns, 0, 1, 1000, NULL, "tiles in a row (default: as square as it gets)"},
     {0, "title", "TEXT", CLI_TEXT, &given.title, 0, 0, 0, NULL, "title (default: the muscle's or scene's name)"},
     {0, "no-legend", NULL, CLI_CLEAR, &given.legend, 0, 0, 0, NULL, "leave out title, captions, legend and scale bar"},
-    {0, "background", "COLOUR", CLI_TEXT, &given.background, 0, 0, 0, NULL, "#rrggbb, white, grey or black (default: a warm near white)"},
+    {0, "background", "COLOUR", CLI_TEXT, &given.background, 0, 0, 0, background_names,
+     "#rrggbb, white, grey or black (default: a warm near white)"},
     {0, "samples", "N", CLI_INTEGER, &given.samples, 0, 1, 64, NULL, "rays for each pixel, rounded up to a square (default 9)"},
 };
 
@@ -99,9 +109,6 @@ static const cli_tool tool = {
 
 /* ---- words into values ---------------------------------------------------------------------------------------------------------- */
 
-/* The words of --show. */
-static const char *const show_names[] = {"surface", "roots",  "structure", "fibers", "attachments", "bones", "wire",
-                                         "auto",    "joints", "envelopes", "fields", "externals",   NULL};
 static const unsigned show_bits[] = {SN_SHOW_SURFACE,     SN_SHOW_ROOTS,     SN_SHOW_STRUCTURE, SN_SHOW_FIBERS,
                                      SN_SHOW_ATTACHMENTS, SN_SHOW_BONES,     SN_SHOW_WIRE,      SN_SHOW_AUTO,
                                      SN_SHOW_JOINTS,      SN_SHOW_ENVELOPES, SN_SHOW_FIELDS,    SN_SHOW_EXTERNALS};
@@ -224,9 +231,7 @@ typedef struct kind_list {
 } kind_list;
 
 static _Noreturn void no_such_kind(const cli *c, const char *text, size_t length) {
-    const char *names[SN_FIGURES + 1] = {NULL};
-    for (int kind = 0; kind < SN_FIGURES; kind++) names[kind] = sn_state_figure_name((sn_state_figure)kind);
-    cli_no_such_value(c, "error", text, length, names);
+    cli_no_such_value(c, "error", text, length, error_names);
 }
 
 /* The figures of --error. */
