@@ -49,6 +49,7 @@ $(PROGRAM_STAMPS): $(STAMPS)/program-%: $(B)/tests/%
 	@DATA=$(DATA) tests/suite $@ $* $<
 $(CLI_STAMPS): $(STAMPS)/cli-%: tests/cli/%.bats $(EVERYTHING)
 	@BIN=$(CURDIR)/$(B)/bin EXAMPLES=$(CURDIR)/$(B)/examples DATA=$(abspath $(DATA)) CONFIG=$(CONFIG) tests/suite $@ cli/$* bats --tap $<
+$(STAMPS)/cli-make: Makefile share/make/project.mk share/make/install-packages tests/sum
 $(STAMPS)/cli-papers: tests/kohout-table $(B)/tests/numerics/hinge_rules
 $(STAMPS)/examples: tests/run-man-examples tests/sample-folder README.md $(wildcard share/man/*.[157]) $(EVERYTHING)
 	@tests/suite $@ examples tests/run-man-examples $(B)/bin $(B)/examples
@@ -150,7 +151,8 @@ completions: $(COMPLETIONS)
 define completion_rule
 $(B)/completions/$1/%: $(B)/bin/% share/completions/generate share/completions/generate.awk
 	@mkdir -p $$(@D)
-	$$< --help | share/completions/generate $1 $$* > $$@
+	$$(call say,GEN,$$@)
+	$$(Q)$$< --help | share/completions/generate $1 $$* > $$@
 endef
 $(foreach s,bash zsh fish,$(eval $(call completion_rule,$s)))
 
