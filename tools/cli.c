@@ -4,6 +4,7 @@
 #include <errno.h>
 #include <limits.h>
 #include <locale.h>
+#include <poll.h>
 #include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -129,8 +130,28 @@ static void print_help(const cli_tool *tool) {
            tool->name);
 }
 
+/* ---- a closed pipe ------------------------------------------------------------------------------------------------------- */
+
+static bool pipe_ignored; /* by whoever started us: then it is an error like others */
+
+/* Meanwhile a closed pipe is an error of the writer: files are left whole. */
+static void hold_pipe_signal(void) { pipe_ignored = signal(SIGPIPE, SIG_IGN) == SIG_IGN; }
+
+/* Has whoever read our standard output gone, as head(1) does when it has enough? */
+static bool is_reader_gone(void) {
+    struct pollfd out = {.fd = STDOUT_FILENO};
+    return !pipe_ignored && poll(&out, 1, 0) == 1 && (out.revents & POLLERR) != 0;
+}
+
+/* What other tools do then: end by the signal, without a word. */
+static void end_by_pipe(void) {
+    signal(SIGPIPE, SIG_DFL);
+    raise(SIGPIPE);
+}
+
 /* What was asked for on stdout must have got there. */
 static _Noreturn void exit_printed(const cli_tool *tool) {
+    if ((fflush(stdout) != 0 || ferror(stdout)) && is_reader_gone()) end_by_pipe();
     if (fflush(stdout) != 0 || ferror(stdout) || fclose(stdout) != 0) {
         fprintf(stderr, "%s: cannot write to standard output: %s\n", tool->name, strerror(errno));
         exit(CLI_FAILED);
@@ -420,6 +441,7 @@ static void take_shared(cli *c) {
     c->read.up_y = shared.up == 1;
     c->read.up_given = cli_given(c, "up");
     c->read.mesh = shared.mesh;
+    c->read.asked = true;
     c->list = shared.list;
     c->history = !shared.no_history;
     sn_documents_strict(shared.strict);
@@ -460,7 +482,7 @@ static void open_trace(cli *c) {
 
 void cli_start(cli *c, const cli_tool *tool, int argc, char **argv) {
     *c = (cli){.tool = tool, .started = cli_seconds()};
-    signal(SIGPIPE, SIG_IGN); /* a closed pipe is an error to report, not a silent death */
+    hold_pipe_signal();
     take_words(c, argc, argv);
     if (shared.help)
         print_help(tool);
@@ -563,16 +585,19 @@ static int close_trace(cli *c) {
 int cli_finish(cli *c, sn_status status, const sn_error *error) {
     clear_progress(c);
     int code = c->is_short ? CLI_SHORT : CLI_DONE;
+    bool piped = status == SN_ERROR_IO && strcmp(error->file, "<stdout>") == 0 && is_reader_gone();
     if (status != SN_OK && status != SN_STOPPED) {
-        print_error(c, error);
+        if (!piped) print_error(c, error);
         code = status == SN_ERROR_USAGE ? CLI_USAGE : CLI_FAILED;
     }
     int trace_code = close_trace(c); /* also after a failure: the trace shows the way there */
     if (trace_code != CLI_DONE) code = trace_code;
     if (fflush(stdout) != 0 || ferror(stdout)) {
-        fprintf(stderr, "%s: cannot write to standard output: %s\n", c->tool->name, strerror(errno));
+        piped = piped || is_reader_gone();
+        if (!piped) fprintf(stderr, "%s: cannot write to standard output: %s\n", c->tool->name, strerror(errno));
         code = CLI_FAILED;
     }
+    if (piped) end_by_pipe();
     sn_log_set(NULL, NULL);
     free(c->inputs.items);
     free(c->given);

@@ -663,6 +663,9 @@ static sn_status add_input(album *a, const char *path, sn_error *error) {
     bool scene = sn_scene_detect(&blob), motion = sn_motion_document_detect(&blob);
     if (!scene && given.states.count > 0)
         status = sn_fail(error, SN_ERROR_INPUT, "--state needs the scene that was simulated, and this is none");
+    else if ((scene || motion) && (cli_given(a->c, "units") || cli_given(a->c, "up") || cli_given(a->c, "mesh")))
+        status = sn_fail(error, SN_ERROR_USAGE, "a %s document says its units; --units, --up and --mesh are for bare meshes",
+                         scene ? "scene" : "motion");
     else if ((scene || motion) && given.cut)
         status = sn_fail(error, SN_ERROR_INPUT, "--cut goes through muscle documents, and this is none");
     else

@@ -148,6 +148,7 @@ typedef struct sn_read_options {
     double meters_per_unit; /* for bare meshes; 0 = what the file says, else metres, with a warning where the size says otherwise */
     bool up_y;              /* bare mesh has y up: turn it to z up */
     bool up_given;          /* up_y holds even where the file says otherwise */
+    bool asked;             /* these were asked for: a muscle document for which unit or axis do not hold is refused, not read as it is */
     bool allow_nonfinite;   /* bare meshes only */
     const char *mesh;       /* of a bare mesh's parts, the one to read (sn_mesh_select); NULL = all */
 } sn_read_options;

@@ -460,6 +460,17 @@ static sn_status parse_bare_mesh(const sn_blob *blob, const sn_read_options *opt
     return options->allow_nonfinite ? SN_OK : sn_muscle_validate(out, error);
 }
 
+/* A document says its unit, and z is up in it: what was asked for can only be the same. */
+static sn_status check_asked(const sn_read_options *options, const sn_muscle *muscle, sn_error *error) {
+    double unit = options->meters_per_unit, own = muscle->meters_per_unit;
+    if (!options->asked) return SN_OK;
+    if (unit > 0.0 && fabs(unit - own) > 1e-9 * own)
+        return sn_fail(error, SN_ERROR_USAGE, "a muscle document says its unit, here %g m, not %g m; --units is for bare meshes", own,
+                       unit);
+    if (options->up_given && options->up_y) return sn_fail(error, SN_ERROR_USAGE, "a muscle document has z up; --up y is for bare meshes");
+    return SN_OK;
+}
+
 sn_status sn_muscle_parse(const sn_blob *blob, const sn_read_options *options, sn_muscle *out, sn_document **document, sn_error *error) {
     static const sn_read_options defaults = {0};
     *out = (sn_muscle){0};
@@ -471,6 +482,7 @@ sn_status sn_muscle_parse(const sn_blob *blob, const sn_read_options *options, s
                        : options->mesh != NULL
                            ? sn_fail(error, SN_ERROR_USAGE, "a muscle document holds one mesh; --mesh is for bare meshes")
                            : parse_document(blob, out, *document, error);
+    if (status == SN_OK && !bare) status = check_asked(options, out, error);
     if (status == SN_OK) return SN_OK;
     sn_error_set_file(error, blob->name);
     sn_muscle_free(out);

@@ -445,6 +445,9 @@ sn_status sn_motion_document_read(const sn_clip_source *source, sn_clip *out, sn
     char *name;
     *out = (sn_clip){0};
     sn_status status = parse_named(source->motion, &clock, &motion, &name, error);
+    if (status == SN_OK && *unit > 0.0 && fabs(*unit - clock.meters_per_unit) > 1e-9 * *unit)
+        status = sn_fail_at(error, SN_ERROR_USAGE, source->motion->name, 0, "a motion document says its unit, here %g m, not %g m",
+                            clock.meters_per_unit, *unit);
     if (source->options.rate > 0.0) clock.rate = source->options.rate;
     if (status == SN_OK) status = sample(source, &motion, clock.rate, out, error);
     if (status == SN_OK) {
