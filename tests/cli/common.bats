@@ -59,6 +59,7 @@ setup() {
             "$BIN/$tool" "$swapped" > out 2> err < /dev/null || true
             grep -q -e "did you mean $option?;" err || { echo "$tool $swapped"; cat err; false; }
         done
+        "$BIN/$tool" --help | grep -q -e ' --strict '
         run -2 "$BIN/$tool" --qqqqqqqqqqqqqqqq
         [[ "$output" != *"did you mean"* ]]
     done

@@ -260,6 +260,25 @@ END
     mistyped reech reach a.envelope.json "$BIN/rig-view" a.scene.json -o a.png
 }
 
+@test "so is one of a template, of ends and of landmarks" {
+    spindle > s.off
+    "$BIN/root-select" -q s.off -o r.json
+    "$BIN/build-structure" -q r.json -o s.json
+    echo '{"format": "sinew-fiber-template", "version": 1, "curves": [{"points": [0.5,0.5,0, 0.9,0.5,0.5, 0.5,0.5,1], "nam": "x"}], "descripton": ""}' > t.json
+    run -1 "$BIN/fiber-fill" --strict -n 4 --template-file t.json s.json
+    [[ "$output" == *"t.json:1:"*"descripton: sinew knows no such member;"* ]]
+    sed -i 's/"descripton"/"versions"/' t.json
+    "$BIN/fiber-fill" -n 4 --template-file t.json s.json > out 2> err
+    grep -q "warning: t.json:1: sinew knows no member versions here" err # version is there: it was not meant
+    grep -q "warning: t.json:1: curves\[0\]: sinew knows no member nam here" err
+    echo '{"format": "sinew-fiber-ends", "version": 1, "origin": [0], "insertion": [320], "origins": [1]}' > e.json
+    run -1 "$BIN/fiber-fill" --strict -n 4 --ends e.json s.json
+    [[ "$output" == *"e.json:1:"*"origins: sinew knows no such member"* ]]
+    echo '{"areas": [{"bone": "b", "landmark": [[0,0,0]]}]}' > l.json
+    run -1 "$BIN/attach-detect" --landmarks l.json --pin b=indices:1 s.json
+    [[ "$output" == *'areas[0].landmarks: '*'did you mean it by "landmark"?'* ]]
+}
+
 @test "the defaults of the scene's schema are those that simulate fills in" {
     echo '{"format": "sinew-muscle", "version": 1, "metersPerUnit": 1, "mesh": {"vertices": [0,0,0, 0.1,0,0, 0,0.1,0, 0,0,0.1], "triangles": [0,2,1, 0,1,3, 1,2,3, 2,0,3]}}' > a.muscle.json
     for method in '{}' '{"method": "xpbd"}' '{"scheme": "kohout"}'; do
