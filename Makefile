@@ -4,6 +4,7 @@
 #   make check      install what is missing, build, pass every test
 #   make deps       install the Debian packages of share/debian-packages.txt that are missing
 #   make install    PREFIX=/usr/local DESTDIR=       make fuzz      coverage-guided fuzzing of every reader (FUZZ_SECONDS=60 each)
+#   V=1             print every command, not a line a file
 #   CONFIG=release (default) | debug | sanitize | thread | scalar | coverage: each builds in build/$(CONFIG)
 
 CONFIG ?= release
@@ -74,6 +75,11 @@ EXAMPLES := $(patsubst share/examples/%.c,$(B)/examples/%,$(wildcard share/examp
 UNIT_TESTS := $(patsubst tests/unit/%.c,$(B)/tests/unit/%,$(sort $(wildcard tests/unit/test_*.c)))
 EXTRA_TESTS := $(patsubst tests/%.c,$(B)/tests/%,$(sort $(wildcard tests/fuzz/*.c tests/numerics/*.c tests/bench/*.c)))
 
+# ---- what is printed: a line a file; V=1 the commands themselves, make -s nothing ---------------------------------------------
+V ?= 0
+Q := $(if $(filter 1,$V),,@)
+say = $(if $(filter 1,$V),,$(if $(findstring s,$(firstword -$(MAKEFLAGS))),,@echo '$(1) $(2)'))
+
 .PHONY: all deps check demo clean install uninstall lint layering format tests programs
 .DELETE_ON_ERROR:
 .SECONDARY:
@@ -82,7 +88,8 @@ programs: $(BUILT_TOOLS) $(BUILT_LIBEXEC) $(B)/libsinew.a
 
 $(B)/%.o: %.c
 	@mkdir -p $(@D)
-	$(CC) $(CPPFLAGS_ALL) $(CFLAGS_ALL) -MMD -MP -c -o $@ $<
+	$(call say,CC,$<)
+	$(Q)$(CC) $(CPPFLAGS_ALL) $(CFLAGS_ALL) -MMD -MP -c -o $@ $<
 
 # where a program outside of the installation finds what is in libexec
 $(B)/lib/io/import.o: CPPFLAGS_ALL += -DSN_PREFIX='"$(PREFIX)"'
@@ -90,18 +97,21 @@ $(B)/lib/io/import.o: CPPFLAGS_ALL += -DSN_PREFIX='"$(PREFIX)"'
 # CGAL needs 1-2 GB and up to half a minute a file; its angles decide which triangles are made, so they are ours (sinew/exact.h)
 $(BRIDGE)/%.o: lib/geom/%.cpp lib/geom/cgal_symbols
 	@mkdir -p $(@D)
-	$(CXX) $(BRIDGE_FLAGS) -MMD -MP -c -o $@ $<
-	objcopy --redefine-syms=lib/geom/cgal_symbols $@
+	$(call say,CXX,$<)
+	$(Q)$(CXX) $(BRIDGE_FLAGS) -MMD -MP -c -o $@ $<
+	$(Q)objcopy --redefine-syms=lib/geom/cgal_symbols $@
 
 $(B)/libsinew.a: $(LIB_OBJECTS) $(BRIDGE_OBJECTS)
 	@rm -f $@
-	ar rcs $@ $^
+	$(call say,AR,$@)
+	$(Q)ar rcs $@ $^
 
 link = $(CC) $(FLAGS_$(CONFIG)) -pthread -o $@ $(filter %.o,$^) $(B)/libsinew.a -Wl,--as-needed $(foreach l,$(1),$(LINK_$l)) -lm $(LDFLAGS)
 
 $(B)/bin/%: $(B)/tools/%.o $(TOOL_SHARED) $(B)/libsinew.a
 	@mkdir -p $(@D)
-	$(call link,$(LIBS_$*))
+	$(call say,LINK,$@)
+	$(Q)$(call link,$(LIBS_$*))
 
 # sources of one tool alone
 $(B)/bin/simulate: $(B)/tools/fibers.o $(B)/tools/contacts.o $(B)/tools/outcome.o $(B)/tools/bone_frames.o $(B)/tools/frame_files.o
@@ -113,15 +123,18 @@ $(B)/bin/scene-build: $(B)/tools/model_bones.o $(B)/tools/scene_list.o
 
 $(B)/libexec/sinew/%: $(B)/tools/%.o $(TOOL_SHARED) $(B)/libsinew.a
 	@mkdir -p $(@D)
-	$(call link,$(LIBS_$*))
+	$(call say,LINK,$@)
+	$(Q)$(call link,$(LIBS_$*))
 
 $(B)/examples/%: $(B)/share/examples/%.o $(B)/libsinew.a
 	@mkdir -p $(@D)
-	$(call link,embree mesh json gsl exact)
+	$(call say,LINK,$@)
+	$(Q)$(call link,embree mesh json gsl exact)
 
 $(B)/tests/%: $(B)/tests/%.o $(B)/libsinew.a
 	@mkdir -p $(@D)
-	$(call link,cgal embree sparse gsl mesh json png exact) -lcmocka
+	$(call say,LINK,$@)
+	$(Q)$(call link,cgal embree sparse gsl mesh json png exact) -lcmocka
 
 tests: $(UNIT_TESTS) $(EXTRA_TESTS)
 

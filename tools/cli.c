@@ -2,7 +2,9 @@
 #include "cli_given.h"
 
 #include <errno.h>
+#include <limits.h>
 #include <locale.h>
+#include <poll.h>
 #include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -21,7 +23,7 @@ const char *const cli_up_names[] = {"z", "y", NULL};
 typedef struct shared_values {
     const char *output, *report, *trace, *stop_after, *mesh;
     int units, up;
-    bool list, no_history, quiet, help, usage, version;
+    bool list, no_history, strict, quiet, help, usage, version;
     int64_t threads;
 } shared_values;
 
@@ -50,6 +52,8 @@ static const shared_option shared_options[] = {
      {0, "list", NULL, CLI_FLAG, &shared.list, 0, 0, 0, NULL,
       "print number, name, vertices and triangles of each mesh, and do nothing else"}},
     {CLI_HAS_HISTORY, {0, "no-history", NULL, CLI_FLAG, &shared.no_history, 0, 0, 0, NULL, "leave the history out of the document"}},
+    {CLI_HAS_STRICT,
+     {0, "strict", NULL, CLI_FLAG, &shared.strict, 0, 0, 0, NULL, "refuse documents with members that sinew does not know"}},
     {CLI_HAS_REPORT, {0, "report", "FILE", CLI_TEXT, &shared.report, 0, 0, 0, NULL, "write figures and timings as JSON to FILE"}},
     {CLI_HAS_TRACE, {0, "trace", "FILE", CLI_TEXT, &shared.trace, 0, 0, 0, NULL, "write every inner step as a JSON line to FILE"}},
     {CLI_HAS_TRACE,
@@ -91,6 +95,26 @@ static void print_option(const cli_option *option) {
         printf("  %-28s  %s\n", left, option->help);
 }
 
+/* The words that may be its value, or some of them; NULL = it has none. */
+static const char *const *words_of(const cli_option *option) {
+    static const char *const automatic[] = {"auto", NULL};
+    return option->kind == CLI_AUTO ? automatic : option->choices;
+}
+
+/* A line "--option  word, word, ..." for each that has some: completions are made of it. */
+static void print_values(const cli_tool *tool) {
+    const cli_option *option;
+    bool any = false;
+    for (int i = 0; (option = cli_option_at(tool, i)) != NULL; i++) {
+        const char *const *words = words_of(option);
+        if (words == NULL) continue;
+        printf("%s  --%-26s  ", any ? "" : "\nValues:\n", option->name);
+        for (int k = 0; words[k] != NULL; k++) printf("%s%s", k > 0 ? ", " : "", words[k]);
+        printf("\n");
+        any = true;
+    }
+}
+
 static void print_help(const cli_tool *tool) {
     print_usage(stdout, tool);
     printf("%s\n", tool->summary);
@@ -99,14 +123,35 @@ static void print_help(const cli_tool *tool) {
     printf("\nShared options:\n");
     for (int i = 0; i < SHARED_COUNT; i++)
         if (brings(tool, &shared_options[i])) print_option(&shared_options[i].option);
+    print_values(tool);
     if (tool->notes != NULL) printf("\n%s\n", tool->notes);
     printf("\nExit status: 0 done; 1 bad input or failed work; 2 wrong usage; 3 done, but short of what was asked.\n"
            "Lengths take a unit: 6mm, 0.5cm, 0.006m; a bare number is in the document's unit. See %s(1).\n",
            tool->name);
 }
 
+/* ---- a closed pipe ------------------------------------------------------------------------------------------------------- */
+
+static bool pipe_ignored; /* by whoever started us: then it is an error like others */
+
+/* Meanwhile a closed pipe is an error of the writer: files are left whole. */
+static void hold_pipe_signal(void) { pipe_ignored = signal(SIGPIPE, SIG_IGN) == SIG_IGN; }
+
+/* Has whoever read our standard output gone, as head(1) does when it has enough? */
+static bool is_reader_gone(void) {
+    struct pollfd out = {.fd = STDOUT_FILENO};
+    return !pipe_ignored && poll(&out, 1, 0) == 1 && (out.revents & POLLERR) != 0;
+}
+
+/* What other tools do then: end by the signal, without a word. */
+static void end_by_pipe(void) {
+    signal(SIGPIPE, SIG_DFL);
+    raise(SIGPIPE);
+}
+
 /* What was asked for on stdout must have got there. */
 static _Noreturn void exit_printed(const cli_tool *tool) {
+    if ((fflush(stdout) != 0 || ferror(stdout)) && is_reader_gone()) end_by_pipe();
     if (fflush(stdout) != 0 || ferror(stdout) || fclose(stdout) != 0) {
         fprintf(stderr, "%s: cannot write to standard output: %s\n", tool->name, strerror(errno));
         exit(CLI_FAILED);
@@ -153,6 +198,20 @@ static const cli_option *find_letter(const cli_tool *tool, char letter) {
     return NULL;
 }
 
+static _Noreturn void no_such_option(const cli *c, const char *name, size_t length) {
+    const cli_option *option;
+    const char *meant = NULL;
+    int best = INT_MAX;
+    for (int i = 0; (option = cli_option_at(c->tool, i)) != NULL; i++) {
+        int distance = option->kind != CLI_HEADING ? sn_word_distance(name, length, option->name) : INT_MAX;
+        if (distance >= best) continue;
+        best = distance;
+        meant = option->name;
+    }
+    cli_usage_error(c, "there is no option --%.*s%s%s%s", (int)length, name, meant != NULL ? "; did you mean --" : "",
+                    meant != NULL ? meant : "", meant != NULL ? "?" : "");
+}
+
 /* Exact name, or the only one that starts so. */
 static const cli_option *find_name(const cli *c, const char *name, size_t length) {
     const cli_option *option, *found = NULL;
@@ -162,7 +221,7 @@ static const cli_option *find_name(const cli *c, const char *name, size_t length
         if (found != NULL) cli_usage_error(c, "option --%.*s could be --%s or --%s", (int)length, name, found->name, option->name);
         found = option;
     }
-    if (found == NULL) cli_usage_error(c, "there is no option --%.*s", (int)length, name);
+    if (found == NULL) no_such_option(c, name, length);
     return found;
 }
 
@@ -178,17 +237,22 @@ static void append(cli_list *list, const char *item) {
     list->items[list->count++] = item;
 }
 
+void cli_no_such_value(const cli *c, const char *option, const char *value, size_t length, const char *const *known) {
+    const char *meant = sn_nearest_word(value, length, known);
+    char list[256] = "";
+    for (size_t used = 0; *known != NULL && used < sizeof list; known++)
+        used += (size_t)snprintf(list + used, sizeof list - used, "%s%s", used > 0 ? ", " : "", *known);
+    cli_usage_error(c, "--%s %.*s: not one of %s%s%s%s", option, (int)length, value, list, meant != NULL ? "; did you mean " : "",
+                    meant != NULL ? meant : "", meant != NULL ? "?" : "");
+}
+
 static void set_choice(const cli *c, const cli_option *option, const char *value) {
-    char known[256] = "";
     for (int i = 0; option->choices[i] != NULL; i++) {
-        if (strcmp(option->choices[i], value) == 0) {
-            *(int *)option->target = i;
-            return;
-        }
-        size_t used = strlen(known);
-        snprintf(known + used, sizeof known - used, "%s%s", i > 0 ? ", " : "", option->choices[i]);
+        if (strcmp(option->choices[i], value) != 0) continue;
+        *(int *)option->target = i;
+        return;
     }
-    cli_usage_error(c, "--%s %s: not one of %s", option->name, value, known);
+    cli_no_such_value(c, option->name, value, strlen(value), option->choices);
 }
 
 static void set_number(const cli *c, const cli_option *option, const char *value) {
@@ -322,10 +386,18 @@ static void take_stop_after(cli *c) {
     c->trace.stop_after = steps;
 }
 
+/* Documents that many parts of a scene name are read for each of them: a warning is not said again behind itself. */
+static void warn_once(const cli *c, const char *text) {
+    static char last[1024];
+    if (strcmp(text, last) == 0) return;
+    snprintf(last, sizeof last, "%s", text);
+    cli_warn(c, "%s", text);
+}
+
 static void receive_log(void *user, sn_log_level level, const char *text) {
     const cli *c = user;
     if (level == SN_LOG_WARNING)
-        cli_warn(c, "%s", text);
+        warn_once(c, text);
     else if (level == SN_LOG_INFO)
         cli_say(c, "%s", text);
     else if (c->verbosity > 1)
@@ -369,8 +441,10 @@ static void take_shared(cli *c) {
     c->read.up_y = shared.up == 1;
     c->read.up_given = cli_given(c, "up");
     c->read.mesh = shared.mesh;
+    c->read.asked = true;
     c->list = shared.list;
     c->history = !shared.no_history;
+    sn_documents_strict(shared.strict);
     c->threads = (int)shared.threads;
     c->verbosity = shared.quiet ? -1 : verbose_twice ? 2 : verbose_once ? 1 : 0;
     take_stop_after(c);
@@ -408,7 +482,7 @@ static void open_trace(cli *c) {
 
 void cli_start(cli *c, const cli_tool *tool, int argc, char **argv) {
     *c = (cli){.tool = tool, .started = cli_seconds()};
-    signal(SIGPIPE, SIG_IGN); /* a closed pipe is an error to report, not a silent death */
+    hold_pipe_signal();
     take_words(c, argc, argv);
     if (shared.help)
         print_help(tool);
@@ -511,16 +585,19 @@ static int close_trace(cli *c) {
 int cli_finish(cli *c, sn_status status, const sn_error *error) {
     clear_progress(c);
     int code = c->is_short ? CLI_SHORT : CLI_DONE;
+    bool piped = status == SN_ERROR_IO && strcmp(error->file, "<stdout>") == 0 && is_reader_gone();
     if (status != SN_OK && status != SN_STOPPED) {
-        print_error(c, error);
+        if (!piped) print_error(c, error);
         code = status == SN_ERROR_USAGE ? CLI_USAGE : CLI_FAILED;
     }
     int trace_code = close_trace(c); /* also after a failure: the trace shows the way there */
     if (trace_code != CLI_DONE) code = trace_code;
     if (fflush(stdout) != 0 || ferror(stdout)) {
-        fprintf(stderr, "%s: cannot write to standard output: %s\n", c->tool->name, strerror(errno));
+        piped = piped || is_reader_gone();
+        if (!piped) fprintf(stderr, "%s: cannot write to standard output: %s\n", c->tool->name, strerror(errno));
         code = CLI_FAILED;
     }
+    if (piped) end_by_pipe();
     sn_log_set(NULL, NULL);
     free(c->inputs.items);
     free(c->given);

@@ -47,7 +47,7 @@ typedef struct cli_option {
     void *target;
     unsigned flags;
     double low, high;           /* CLI_INTEGER, CLI_NUMBER */
-    const char *const *choices; /* CLI_CHOICE: NULL-terminated */
+    const char *const *choices; /* NULL-terminated. CLI_CHOICE: the words that it may be; others, nullable: words to tell in the help */
     const char *help;           /* one sentence; default in it where there is one */
 } cli_option;
 
@@ -70,8 +70,9 @@ enum {
     CLI_HAS_HISTORY = 64,  /* --no-history */
     CLI_HAS_THREADS = 128, /* --threads */
     CLI_HAS_LIST = 256,    /* --list: cli_load obeys it */
+    CLI_HAS_STRICT = 1024, /* --strict: what reads documents */
     CLI_OWN_STOP = 512,    /* beside CLI_HAS_TRACE: --stop-after has a form of the tool's own, which the tool reads */
-    CLI_CHAIN = 4 | 8 | 16 | 32 | 64 | 256 | 1 /* what every tool of the rig chain takes */
+    CLI_CHAIN = 4 | 8 | 16 | 32 | 64 | 256 | 1024 | 1 /* what every tool of the rig chain takes */
 };
 
 typedef struct cli_tool {
@@ -114,6 +115,9 @@ void cli_start(cli *c, const cli_tool *tool, int argc, char **argv);
 bool cli_given(const cli *c, const char *name);
 /* Wrong usage found later than parsing: prints "tool: text; see tool --help" and exits with 2. */
 _Noreturn void cli_usage_error(const cli *c, const char *format, ...) SN_PRINTF(2, 3);
+/* The same for the first `length` characters of an option's value, which is none of the known ones (NULL at the end): lists them, and names
+ * the one that was meant. */
+_Noreturn void cli_no_such_value(const cli *c, const char *option, const char *value, size_t length, const char *const *known);
 /* A warning on stderr: "tool: warning: text" (not under -q). */
 void cli_warn(const cli *c, const char *format, ...) SN_PRINTF(2, 3);
 /* Information on stderr under -v. */

@@ -34,8 +34,8 @@ static const cli_option options[] = {
 
 static const cli_tool tool = {"envelope-bind",
                               "bind a surface to the bones beneath it",
-                              CLI_TAKES_INPUT | CLI_HAS_OUTPUT | CLI_HAS_TRACE | CLI_HAS_REPORT | CLI_HAS_UNITS | CLI_HAS_HISTORY |
-                                  CLI_HAS_THREADS,
+                              CLI_TAKES_INPUT | CLI_HAS_OUTPUT | CLI_HAS_STRICT | CLI_HAS_TRACE | CLI_HAS_REPORT | CLI_HAS_UNITS |
+                                  CLI_HAS_HISTORY | CLI_HAS_THREADS,
                               options,
                               sizeof options / sizeof *options,
                               "INPUT is a mesh, or an envelope document, which is taken as it is bound.",
@@ -167,6 +167,9 @@ static sn_status load_surface(job *j, sn_error *error) {
     if (status != SN_OK) return status;
     sn_hash(j->input.data, j->input.size, j->c.input_hash);
     j->given = sn_envelope_detect(&j->input);
+    if (j->given && (cli_given(&j->c, "units") || cli_given(&j->c, "up") || cli_given(&j->c, "mesh")))
+        return sn_fail_at(error, SN_ERROR_USAGE, j->input.name, 0,
+                          "an envelope document says its units; --units, --up and --mesh are for bare meshes");
     status = j->given ? sn_envelope_parse(&j->input, &j->envelope, error)
                       : sn_muscle_parse(&j->input, &j->c.read, &j->surface, &j->document, error);
     if (status != SN_OK) sn_error_set_file(error, j->input.name);

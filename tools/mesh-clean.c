@@ -11,6 +11,7 @@
 static sn_clean_params params;
 static sn_length edge_length = {-1.0, 0.0};
 static int64_t max_hole = -1, triangles, smooth;
+static const char *const keep_names[] = {"largest", "all", NULL}, *const repair_names[] = {"exact", "full", NULL};
 static const char *keep = "largest", *weld = "auto", *repair = "exact";
 static bool check;
 
@@ -21,12 +22,12 @@ static const cli_option options[] = {
      "drop vertices with NaN or infinity and their triangles, instead of failing"},
     {0, "no-manifold", NULL, CLI_CLEAR, &params.make_manifold, CLI_RESULT, 0, 0, NULL,
      "leave orientation and non-manifold edges as they are"},
-    {0, "keep", "WHICH", CLI_TEXT, &keep, CLI_RESULT, 0, 0, NULL, "components to keep, by area: largest (default), all, or how many"},
+    {0, "keep", "WHICH", CLI_TEXT, &keep, CLI_RESULT, 0, 0, keep_names, "components to keep, by area: largest (default), all, or how many"},
     {0, "max-hole", "N", CLI_INTEGER, &max_hole, CLI_RESULT, 0, SN_INDEX_MAX, NULL, "fill holes of up to N edges (default: any; 0 = none)"},
     {0, "no-outward", NULL, CLI_CLEAR, &params.outward, CLI_RESULT, 0, 0, NULL, "leave components that are inside out"},
     {0, "most-lost", "SHARE", CLI_NUMBER, &params.most_lost, CLI_RESULT, 0.0, 1.0, NULL,
      "the share of the area that may be lost before it is a shortfall (default 0.05; not asked with --keep)"},
-    {0, "repair", "HOW", CLI_TEXT, &repair, CLI_RESULT, 0, 0, NULL,
+    {0, "repair", "HOW", CLI_TEXT, &repair, CLI_RESULT, 0, 0, repair_names,
      "exact (default): vertices stay where they are; full: wrap what that cannot close, or would lose too much of"},
     {0, "wrap", "OFFSET", CLI_NUMBER, &params.wrap, CLI_RESULT, 1e-4, 0.1, NULL,
      "build a new surface around the old, this share of the diagonal away (--repair full: 0.002 where it must)"},
@@ -73,7 +74,7 @@ static void take_options(cli *c) {
     take_keep(c);
     take_weld(c);
     params.full = strcmp(repair, "full") == 0;
-    if (!params.full && strcmp(repair, "exact") != 0) cli_usage_error(c, "--repair takes exact or full, not '%s'", repair);
+    if (!params.full && strcmp(repair, "exact") != 0) cli_no_such_value(c, "repair", repair, strlen(repair), repair_names);
     if (cli_given(c, "keep") && !cli_given(c, "most-lost")) params.most_lost = 1.0; /* what goes was asked for */
     if (!params.make_manifold && (params.full || params.wrap > 0.0))
         cli_usage_error(c, "--no-manifold goes without --repair full and --wrap");

@@ -46,7 +46,8 @@ static const cli_option options[] = {
 
 static const cli_tool tool = {"motion-fit",
                               "fit a recorded motion to a body's own bones",
-                              CLI_TAKES_INPUT | CLI_HAS_OUTPUT | CLI_HAS_TRACE | CLI_HAS_REPORT | CLI_HAS_HISTORY | CLI_HAS_THREADS,
+                              CLI_TAKES_INPUT | CLI_HAS_OUTPUT | CLI_HAS_STRICT | CLI_HAS_TRACE | CLI_HAS_REPORT | CLI_HAS_HISTORY |
+                                  CLI_HAS_THREADS,
                               options,
                               sizeof options / sizeof *options,
                               "The motion is a motion document, or what motion-import reads.",

@@ -45,7 +45,7 @@ static const cli_option options[] = {
 
 static const cli_tool tool = {"motion-import",
                               "read a recorded motion: BVH, ASF and AMC, MOT and STO with OSIM, MJCF, glTF, FBX, Collada, motion documents",
-                              CLI_TAKES_INPUT | CLI_HAS_OUTPUT | CLI_HAS_TRACE | CLI_HAS_REPORT | CLI_HAS_HISTORY,
+                              CLI_TAKES_INPUT | CLI_HAS_OUTPUT | CLI_HAS_STRICT | CLI_HAS_TRACE | CLI_HAS_REPORT | CLI_HAS_HISTORY,
                               options,
                               sizeof options / sizeof *options,
                               "The document is in metres, z up. Filter, then frames, then rate.",

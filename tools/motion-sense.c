@@ -28,7 +28,7 @@ static const cli_option options[] = {
 
 static const cli_tool tool = {"motion-sense",
                               "activations of muscles from a motion: angles, velocities, accelerations, distances, triggers",
-                              CLI_TAKES_INPUT | CLI_HAS_OUTPUT | CLI_HAS_TRACE | CLI_HAS_REPORT | CLI_HAS_HISTORY,
+                              CLI_TAKES_INPUT | CLI_HAS_OUTPUT | CLI_HAS_STRICT | CLI_HAS_TRACE | CLI_HAS_REPORT | CLI_HAS_HISTORY,
                               options,
                               sizeof options / sizeof *options,
                               "An output of .tsv, .sto or .mot is a table of activations. A chart needs gnuplot.",

@@ -62,6 +62,7 @@ static sn_status read_muscle(const reading *r, const char *file, sn_muscle *out,
 static reading reading_for(const cli *c, const sn_muscle *muscle) {
     reading r = {c->read, muscle->meters_per_unit};
     r.options.mesh = NULL;
+    r.options.asked = false; /* what was asked for is the muscle's */
     if (r.options.meters_per_unit == 0.0) r.options.meters_per_unit = muscle->meters_per_unit;
     return r;
 }

@@ -25,9 +25,18 @@ static struct {
     cli_list bones, bone_lists, states, neighbours;
 } given = {.cut_depth = {-1.0, 0.0}, .camera = "auto", .zoom = 1.0, .samples = 9, .legend = true};
 
+/* The words of --show. */
+static const char *const show_names[] = {"surface", "roots",  "structure", "fibers", "attachments", "bones", "wire",
+                                         "auto",    "joints", "envelopes", "fields", "externals",   NULL};
+/* The words of --error (sn_state_figure_name), --camera, --views and --background. */
+static const char *const error_names[] = {"mesh",   "internal", "radial",  "dihedral", "area",        "membrane",
+                                          "volume", "external", "contact", "pressure", "penetration", NULL};
+static const char *const camera_names[] = {"auto", "front", "back", "left", "right", "top", "bottom", NULL};
+static const char *const background_names[] = {"white", "grey", "black", NULL};
+
 static const cli_option options[] = {
     {.kind = CLI_HEADING, .help = "What is drawn:"},
-    {0, "show", "LIST", CLI_TEXT, &given.show, 0, 0, 0, NULL,
+    {0, "show", "LIST", CLI_TEXT, &given.show, 0, 0, 0, show_names,
      "any of surface, roots, structure, fibers, attachments, externals, bones, joints, envelopes, fields, wire, with commas (default: what "
      "is\n"
      "there)"},
@@ -50,7 +59,7 @@ static const cli_option options[] = {
     {.kind = CLI_HEADING, .help = "States of a scene:"},
     {0, "state", "FILE", CLI_LIST, &given.states, 0, 0, 0, NULL,
      "draw the scene at a state of simulate, coloured by constraint error; one tile each"},
-    {0, "error", "LIST", CLI_TEXT, &given.error, 0, 0, 0, NULL,
+    {0, "error", "LIST", CLI_TEXT, &given.error, 0, 0, 0, error_names,
      "which error: mesh (default), internal, radial, dihedral, area, membrane, volume, external, contact; or pressure, penetration;\n"
      "several with commas, one tile each"},
     {0, "range", "NUMBER", CLI_NUMBER, &given.range, 0, 1e-300, 1e300, NULL,
@@ -70,9 +79,9 @@ static const cli_option options[] = {
     {0, "externals", NULL, CLI_FLAG, &given.externals, 0, 0, 0, NULL, "as simulate was told"},
     {0, "no-externals", NULL, CLI_FLAG, &given.no_externals, 0, 0, 0, NULL, "as simulate was told"},
     {.kind = CLI_HEADING, .help = "From where:"},
-    {0, "camera", "VIEW", CLI_TEXT, &given.camera, 0, 0, 0, NULL,
+    {0, "camera", "VIEW", CLI_TEXT, &given.camera, 0, 0, 0, camera_names,
      "auto (default: across the long axis), front, back, left, right, top, bottom, or AZIMUTH:ELEVATION in degrees"},
-    {0, "views", "N|LIST", CLI_TEXT, &given.views, 0, 0, 0, NULL,
+    {0, "views", "N|LIST", CLI_TEXT, &given.views, 0, 0, 0, camera_names + 1,
      "several tiles: N turns of the camera, or a list such as front,left,30:20"},
     {0, "zoom", "FACTOR", CLI_NUMBER, &given.zoom, 0, 0.01, 1000, NULL, "enlarge about the middle (default 1: all is in the picture)"},
     {.kind = CLI_HEADING, .help = "The picture:"},
@@ -81,14 +90,15 @@ static const cli_option options[] = {
     {0, "columns", "N", CLI_INTEGER, &given.columns, 0, 1, 1000, NULL, "tiles in a row (default: as square as it gets)"},
     {0, "title", "TEXT", CLI_TEXT, &given.title, 0, 0, 0, NULL, "title (default: the muscle's or scene's name)"},
     {0, "no-legend", NULL, CLI_CLEAR, &given.legend, 0, 0, 0, NULL, "leave out title, captions, legend and scale bar"},
-    {0, "background", "COLOUR", CLI_TEXT, &given.background, 0, 0, 0, NULL, "#rrggbb, white, grey or black (default: a warm near white)"},
+    {0, "background", "COLOUR", CLI_TEXT, &given.background, 0, 0, 0, background_names,
+     "#rrggbb, white, grey or black (default: a warm near white)"},
     {0, "samples", "N", CLI_INTEGER, &given.samples, 0, 1, 64, NULL, "rays for each pixel, rounded up to a square (default 9)"},
 };
 
 static const cli_tool tool = {
     .name = "rig-view",
     .summary = "Draw muscle documents, meshes, motions, scenes, frames and states of a simulation as a PNG picture.",
-    .shared = CLI_TAKES_INPUTS | CLI_HAS_OUTPUT | CLI_HAS_UNITS | CLI_HAS_THREADS,
+    .shared = CLI_TAKES_INPUTS | CLI_HAS_OUTPUT | CLI_HAS_STRICT | CLI_HAS_UNITS | CLI_HAS_THREADS,
     .options = options,
     .option_count = sizeof options / sizeof *options,
     .writes = ".png",
@@ -99,25 +109,14 @@ static const cli_tool tool = {
 
 /* ---- words into values ---------------------------------------------------------------------------------------------------------- */
 
+static const unsigned show_bits[] = {SN_SHOW_SURFACE,     SN_SHOW_ROOTS,     SN_SHOW_STRUCTURE, SN_SHOW_FIBERS,
+                                     SN_SHOW_ATTACHMENTS, SN_SHOW_BONES,     SN_SHOW_WIRE,      SN_SHOW_AUTO,
+                                     SN_SHOW_JOINTS,      SN_SHOW_ENVELOPES, SN_SHOW_FIELDS,    SN_SHOW_EXTERNALS};
+
 /* The bit of one word of --show; 0 = no such word. */
 static unsigned show_bit(const char *word, size_t length) {
-    static const struct {
-        const char *name;
-        unsigned bit;
-    } names[] = {{"surface", SN_SHOW_SURFACE},
-                 {"roots", SN_SHOW_ROOTS},
-                 {"structure", SN_SHOW_STRUCTURE},
-                 {"fibers", SN_SHOW_FIBERS},
-                 {"attachments", SN_SHOW_ATTACHMENTS},
-                 {"bones", SN_SHOW_BONES},
-                 {"wire", SN_SHOW_WIRE},
-                 {"auto", SN_SHOW_AUTO},
-                 {"joints", SN_SHOW_JOINTS},
-                 {"envelopes", SN_SHOW_ENVELOPES},
-                 {"fields", SN_SHOW_FIELDS},
-                 {"externals", SN_SHOW_EXTERNALS}};
-    for (size_t i = 0; i < sizeof names / sizeof *names; i++)
-        if (strlen(names[i].name) == length && memcmp(names[i].name, word, length) == 0) return names[i].bit;
+    for (size_t i = 0; show_names[i] != NULL; i++)
+        if (strlen(show_names[i]) == length && memcmp(show_names[i], word, length) == 0) return show_bits[i];
     return 0;
 }
 
@@ -127,11 +126,7 @@ static unsigned parse_show(const cli *c, const char *text) {
     while (*text) {
         size_t length = strcspn(text, ",");
         unsigned bit = show_bit(text, length);
-        if (!bit)
-            cli_usage_error(c,
-                            "--show: '%.*s' is none of surface, roots, structure, fibers, attachments, externals, bones, joints, "
-                            "envelopes, fields, wire, auto",
-                            (int)length, text);
+        if (!bit) cli_no_such_value(c, "show", text, length, show_names);
         show |= bit;
         text += length + (text[length] == ',');
     }
@@ -235,6 +230,10 @@ typedef struct kind_list {
     sn_state_figure items[KINDS_MAX];
 } kind_list;
 
+static _Noreturn void no_such_kind(const cli *c, const char *text, size_t length) {
+    cli_no_such_value(c, "error", text, length, error_names);
+}
+
 /* The figures of --error. */
 static kind_list parse_kinds(const cli *c) {
     kind_list all = {0, {(sn_state_figure)SN_ROWS_MESH}};
@@ -245,11 +244,8 @@ static kind_list parse_kinds(const cli *c) {
         while (kind < SN_FIGURES && (strlen(sn_state_figure_name((sn_state_figure)kind)) != length ||
                                      strncmp(sn_state_figure_name((sn_state_figure)kind), text, length) != 0))
             kind++;
-        if (kind == SN_FIGURES || all.count == KINDS_MAX)
-            cli_usage_error(c,
-                            "--error: '%.*s' is none of mesh, internal, radial, dihedral, area, membrane, volume, external, contact, "
-                            "pressure, penetration",
-                            (int)length, text);
+        if (kind == SN_FIGURES) no_such_kind(c, text, length);
+        if (all.count == KINDS_MAX) cli_usage_error(c, "--error: more than %d kinds", KINDS_MAX);
         all.items[all.count++] = (sn_state_figure)kind;
     }
     if (all.count == 0) cli_usage_error(c, "--error: an empty list");
@@ -667,6 +663,9 @@ static sn_status add_input(album *a, const char *path, sn_error *error) {
     bool scene = sn_scene_detect(&blob), motion = sn_motion_document_detect(&blob);
     if (!scene && given.states.count > 0)
         status = sn_fail(error, SN_ERROR_INPUT, "--state needs the scene that was simulated, and this is none");
+    else if ((scene || motion) && (cli_given(a->c, "units") || cli_given(a->c, "up") || cli_given(a->c, "mesh")))
+        status = sn_fail(error, SN_ERROR_USAGE, "a %s document says its units; --units, --up and --mesh are for bare meshes",
+                         scene ? "scene" : "motion");
     else if ((scene || motion) && given.cut)
         status = sn_fail(error, SN_ERROR_INPUT, "--cut goes through muscle documents, and this is none");
     else

@@ -20,8 +20,11 @@ void rigs_free(rig_list *rigs) {
 static sn_status load_rig(const cli *c, const bone *file, sn_muscle *out, char **name, sn_error *error) {
     sn_document *document = NULL;
     sn_blob blob = {0};
+    sn_read_options options = c->read;
+    options.mesh = NULL;
+    options.asked = false; /* what was asked for is the input's */
     sn_status status = sn_blob_read(file->file, &blob, error);
-    if (status == SN_OK) status = sn_muscle_parse(&blob, &c->read, out, &document, error);
+    if (status == SN_OK) status = sn_muscle_parse(&blob, &options, out, &document, error);
     if (status != SN_OK) sn_error_set_file(error, file->file);
     sn_blob_free(&blob);
     sn_document_free(document);

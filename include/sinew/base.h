@@ -106,10 +106,16 @@ int sn_format_number(double value, char *buffer);
  * "nan(ind)", "1.#QNAN", "-1.#IND" and "1.#INF" of Windows, are read as such, so that a reader can name the place. What follows the number
  * is the reader's: a number is a whole token, and '#' begins a comment only where a token may begin. */
 bool sn_scan_number(const char *text, const char *end, const char **next, double *out);
-/* Does text match the pattern: '*' is any run of characters, '?' any one, all else itself? */
-bool sn_pattern_matches(const char *pattern, const char *text);
 /* The same for a signed integer; false also on overflow. */
 bool sn_scan_integer(const char *text, const char *end, const char **next, int64_t *out);
+/* Does text match the pattern: '*' is any run of characters, '?' any one, all else itself? */
+bool sn_pattern_matches(const char *pattern, const char *text);
+/* Letters to change, insert, leave out or swap with their neighbour until the first `length` characters of word (SIZE_MAX: all) are
+ * `known`, whatever the case and without '_', '-' and blanks. INT_MAX where it takes more than a third of the letters: then nobody mistyped
+ * the one for the other. */
+int sn_word_distance(const char *word, size_t length, const char *known);
+/* The word of a NULL-terminated list that such a word was meant to be, the first of those that are equally near; NULL = none of them. */
+const char *sn_nearest_word(const char *word, size_t length, const char *const *known);
 
 /* The lines of a text, which end in LF, CR LF or CR; a byte order mark before the first is passed over. */
 typedef struct sn_text_lines {

@@ -17,6 +17,12 @@
 #include "sinew/scene.h"
 #include "sinew/sense.h"
 
+/* ---- documents (lib/io/json.c) ---------------------------------------------------------------------------------------- */
+
+/* Whether a member that no reader knows makes a document an error, in the whole process; by default it only draws a warning. Members whose
+ * names begin with '_' or "x-" are the user's own under both. Set it before anything is read. */
+void sn_documents_strict(bool strict);
+
 /* ---- bytes (lib/io/stream.c) ---------------------------------------------------------------------------------------- */
 
 typedef struct sn_blob {
@@ -142,6 +148,7 @@ typedef struct sn_read_options {
     double meters_per_unit; /* for bare meshes; 0 = what the file says, else metres, with a warning where the size says otherwise */
     bool up_y;              /* bare mesh has y up: turn it to z up */
     bool up_given;          /* up_y holds even where the file says otherwise */
+    bool asked;             /* these were asked for: a muscle document for which unit or axis do not hold is refused, not read as it is */
     bool allow_nonfinite;   /* bare meshes only */
     const char *mesh;       /* of a bare mesh's parts, the one to read (sn_mesh_select); NULL = all */
 } sn_read_options;

@@ -1,5 +1,5 @@
 /* activation_document.c -- activations over time, a channel each, as a scene takes them. */
-#include "document.h"
+#include "motion_document.h"
 
 #include <stdlib.h>
 
@@ -59,6 +59,7 @@ static sn_status parse_names(const sn_json_value *top, sn_muscle_names *out, sn_
     sn_status status = sn_json_has(&format) ? sn_json_expect_format(top, "sinew-activation", 1, error) : SN_OK;
     if (status == SN_OK) status = sn_json_require(&channels, "the channels, an object", error);
     if (status == SN_OK) status = sn_json_expect_object(&channels, error);
+    if (status == SN_OK) status = sn_json_check_members(top, sn_activation_members, error);
     while (status == SN_OK && sn_json_next(&channels, &channel)) status = add_name(out, &capacity, channel.key, error);
     if (status == SN_OK && out->count == 0) status = sn_json_complain(&channels, error, "there is no channel");
     return status;

@@ -27,8 +27,8 @@ static sn_status parse_joint(const sn_json_value *value, const sn_motion *motion
     return status;
 }
 
-sn_status sn_bone_parse(const sn_json_value *value, const sn_motion *motion, sn_motion_bone *out, sn_error *error) {
-    static const char *const known[] = {"name", "mesh", "units", "joint", "contact", NULL};
+sn_status sn_bone_parse(const sn_json_value *value, const char *const *known, const sn_motion *motion, sn_motion_bone *out,
+                        sn_error *error) {
     sn_json_value name = sn_json_member(value, "name"), mesh = sn_json_member(value, "mesh"), units = sn_json_member(value, "units"),
                   joint = sn_json_member(value, "joint");
     *out = (sn_motion_bone){.joint = SN_NONE};
@@ -39,7 +39,7 @@ sn_status sn_bone_parse(const sn_json_value *value, const sn_motion *motion, sn_
     if (status == SN_OK) status = sn_json_get_text(&mesh, &out->path, error);
     if (status == SN_OK) status = sn_units_parse(&units, &out->meters_per_unit, error);
     if (status == SN_OK) status = parse_joint(&joint, motion, &out->joint, error);
-    if (status == SN_OK) sn_json_warn_unknown(value, known);
+    if (status == SN_OK) status = sn_json_check_members(value, known, error);
     return status;
 }
 
@@ -53,6 +53,7 @@ static sn_status locate(const sn_json_value *bone, sn_motion_bone *out, sn_error
 }
 
 sn_status sn_motion_bones_parse(const sn_json_value *list, sn_motion *motion, sn_error *error) {
+    static const char *const known[] = {"name", "mesh", "units", "joint", NULL};
     if (!sn_json_has(list)) return SN_OK;
     sn_index count;
     sn_status status = sn_json_expect_list(list, SN_LIST_LIMIT, &count, error);
@@ -61,7 +62,7 @@ sn_status sn_motion_bones_parse(const sn_json_value *list, sn_motion *motion, sn
     for (sn_index i = 0; i < count && status == SN_OK; i++) {
         sn_json_value bone = sn_json_element(list, i);
         motion->bone_count = i + 1;
-        status = sn_bone_parse(&bone, motion, &motion->bones[i], error);
+        status = sn_bone_parse(&bone, known, motion, &motion->bones[i], error);
         if (status == SN_OK) status = locate(&bone, &motion->bones[i], error);
     }
     return status;

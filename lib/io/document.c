@@ -71,9 +71,11 @@ char *sn_muscle_call(const sn_muscle *rig, const char *path) {
 static sn_status parse_attribute(const sn_json_value *value, sn_mesh *mesh, sn_error *error) {
     sn_json_value components = sn_json_member(value, "components"), integer = sn_json_member(value, "integer"),
                   values = sn_json_member(value, "values");
+    static const char *const known[] = {"components", "integer", "values", NULL};
     sn_index count = 1;
     bool is_integer = false;
     sn_status status = sn_json_expect_object(value, error);
+    if (status == SN_OK) status = sn_json_check_passed(value, known, error);
     if (status == SN_OK) status = sn_json_get_index(&components, 1, 64, &count, error);
     if (status == SN_OK) status = sn_json_get_bool(&integer, &is_integer, error);
     if (status == SN_OK) status = sn_json_require(&values, "an array of numbers", error);
@@ -101,8 +103,10 @@ static sn_status parse_attributes(const sn_json_value *value, sn_mesh *mesh, sn_
 /* Names of OBJ groups, and the group of each triangle. */
 static sn_status parse_groups(const sn_json_value *value, sn_mesh *mesh, sn_error *error) {
     if (!sn_json_has(value)) return SN_OK;
+    static const char *const known[] = {"names", "triangles", NULL};
     sn_json_value names = sn_json_member(value, "names"), triangles = sn_json_member(value, "triangles");
     sn_status status = sn_json_expect_object(value, error);
+    if (status == SN_OK) status = sn_json_check_passed(value, known, error);
     if (status == SN_OK) status = sn_json_expect_array(&names, error);
     if (status != SN_OK) return status;
     sn_index count = sn_json_length(&names);
@@ -168,22 +172,25 @@ static sn_status parse_mesh_reference(const sn_json_value *value, sn_mesh *mesh,
 }
 
 sn_status sn_parse_mesh(const sn_json_value *value, sn_mesh *mesh, sn_error *error) {
+    static const char *const of_file[] = {"uri", "sha256", NULL}, *const own[] = {"vertices", "triangles", "attributes", "groups", NULL};
     sn_json_value uri = sn_json_member(value, "uri");
     sn_status status = sn_json_expect_object(value, error);
     if (status != SN_OK) return status;
-    return sn_json_has(&uri) ? parse_mesh_reference(value, mesh, error) : parse_inline_mesh(value, mesh, error);
+    status = sn_json_has(&uri) ? parse_mesh_reference(value, mesh, error) : parse_inline_mesh(value, mesh, error);
+    return status == SN_OK ? sn_json_check_passed(value, sn_json_has(&uri) ? of_file : own, error) : status;
 }
 
 /* ---- reading: what the tools of the chain add ------------------------------------------------------------------------- */
 
 static sn_status parse_roots(const sn_json_value *value, sn_index vertex_count, sn_roots *roots, sn_error *error) {
     if (!sn_json_has(value)) return SN_OK;
+    static const char *const known[] = {"vertices", "rule", NULL};
     sn_json_value vertices = sn_json_member(value, "vertices"), rule = sn_json_member(value, "rule");
     sn_status status = sn_json_expect_object(value, error);
     if (status == SN_OK)
         status = sn_json_get_indices(&vertices, (sn_index_rule){1, -1, 0, vertex_count - 1}, &roots->count, &roots->vertices, error);
     if (status == SN_OK) status = sn_json_get_text(&rule, &roots->rule, error);
-    return status;
+    return status == SN_OK ? sn_json_check_passed(value, known, error) : status;
 }
 
 /* The vertices of one sample; each vertex hangs on one. */
@@ -203,6 +210,7 @@ static sn_status parse_sample_vertices(const sn_json_value *value, sn_index vert
 }
 
 static sn_status parse_sample(const sn_json_value *value, sn_index vertex_count, sn_structure *out, sn_error *error) {
+    static const char *const known[] = {"position", "axis", "parent", "branch", "vertices", NULL};
     sn_index i = value->element;
     sn_json_value position = sn_json_member(value, "position"), axis = sn_json_member(value, "axis"),
                   parent = sn_json_member(value, "parent"), branch = sn_json_member(value, "branch"),
@@ -214,6 +222,7 @@ static sn_status parse_sample(const sn_json_value *value, sn_index vertex_count,
     if (status == SN_OK) status = sn_json_get_index(&parent, SN_NONE, i - 1, &out->parents[i], error);
     if (status == SN_OK) status = sn_json_get_index(&branch, 0, SN_INDEX_MAX, &out->branches[i], error);
     if (status == SN_OK) status = sn_json_get_vec3(&axis, &out->axes[i], error);
+    if (status == SN_OK) status = sn_json_check_passed(value, known, error);
     return status == SN_OK ? parse_sample_vertices(&vertices, vertex_count, i, out->vertex_sample, error) : status;
 }
 
@@ -232,6 +241,7 @@ static sn_status alloc_structure(sn_index sample_count, sn_index vertex_count, s
 
 static sn_status parse_structure(const sn_json_value *value, sn_index vertex_count, sn_structure *out, sn_error *error) {
     if (!sn_json_has(value)) return SN_OK;
+    static const char *const known[] = {"samples", "spacing", NULL};
     sn_json_value samples = sn_json_member(value, "samples"), spacing = sn_json_member(value, "spacing");
     sn_status status = sn_json_expect_object(value, error);
     if (status == SN_OK) status = sn_json_expect_array(&samples, error);
@@ -242,10 +252,11 @@ static sn_status parse_structure(const sn_json_value *value, sn_index vertex_cou
         sn_json_value sample = sn_json_element(&samples, i);
         status = parse_sample(&sample, vertex_count, out, error);
     }
-    return status;
+    return status == SN_OK ? sn_json_check_passed(value, known, error) : status;
 }
 
 static sn_status parse_polyline(const sn_json_value *value, sn_polyline *out, sn_error *error) {
+    static const char *const known[] = {"points", "length", "pennation", NULL};
     sn_json_value points = sn_json_member(value, "points");
     double *coordinates = NULL;
     sn_index count = 0;
@@ -255,7 +266,8 @@ static sn_status parse_polyline(const sn_json_value *value, sn_polyline *out, sn
     out->points = (sn_vec3 *)coordinates;
     out->count = count / 3;
     sn_json_value length = sn_json_member(value, "length"), pennation = sn_json_member(value, "pennation");
-    status = sn_json_get_number(&length, 0.0, INFINITY, &out->length, error);
+    status = sn_json_check_passed(value, known, error);
+    if (status == SN_OK) status = sn_json_get_number(&length, 0.0, INFINITY, &out->length, error);
     return status == SN_OK ? sn_json_get_number(&pennation, 0.0, SN_PI, &out->pennation, error) : status;
 }
 
@@ -274,6 +286,7 @@ sn_status sn_parse_polylines(const sn_json_value *value, sn_fibers *out, sn_erro
 }
 
 static sn_status parse_fibers(const sn_json_value *value, sn_index vertex_count, sn_fibers *out, sn_error *error) {
+    static const char *const known[] = {"directions", "polylines", "field", "confidence", NULL};
     if (!sn_json_has(value)) return SN_OK;
     sn_json_value directions = sn_json_member(value, "directions"), polylines = sn_json_member(value, "polylines"),
                   field = sn_json_member(value, "field"), confidence = sn_json_member(value, "confidence");
@@ -287,10 +300,12 @@ static sn_status parse_fibers(const sn_json_value *value, sn_index vertex_count,
     if (status == SN_OK) status = sn_json_get_text(&field, &out->field, error);
     if (status == SN_OK && sn_json_has(&confidence))
         status = sn_json_get_numbers(&confidence, 1, vertex_count, NULL, &out->confidence, error);
+    if (status == SN_OK) status = sn_json_check_passed(value, known, error);
     return status == SN_OK ? sn_parse_polylines(&polylines, out, error) : status;
 }
 
 static sn_status parse_attachment(const sn_json_value *value, sn_index vertex_count, sn_attachment *out, sn_error *error) {
+    static const char *const known[] = {"bone", "vertices", "method", "distances", "reasons", "confidence", NULL};
     sn_json_value bone = sn_json_member(value, "bone"), method = sn_json_member(value, "method"),
                   vertices = sn_json_member(value, "vertices"), distances = sn_json_member(value, "distances"),
                   reasons = sn_json_member(value, "reasons"), confidence = sn_json_member(value, "confidence");
@@ -305,7 +320,7 @@ static sn_status parse_attachment(const sn_json_value *value, sn_index vertex_co
         status = sn_json_get_indices(&reasons, (sn_index_rule){1, out->count, 1, SN_REASON_COUNT - 1}, NULL, &out->reasons, error);
     if (status == SN_OK && sn_json_has(&confidence))
         status = sn_json_get_numbers(&confidence, 1, out->count, NULL, &out->confidence, error);
-    return status;
+    return status == SN_OK ? sn_json_check_passed(value, known, error) : status;
 }
 
 static sn_status parse_attachments(const sn_json_value *value, sn_muscle *muscle, sn_error *error) {
@@ -324,6 +339,8 @@ static sn_status parse_attachments(const sn_json_value *value, sn_muscle *muscle
 }
 
 static sn_status parse_external(const sn_json_value *value, sn_index vertex_count, sn_external *out, sn_error *error) {
+    static const char *const known[] = {"target",    "fascia",           "vertices", "triangles", "barycentric",
+                                        "distances", "minimumDistances", "weights",  NULL};
     sn_json_value target = sn_json_member(value, "target"), fascia = sn_json_member(value, "fascia"),
                   vertices = sn_json_member(value, "vertices"), triangles = sn_json_member(value, "triangles"),
                   barycentric = sn_json_member(value, "barycentric"), distances = sn_json_member(value, "distances"),
@@ -341,7 +358,7 @@ static sn_status parse_external(const sn_json_value *value, sn_index vertex_coun
     if (status == SN_OK) status = sn_json_get_numbers(&distances, 1, count, NULL, &out->distances, error);
     if (status == SN_OK) status = sn_json_get_numbers(&minimum, 1, count, NULL, &out->minimum, error);
     if (status == SN_OK) status = sn_json_get_numbers(&weights, 3, 3 * count, NULL, &out->weights, error);
-    return status;
+    return status == SN_OK ? sn_json_check_passed(value, known, error) : status;
 }
 
 static sn_status parse_externals(const sn_json_value *value, sn_muscle *muscle, sn_error *error) {
@@ -360,6 +377,10 @@ static sn_status parse_externals(const sn_json_value *value, sn_muscle *muscle, 
 }
 
 /* ---- reading: the document -------------------------------------------------------------------------------------------- */
+
+/* Every member of a muscle document. */
+static const char *const members[] = {"format",    "version", "name",        "metersPerUnit", "space",   "mesh", "roots",
+                                      "structure", "fibers",  "attachments", "externals",     "history", NULL};
 
 static sn_status check_history(const sn_json_value *value, sn_error *error) {
     if (!sn_json_has(value)) return SN_OK;
@@ -397,7 +418,7 @@ static sn_status parse_sections(const sn_json_value *top, sn_muscle *out, sn_err
     if (status == SN_OK) status = parse_attachments(&attachments, out, error);
     if (status == SN_OK) status = parse_externals(&externals, out, error);
     if (status == SN_OK) status = check_history(&history, error);
-    return status;
+    return status == SN_OK ? sn_json_check_passed(top, members, error) : status;
 }
 
 static sn_status parse_document(const sn_blob *blob, sn_muscle *out, sn_document *document, sn_error *error) {
@@ -439,6 +460,17 @@ static sn_status parse_bare_mesh(const sn_blob *blob, const sn_read_options *opt
     return options->allow_nonfinite ? SN_OK : sn_muscle_validate(out, error);
 }
 
+/* A document says its unit, and z is up in it: what was asked for can only be the same. */
+static sn_status check_asked(const sn_read_options *options, const sn_muscle *muscle, sn_error *error) {
+    double unit = options->meters_per_unit, own = muscle->meters_per_unit;
+    if (!options->asked) return SN_OK;
+    if (unit > 0.0 && fabs(unit - own) > 1e-9 * own)
+        return sn_fail(error, SN_ERROR_USAGE, "a muscle document says its unit, here %g m, not %g m; --units is for bare meshes", own,
+                       unit);
+    if (options->up_given && options->up_y) return sn_fail(error, SN_ERROR_USAGE, "a muscle document has z up; --up y is for bare meshes");
+    return SN_OK;
+}
+
 sn_status sn_muscle_parse(const sn_blob *blob, const sn_read_options *options, sn_muscle *out, sn_document **document, sn_error *error) {
     static const sn_read_options defaults = {0};
     *out = (sn_muscle){0};
@@ -450,6 +482,7 @@ sn_status sn_muscle_parse(const sn_blob *blob, const sn_read_options *options, s
                        : options->mesh != NULL
                            ? sn_fail(error, SN_ERROR_USAGE, "a muscle document holds one mesh; --mesh is for bare meshes")
                            : parse_document(blob, out, *document, error);
+    if (status == SN_OK && !bare) status = check_asked(options, out, error);
     if (status == SN_OK) return SN_OK;
     sn_error_set_file(error, blob->name);
     sn_muscle_free(out);
@@ -640,13 +673,9 @@ static const struct section {
 };
 enum { SECTION_COUNT = sizeof sections / sizeof *sections };
 
-static const char *const other_members[] = {"format", "version", "name", "metersPerUnit", "space", "history"};
-
 static bool is_known_member(const char *key) {
-    for (size_t i = 0; i < SECTION_COUNT; i++)
-        if (strcmp(key, sections[i].key) == 0) return true;
-    for (size_t i = 0; i < sizeof other_members / sizeof *other_members; i++)
-        if (strcmp(key, other_members[i]) == 0) return true;
+    for (size_t i = 0; members[i] != NULL; i++)
+        if (strcmp(key, members[i]) == 0) return true;
     return false;
 }
 

@@ -71,7 +71,7 @@ static sn_status parse_influences(const sn_json_value *value, sn_envelope *out, 
         status = sn_fail_memory(error, "the weights of an envelope");
     if (status == SN_OK) {
         deal(&lists, out);
-        sn_json_warn_unknown(value, known);
+        status = sn_json_check_members(value, known, error);
     }
     free(lists.counts);
     free(lists.bones);
@@ -103,8 +103,8 @@ static sn_status parse_document(const sn_json_value *top, sn_envelope *out, sn_e
     if (status == SN_OK) status = sn_parse_mesh(&mesh, &out->mesh, error);
     if (status == SN_OK) status = parse_bones(&bones, out, error);
     if (status == SN_OK) status = parse_influences(&influences, out, error);
+    if (status == SN_OK) status = sn_json_check_members(top, known, error);
     if (status != SN_OK) return status;
-    sn_json_warn_unknown(top, known);
     if (meters_per_unit != 1.0) sn_mesh_convert(&out->mesh, meters_per_unit, false);
     status = sn_envelope_validate(out, error);
     if (status != SN_OK) sn_error_set_file(error, sn_json_name(top->tree));

@@ -267,6 +267,7 @@ sn_status sn_error_time_write(const sn_error_time *report, sn_output *output, sn
 /* ---- reading it ---------------------------------------------------------------------------------------------------------- */
 
 static sn_status parse_muscles(const sn_json_value *muscles, sn_error_time *out, sn_error *error) {
+    static const char *const known[] = {"name", "vertices", NULL};
     sn_status status = sn_json_require(muscles, "a list of muscles", error);
     sn_index count = 0;
     if (status == SN_OK) status = sn_json_expect_list(muscles, MOST_MUSCLES, &count, error);
@@ -278,7 +279,8 @@ static sn_status parse_muscles(const sn_json_value *muscles, sn_error_time *out,
     for (sn_index i = 0; status == SN_OK && i < count; i++) {
         sn_json_value muscle = sn_json_element(muscles, i), name = sn_json_member(&muscle, "name"),
                       vertices = sn_json_member(&muscle, "vertices");
-        status = sn_json_require(&name, "the name of a muscle", error);
+        status = sn_json_check_members(&muscle, known, error);
+        if (status == SN_OK) status = sn_json_require(&name, "the name of a muscle", error);
         if (status == SN_OK) status = sn_json_get_text(&name, &out->muscle_names[i], error);
         if (status == SN_OK) status = sn_json_require(&vertices, "its number of vertices", error);
         if (status == SN_OK) status = sn_json_get_index(&vertices, 0, SN_INDEX_MAX, &out->muscle_vertices[i], error);
@@ -355,6 +357,8 @@ static sn_status parse_settings(const sn_json_value *settings, sn_error_time *ou
 }
 
 sn_status sn_error_time_parse(const sn_blob *blob, sn_error_time *out, sn_error *error) {
+    static const char *const known[] = {"format",    "version",  "errors", "threads", "scene", "moments",
+                                        "reference", "settings", "front",  "targets", NULL};
     sn_json_tree *tree = NULL;
     int errors = 0;
     *out = (sn_error_time){0};
@@ -364,6 +368,7 @@ sn_status sn_error_time_parse(const sn_blob *blob, sn_error_time *out, sn_error 
                   reference = sn_json_member(&top, "reference"), kind = sn_json_member(&top, "errors"),
                   floor = sn_json_member(&reference, "floor");
     status = sn_json_expect_format(&top, "sinew-error-time", 1, error);
+    if (status == SN_OK) status = sn_json_check_members(&top, known, error);
     if (status == SN_OK) status = sn_json_get_choice(&kind, ERRORS, &errors, error);
     if (status == SN_OK) status = parse_scene(&scene, out, error);
     if (status == SN_OK) status = sn_json_require(&floor, "the reference's floor", error);

@@ -8,6 +8,7 @@ enum { NEWEST_TEMPLATE = 1, NEWEST_ENDS = 1 };
 /* ---- template ------------------------------------------------------------------------------------------------------------------- */
 
 static sn_status parse_curve(const sn_json_value *value, sn_polyline *out, sn_error *error) {
+    static const char *const known[] = {"points", NULL};
     sn_json_value points = sn_json_member(value, "points");
     double *coordinates = NULL;
     sn_index count = 0;
@@ -16,13 +17,15 @@ static sn_status parse_curve(const sn_json_value *value, sn_polyline *out, sn_er
     if (status != SN_OK) return status;
     out->points = (sn_vec3 *)coordinates;
     out->count = count / 3;
-    return SN_OK;
+    return sn_json_check_members(value, known, error);
 }
 
 static sn_status parse_template(const sn_json_value *top, sn_fibers *out, sn_error *error) {
+    static const char *const known[] = {"format", "version", "name", "curves", NULL};
     sn_json_value curves = sn_json_member(top, "curves");
     sn_index count = 0;
     sn_status status = sn_json_expect_format(top, "sinew-fiber-template", NEWEST_TEMPLATE, error);
+    if (status == SN_OK) status = sn_json_check_members(top, known, error);
     if (status == SN_OK) status = sn_json_require(&curves, "an array of curves", error);
     if (status == SN_OK) status = sn_json_expect_list(&curves, SN_LIST_LIMIT, &count, error);
     if (status != SN_OK) return status;
@@ -51,12 +54,14 @@ sn_status sn_fiber_template_parse(const sn_blob *blob, sn_fibers *out, sn_error 
 /* ---- ends ------------------------------------------------------------------------------------------------------------------------ */
 
 sn_status sn_fiber_ends_parse(const sn_blob *blob, sn_index vertex_count, sn_fiber_ends *out, sn_error *error) {
+    static const char *const known[] = {"format", "version", "name", "origin", "insertion", NULL};
     sn_json_tree *tree = NULL;
     *out = (sn_fiber_ends){0};
     sn_status status = sn_json_parse(blob, &tree, error);
     if (status != SN_OK) return status;
     sn_json_value top = sn_json_top(tree), origin = sn_json_member(&top, "origin"), insertion = sn_json_member(&top, "insertion");
     status = sn_json_expect_format(&top, "sinew-fiber-ends", NEWEST_ENDS, error);
+    if (status == SN_OK) status = sn_json_check_members(&top, known, error);
     if (status == SN_OK)
         status = sn_json_get_indices(&origin, (sn_index_rule){1, -1, 0, vertex_count - 1}, &out->origin_count, &out->origin, error);
     if (status == SN_OK)

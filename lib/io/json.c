@@ -2,6 +2,7 @@
 #include "json.h"
 
 #include <jansson.h>
+#include <limits.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -13,6 +14,11 @@ typedef struct span {
     size_t count;      /* of numbers, at least one */
 } span;
 
+/* What warnings a tree has caused so far. */
+typedef struct told_members {
+    int64_t objects;
+} told_members;
+
 struct sn_json_tree {
     char *name; /* of the file */
     char *text;
@@ -20,6 +26,7 @@ struct sn_json_tree {
     json_t *root;
     span *spans; /* (span_count) ascending */
     size_t span_count, span_capacity;
+    told_members *told; /* owned */
 };
 
 /* ---- the grammar of RFC 8259, as far as folding needs it -------------------------------------------------------------- */
@@ -219,8 +226,9 @@ sn_status sn_json_parse(const sn_blob *blob, sn_json_tree **out, sn_error *error
     tree->name = sn_strdup(blob->name != NULL ? blob->name : "");
     tree->size = blob->size - skip;
     tree->text = sn_alloc(tree->size + 1, 1);
+    tree->told = SN_NEW(told_members, 1);
     sn_status status = SN_OK;
-    if (tree->name == NULL || tree->text == NULL) {
+    if (tree->name == NULL || tree->text == NULL || tree->told == NULL) {
         status = sn_fail_memory(error, "a JSON document");
     } else {
         memcpy(tree->text, blob->data + skip, tree->size);
@@ -236,6 +244,7 @@ sn_status sn_json_parse(const sn_blob *blob, sn_json_tree **out, sn_error *error
 void sn_json_tree_free(sn_json_tree *tree) {
     if (tree == NULL) return;
     json_decref(tree->root);
+    free(tree->told);
     free(tree->spans);
     free(tree->text);
     free(tree->name);
@@ -394,6 +403,15 @@ sn_status sn_json_complain(const sn_json_value *value, sn_error *error, const ch
     return complain_at(value, find_value(value), error, message);
 }
 
+/* A member that was meant to be this one, which is not there. */
+static const char *mistyped_member(const sn_json_value *value) {
+    sn_json_value member = {0};
+    if (value->node != NULL || value->parent == NULL || value->key == NULL || !json_is_object(value->parent->node)) return NULL;
+    while (sn_json_next(value->parent, &member))
+        if (sn_word_distance(member.key, SIZE_MAX, value->key) != INT_MAX) return member.key;
+    return NULL;
+}
+
 sn_status sn_json_mismatch(const sn_json_value *value, sn_error *error, const char *expected, ...) {
     char wanted[256], found[64], message[448];
     va_list list;
@@ -401,7 +419,9 @@ sn_status sn_json_mismatch(const sn_json_value *value, sn_error *error, const ch
     vsnprintf(wanted, sizeof wanted, expected, list);
     va_end(list);
     describe(value, found, sizeof found);
-    snprintf(message, sizeof message, "expected %s, found %s", wanted, found);
+    const char *mistyped = mistyped_member(value);
+    snprintf(message, sizeof message, "expected %s, found %s%s%s%s", wanted, found, mistyped != NULL ? "; did you mean it by \"" : "",
+             mistyped != NULL ? mistyped : "", mistyped != NULL ? "\"?" : "");
     return complain_at(value, find_value(value), error, message);
 }
 
@@ -505,7 +525,11 @@ sn_status sn_json_get_choice(const sn_json_value *value, const char *const *choi
         used = append_text(list, used, sizeof list, choices[i]);
         used = append_text(list, used, sizeof list, "\"");
     }
-    return sn_json_mismatch(value, error, "%s", list);
+    const char *meant = text != NULL ? sn_nearest_word(text, SIZE_MAX, choices) : NULL;
+    if (meant == NULL) return sn_json_mismatch(value, error, "%s", list);
+    char found[64];
+    describe(value, found, sizeof found);
+    return sn_json_complain(value, error, "expected %s, found %s; did you mean \"%s\"?", list, found, meant);
 }
 
 sn_status sn_json_expect_format(const sn_json_value *top, const char *format, sn_index newest, sn_error *error) {
@@ -529,23 +553,84 @@ static bool is_known(const char *key, const char *const *known) {
     return false;
 }
 
+/* ---- members that nobody knows ------------------------------------------------------------------------------------------ */
+
+static bool strict_documents;
+void sn_documents_strict(bool strict) { strict_documents = strict; }
+
+/* The member that this one was meant to be: one that is not there as well. */
+static const char *meant_member(const sn_json_value *member, const char *const *known) {
+    const char *nearest = NULL;
+    int best = INT_MAX;
+    for (; *known != NULL; known++) {
+        int distance = sn_word_distance(member->key, SIZE_MAX, *known);
+        if (distance >= best || json_object_get(member->parent->node, *known) != NULL) continue;
+        best = distance;
+        nearest = *known;
+    }
+    return nearest;
+}
+
+static sn_status fail_unknown(const sn_json_value *member, const char *const *known, sn_error *error) {
+    const char *meant = meant_member(member, known);
+    return sn_json_complain(member, error, "sinew knows no such member%s%s%s; a member of your own begins with '_' or \"x-\"",
+                            meant != NULL ? ": did you mean \"" : "", meant != NULL ? meant : "", meant != NULL ? "\"?" : "");
+}
+
+/* The unknown members of an object, as far as they have room. */
+typedef struct unknown_members {
+    char names[320];
+    size_t used;
+    sn_error place; /* of the first */
+} unknown_members;
+
+static void add_unknown(const sn_json_value *member, const char *meant, unknown_members *list) {
+    const size_t size = sizeof list->names;
+    const char *at = list->used == 0 ? find_value(member) : NULL;
+    if (at != NULL) set_place(&list->place, member->tree, (size_t)(at - member->tree->text));
+    list->used = append_text(list->names, list->used, size, list->used > 0 ? ", " : "");
+    list->used = append_text(list->names, list->used, size, member->key);
+    if (meant == NULL) return;
+    list->used = append_text(list->names, list->used, size, " (did you mean ");
+    list->used = append_text(list->names, list->used, size, meant);
+    list->used = append_text(list->names, list->used, size, "?)");
+}
+
+static void tell_unknown(const sn_json_value *object, const unknown_members *list, bool passed) {
+    enum { MOST_TOLD = 20 };
+    char path[256];
+    int64_t *told = &object->tree->told->objects;
+    if (list->used == 0 || ++*told > MOST_TOLD + 1) return;
+    size_t length = write_path(object, path, sizeof path);
+    if (*told > MOST_TOLD)
+        sn_log(SN_LOG_WARNING, "%s:%lld: and more members, from here on, that sinew does not know", object->tree->name,
+               (long long)list->place.line);
+    else
+        sn_log(SN_LOG_WARNING, "%s:%lld: %s%ssinew knows no member %s here; what it does not know it %s", object->tree->name,
+               (long long)list->place.line, path, length > 0 ? ": " : "", list->names, passed ? "only passes on" : "leaves out");
+}
+
 /* One message an object, with the place of the first: a text full of unknown members must not cost a search for each. */
-void sn_json_warn_unknown(const sn_json_value *object, const char *const *known) {
+static sn_status check_members(const sn_json_value *object, const char *const *known, bool passed, sn_error *error) {
     sn_json_value member = {0};
-    sn_error place = {0};
-    char path[256], names[200] = "";
-    size_t used = 0;
+    unknown_members list = {.used = 0};
     while (sn_json_next(object, &member)) {
         if (is_known(member.key, known)) continue;
-        const char *at = used == 0 ? find_value(&member) : NULL;
-        if (at != NULL) set_place(&place, object->tree, (size_t)(at - object->tree->text));
-        used = append_text(names, used, sizeof names, used > 0 ? ", " : "");
-        used = append_text(names, used, sizeof names, member.key);
+        if (strict_documents) return fail_unknown(&member, known, error);
+        if (list.used + 1 >= sizeof list.names) break;
+        const char *meant = meant_member(&member, known);
+        if (!passed || meant != NULL) add_unknown(&member, meant, &list);
     }
-    if (used == 0) return;
-    size_t length = write_path(object, path, sizeof path);
-    sn_log(SN_LOG_WARNING, "%s:%lld: %s%ssinew knows no member %s here; what it does not know it leaves out", object->tree->name,
-           (long long)place.line, path, length > 0 ? ": " : "", names);
+    tell_unknown(object, &list, passed);
+    return SN_OK;
+}
+
+sn_status sn_json_check_members(const sn_json_value *object, const char *const *known, sn_error *error) {
+    return check_members(object, known, false, error);
+}
+
+sn_status sn_json_check_passed(const sn_json_value *object, const char *const *known, sn_error *error) {
+    return check_members(object, known, true, error);
 }
 
 /* ---- arrays of numbers ------------------------------------------------------------------------------------------------ */

@@ -86,9 +86,11 @@ SN_MUST_CHECK sn_status sn_json_get_indices(const sn_json_value *value, sn_index
 /* The members "format" and "version" of a document: the right format, and no version newer than we know. */
 SN_MUST_CHECK sn_status sn_json_expect_format(const sn_json_value *top, const char *format, sn_index newest, sn_error *error);
 
-/* A warning that names the members that are not in the NULL-terminated list: most often they are mistyped. Names that begin with '_' or
- * "x-" are a user's own. */
-void sn_json_warn_unknown(const sn_json_value *object, const char *const *known);
+/* Members that are not in the NULL-terminated list, most often mistyped ones: a warning that names them, and those that were meant; an
+ * error under sn_documents_strict. Names that begin with '_' or "x-" are a user's own. */
+SN_MUST_CHECK sn_status sn_json_check_members(const sn_json_value *object, const char *const *known, sn_error *error);
+/* The same where tools pass on what they do not know: the warning is only of those that seem mistyped. */
+SN_MUST_CHECK sn_status sn_json_check_passed(const sn_json_value *object, const char *const *known, sn_error *error);
 
 /* ---- passing on ------------------------------------------------------------------------------------------------------- */
 

@@ -48,7 +48,7 @@ static sn_status parse_area(const sn_json_value *value, sn_landmark_area *out, s
     sn_json_value bone = sn_json_member(value, "bone"), name = sn_json_member(value, "name"),
                   landmarks = sn_json_member(value, "landmarks");
     sn_status status = sn_json_expect_object(value, error);
-    if (status == SN_OK) sn_json_warn_unknown(value, members);
+    if (status == SN_OK) status = sn_json_check_members(value, members, error);
     if (status == SN_OK) status = sn_json_require(&bone, "the name of a bone", error);
     if (status == SN_OK) status = sn_json_get_text(&bone, &out->bone, error);
     if (status == SN_OK) status = sn_json_get_text(&name, &out->name, error);
@@ -56,12 +56,14 @@ static sn_status parse_area(const sn_json_value *value, sn_landmark_area *out, s
 }
 
 static sn_status parse_json(const sn_blob *blob, sn_landmarks *out, sn_error *error) {
+    static const char *const known[] = {"format", "version", "name", "metersPerUnit", "areas", NULL};
     sn_json_tree *tree = NULL;
     sn_index count = 0;
     sn_status status = sn_json_parse(blob, &tree, error);
     if (status != SN_OK) return status;
     sn_json_value top = sn_json_top(tree), areas = sn_json_member(&top, "areas"), unit = sn_json_member(&top, "metersPerUnit");
-    status = sn_json_get_number(&unit, SN_JSON_POSITIVE, INFINITY, &out->meters_per_unit, error);
+    status = sn_json_check_members(&top, known, error);
+    if (status == SN_OK) status = sn_json_get_number(&unit, SN_JSON_POSITIVE, INFINITY, &out->meters_per_unit, error);
     if (status == SN_OK) status = sn_json_require(&areas, "a list of areas, each with \"bone\" and \"landmarks\"", error);
     if (status == SN_OK) status = sn_json_expect_list(&areas, MOST_AREAS, &count, error);
     if (status == SN_OK && (out->areas = SN_NEW(sn_landmark_area, count)) == NULL) status = sn_fail_memory(error, "landmarks");

@@ -60,8 +60,10 @@ static sn_status parse_key(const sn_json_value *key, value_kind kind, sn_clock c
             status = sn_json_complain(key, error, "expected [time, %s], the latter in [%g,%g], found %g", kind.name, kind.low, kind.high,
                                       pair[1]);
     } else if ((status = sn_json_expect_object(key, error)) == SN_OK) {
+        const char *const known[] = {"time", "frame", kind.name, NULL};
         sn_json_value number = sn_json_member(key, kind.name);
         status = parse_time(key, clock, &pair[0], error);
+        if (status == SN_OK) status = sn_json_check_members(key, known, error);
         if (status == SN_OK) status = sn_json_require(&number, "a number", error);
         if (status == SN_OK) status = sn_json_get_number(&number, kind.low, kind.high, &pair[1], error);
     }
@@ -190,11 +192,13 @@ static sn_status parse_rotation(const sn_json_value *value, sn_quat *out, sn_err
 }
 
 static sn_status parse_pose_key(const sn_json_value *key, sn_clock clock, sn_pose_key *out, sn_error *error) {
+    static const char *const known[] = {"time", "frame", "matrix", "rotation", "translation", NULL};
     sn_json_value matrix = sn_json_member(key, "matrix"), rotation = sn_json_member(key, "rotation"),
                   translation = sn_json_member(key, "translation");
     out->pose = sn_rigid_identity();
     sn_status status = sn_json_expect_object(key, error);
     if (status == SN_OK) status = parse_time(key, clock, &out->time, error);
+    if (status == SN_OK) status = sn_json_check_members(key, known, error);
     if (status != SN_OK) return status;
     if (sn_json_has(&matrix)) {
         if (sn_json_has(&rotation) || sn_json_has(&translation))
@@ -277,8 +281,8 @@ static sn_status parse_joint(const sn_json_value *joint, sn_clock clock, sn_moti
     if (status == SN_OK) status = parse_name_and_parent(joint, motion, error);
     if (status == SN_OK) status = sn_json_require(&type, "\"hinge\" or \"pose\"", error);
     if (status == SN_OK) status = sn_json_get_choice(&type, joint_types, &kind, error);
+    if (status == SN_OK) status = sn_json_check_members(joint, known, error);
     if (status != SN_OK) return status;
-    sn_json_warn_unknown(joint, known);
     out->kind = (sn_joint_kind)kind;
     status = parse_rest(joint, clock, out, error);
     if (status != SN_OK) return status;
@@ -317,7 +321,7 @@ static sn_status parse_coordinate(const sn_json_value *value, sn_clock clock, sn
     if (status == SN_OK) status = sn_json_get_numbers(&values, 1, -1, &out->count, &out->values, error);
     if (status == SN_OK && out->count == 0) status = sn_json_complain(&values, error, "there is no sample");
     if (status == SN_OK && (out->unit = sn_strdup(coordinate_units[choice])) == NULL) status = sn_fail_memory(error, "a unit");
-    if (status == SN_OK) sn_json_warn_unknown(value, known);
+    if (status == SN_OK) status = sn_json_check_members(value, known, error);
     return status;
 }
 
@@ -363,20 +367,32 @@ static sn_status read_beside(const sn_json_value *uri, sn_json_tree **out, sn_er
 
 /* A motion document has a unit and a rate of its own, or those that *clock comes with. */
 static sn_status parse_motion_document(const sn_json_tree *tree, sn_clock *clock, sn_motion *out, sn_error *error) {
+    static const char *const known[] = {"format", "version",     "name",  "metersPerUnit", "rate",
+                                        "joints", "coordinates", "bones", "history",       NULL};
     sn_json_value top = sn_json_top(tree), unit = sn_json_member(&top, "metersPerUnit"), rate = sn_json_member(&top, "rate");
     sn_status status = sn_json_expect_format(&top, "sinew-motion", 1, error);
     if (status == SN_OK) status = sn_json_get_number(&unit, SN_JSON_POSITIVE, INFINITY, &clock->meters_per_unit, error);
     if (status == SN_OK) status = sn_json_get_number(&rate, SN_JSON_POSITIVE, INFINITY, &clock->rate, error);
-    return status == SN_OK ? parse_members(&top, *clock, out, error) : status;
+    if (status == SN_OK) status = parse_members(&top, *clock, out, error);
+    return status == SN_OK ? sn_json_check_members(&top, known, error) : status;
+}
+
+/* What stands in the scene itself. */
+static sn_status parse_inline_motion(const sn_json_value *value, sn_clock clock, sn_motion *out, sn_error *error) {
+    static const char *const known[] = {"joints", "coordinates", "bones", NULL};
+    sn_status status = parse_members(value, clock, out, error);
+    return status == SN_OK ? sn_json_check_members(value, known, error) : status;
 }
 
 sn_status sn_motion_parse(const sn_json_value *value, sn_clock clock, sn_motion *out, sn_error *error) {
+    static const char *const known[] = {"uri", NULL};
     if (!sn_json_has(value)) return SN_OK;
     sn_json_value uri = sn_json_member(value, "uri");
     sn_status status = sn_json_expect_object(value, error);
-    if (status != SN_OK || !sn_json_has(&uri)) return status == SN_OK ? parse_members(value, clock, out, error) : status;
-    sn_json_tree *tree;
-    status = read_beside(&uri, &tree, error);
+    if (status != SN_OK || !sn_json_has(&uri)) return status == SN_OK ? parse_inline_motion(value, clock, out, error) : status;
+    sn_json_tree *tree = NULL;
+    status = sn_json_check_members(value, known, error);
+    if (status == SN_OK) status = read_beside(&uri, &tree, error);
     if (status == SN_OK) status = parse_motion_document(tree, &clock, out, error);
     sn_json_tree_free(tree);
     return status;
@@ -429,6 +445,9 @@ sn_status sn_motion_document_read(const sn_clip_source *source, sn_clip *out, sn
     char *name;
     *out = (sn_clip){0};
     sn_status status = parse_named(source->motion, &clock, &motion, &name, error);
+    if (status == SN_OK && *unit > 0.0 && fabs(*unit - clock.meters_per_unit) > 1e-9 * *unit)
+        status = sn_fail_at(error, SN_ERROR_USAGE, source->motion->name, 0, "a motion document says its unit, here %g m, not %g m",
+                            clock.meters_per_unit, *unit);
     if (source->options.rate > 0.0) clock.rate = source->options.rate;
     if (status == SN_OK) status = sample(source, &motion, clock.rate, out, error);
     if (status == SN_OK) {
@@ -443,12 +462,16 @@ sn_status sn_motion_document_read(const sn_clip_source *source, sn_clip *out, sn
 
 /* ---- activations ------------------------------------------------------------------------------------------------------ */
 
+const char *const sn_activation_members[] = {"format", "version", "name", "channels", "history", NULL};
+
 static const value_kind activation_kind = {"activation", 1.0, 0.0, 1.0};
 
 /* { "times": [...], "values": [...] } */
 static sn_status parse_samples(const sn_json_value *channel, sn_channel *out, sn_error *error) {
+    static const char *const known[] = {"times", "values", "interpolation", NULL};
     sn_json_value times = sn_json_member(channel, "times"), values = sn_json_member(channel, "values");
     sn_status status = sn_json_expect_object(channel, error);
+    if (status == SN_OK) status = sn_json_check_members(channel, known, error);
     if (status == SN_OK) status = parse_interpolation(channel, &out->interpolation, error);
     if (status == SN_OK) status = sn_json_get_numbers(&times, 1, -1, &out->count, &out->times, error);
     if (status == SN_OK) status = sn_json_get_numbers(&values, 1, out->count, NULL, &out->values, error);
@@ -466,6 +489,7 @@ static sn_status parse_channel_document(const sn_json_tree *tree, const char *na
     sn_json_value top = sn_json_top(tree), format = sn_json_member(&top, "format"), channels = sn_json_member(&top, "channels");
     sn_status status = sn_json_has(&format) ? sn_json_expect_format(&top, "sinew-activation", 1, error) : SN_OK;
     if (status == SN_OK) status = sn_json_expect_object(&channels, error);
+    if (status == SN_OK) status = sn_json_check_members(&top, sn_activation_members, error);
     if (status != SN_OK) return status;
     sn_json_value channel = sn_json_member(&channels, name);
     if (!sn_json_has(&channel)) return sn_json_complain(&channels, error, "there is no channel \"%s\"", name);
@@ -473,10 +497,12 @@ static sn_status parse_channel_document(const sn_json_tree *tree, const char *na
 }
 
 static sn_status parse_channel_reference(const sn_json_value *value, const char *fallback, sn_channel *out, sn_error *error) {
+    static const char *const known[] = {"uri", "channel", NULL};
     sn_json_value uri = sn_json_member(value, "uri"), channel = sn_json_member(value, "channel");
     sn_json_tree *tree = NULL;
     char *name = NULL;
     sn_status status = sn_json_get_text(&channel, &name, error);
+    if (status == SN_OK) status = sn_json_check_members(value, known, error);
     if (status == SN_OK) status = read_beside(&uri, &tree, error);
     if (status == SN_OK) status = parse_channel_document(tree, name != NULL ? name : fallback, out, error);
     sn_json_tree_free(tree);
@@ -485,6 +511,7 @@ static sn_status parse_channel_reference(const sn_json_value *value, const char 
 }
 
 sn_status sn_activation_parse(const sn_json_value *value, sn_clock clock, const char *fallback, sn_channel *out, sn_error *error) {
+    static const char *const known[] = {"keys", "interpolation", NULL};
     if (!sn_json_has(value)) return SN_OK;
     if (sn_json_is_number(value)) return sn_json_get_number(value, 0.0, 1.0, &out->constant, error);
     sn_json_value uri = sn_json_member(value, "uri"), keys = sn_json_member(value, "keys");
@@ -492,7 +519,8 @@ sn_status sn_activation_parse(const sn_json_value *value, sn_clock clock, const 
     if (status != SN_OK)
         return sn_json_mismatch(value, error, "a number in [0,1], {\"keys\": [[time, activation], ...]} or {\"uri\", \"channel\"}");
     if (sn_json_has(&uri)) return parse_channel_reference(value, fallback, out, error);
-    status = parse_interpolation(value, &out->interpolation, error);
+    status = sn_json_check_members(value, known, error);
+    if (status == SN_OK) status = parse_interpolation(value, &out->interpolation, error);
     return status == SN_OK ? parse_keys(&keys, activation_kind, clock, out, error) : status;
 }
 

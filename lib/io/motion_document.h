@@ -22,13 +22,16 @@ void sn_motion_write(const sn_motion *motion, double meters_per_unit, sn_json *j
 
 /* "units": "mm", or metres per unit as a number (bone_document.c). */
 SN_MUST_CHECK sn_status sn_units_parse(const sn_json_value *value, double *out, sn_error *error);
-/* A bone (bone_document.c), its path as it is written; *out is the caller's to free, also where this fails. */
-SN_MUST_CHECK sn_status sn_bone_parse(const sn_json_value *value, const sn_motion *motion, sn_motion_bone *out, sn_error *error);
+/* A bone (bone_document.c) with its known members, its path as it is written; *out is the caller's to free, also where this fails. */
+SN_MUST_CHECK sn_status sn_bone_parse(const sn_json_value *value, const char *const *known, const sn_motion *motion, sn_motion_bone *out,
+                                      sn_error *error);
 /* The bones of a motion document, whose joints have been read; their paths from the working directory. */
 SN_MUST_CHECK sn_status sn_motion_bones_parse(const sn_json_value *list, sn_motion *motion, sn_error *error);
 /* document: where the document will be; NULL, "-": it goes to standard output. */
 SN_MUST_CHECK sn_status sn_motion_bones_write(const sn_motion *motion, const char *document, sn_json *json, sn_error *error);
 
+/* The members of an activation document, NULL at the end. */
+extern const char *const sn_activation_members[];
 /* An activation: a number, { "keys": [[time, activation], ...] }, or { "uri": ..., "channel": ... } (fallback: the muscle's name). */
 SN_MUST_CHECK sn_status sn_activation_parse(const sn_json_value *value, sn_clock clock, const char *fallback, sn_channel *out,
                                             sn_error *error);

@@ -112,6 +112,15 @@ static int find_member(const char *name, size_t length) {
     return -1;
 }
 
+static sn_status no_such_member(const char *text, sn_error *error) {
+    const char *name = strchr(text, '.') + 1, *meant = sn_nearest_word(name, strcspn(name, "="), sn_draft_members);
+    if (meant != NULL) return sn_fail(error, SN_ERROR_USAGE, "'%s': a muscle has no such member; did you mean %s?", text, meant);
+    return sn_fail(error, SN_ERROR_USAGE,
+                   "'%s': a muscle has no such member; it has activation, restLength, tone, contraction, stiffness.relaxed and others "
+                   "of a scene's muscle",
+                   text);
+}
+
 /* The pattern ends at the first dot that has a member behind it. */
 static sn_status split(const char *text, setting *out, sn_error *error) {
     const char *equals = strchr(text, '='), *dot = equals != NULL ? memchr(text, '.', (size_t)(equals - text)) : NULL;
@@ -121,11 +130,7 @@ static sn_status split(const char *text, setting *out, sn_error *error) {
     out->value = equals + 1;
     while (dot != NULL && (out->member = find_member(dot + 1, (size_t)(equals - dot - 1))) < 0)
         dot = memchr(dot + 1, '.', (size_t)(equals - dot - 1));
-    if (dot == NULL)
-        return sn_fail(error, SN_ERROR_USAGE,
-                       "'%s': a muscle has no such member; it has activation, restLength, tone, contraction, stiffness.relaxed and others "
-                       "of a scene's muscle",
-                       text);
+    if (dot == NULL) return no_such_member(text, error);
     out->pattern = sn_strndup(text, (size_t)(dot - text));
     return out->pattern != NULL ? SN_OK : sn_fail_memory(error, "a pattern");
 }

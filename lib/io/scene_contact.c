@@ -43,7 +43,7 @@ sn_status sn_contact_parse(const sn_json_value *value, sn_contact_settings *out,
     if (status == SN_OK) status = sn_json_get_number(&resolve, 0.0, INFINITY, &out->resolve, error);
     if (status == SN_OK) status = parse_samples(&samples, &out->samples, error);
     if (status == SN_OK) status = parse_voxels(value, out, error);
-    if (status == SN_OK) sn_json_warn_unknown(value, known);
+    if (status == SN_OK) status = sn_json_check_members(value, known, error);
     return status;
 }
 

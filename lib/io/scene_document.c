@@ -74,8 +74,7 @@ static sn_status parse_solver(const sn_json_value *value, sn_solver_settings *ou
     out->precision = (sn_precision)precision;
     out->preconditioner = (sn_preconditioning)preconditioner;
     out->threads = thread_count;
-    sn_json_warn_unknown(value, known);
-    return SN_OK;
+    return sn_json_check_members(value, known, error);
 }
 
 static sn_status parse_globals(const sn_json_value *top, sn_scene *scene, sn_error *error) {
@@ -120,8 +119,9 @@ static const sn_motion_bone *find_motion_bone(const sn_motion *motion, const cha
 
 /* In the place of one of the motion document's, where that has one of its name: on its joint, unless it names another. */
 static sn_status parse_bone(const sn_json_value *value, const reader *in, sn_scene_bone *out, sn_error *error) {
+    static const char *const known[] = {"name", "mesh", "units", "joint", "contact", NULL};
     sn_motion_bone bone;
-    sn_status status = sn_bone_parse(value, &in->scene->motion, &bone, error);
+    sn_status status = sn_bone_parse(value, known, &in->scene->motion, &bone, error);
     const sn_motion_bone *replaced = status == SN_OK ? find_motion_bone(&in->scene->motion, bone.name) : NULL;
     out->name = bone.name;
     out->uri = bone.path;
@@ -247,7 +247,7 @@ static sn_status parse_stiffness(const sn_json_value *value, sn_scene_muscle *ou
     if (status == SN_OK) status = sn_json_get_number(&internal, 0.0, INFINITY, &out->stiffness_internal, error);
     if (status == SN_OK) status = sn_json_get_number(&dihedral, 0.0, INFINITY, &out->stiffness_dihedral, error);
     if (status == SN_OK) status = sn_json_get_number(&volume, 0.0, INFINITY, &out->stiffness_volume, error);
-    if (status == SN_OK) sn_json_warn_unknown(value, known);
+    if (status == SN_OK) status = sn_json_check_members(value, known, error);
     return status;
 }
 
@@ -259,7 +259,7 @@ static sn_status parse_maps(const sn_json_value *value, sn_scene_muscle *out, sn
     sn_status status = sn_json_expect_object(value, error);
     if (status == SN_OK) status = sn_json_get_text(&activation, &out->activation_map, error);
     if (status == SN_OK) status = sn_json_get_text(&stiffness, &out->stiffness_map, error);
-    if (status == SN_OK) sn_json_warn_unknown(value, known);
+    if (status == SN_OK) status = sn_json_check_members(value, known, error);
     return status;
 }
 
@@ -344,7 +344,7 @@ static sn_status parse_muscle(const sn_json_value *value, const reader *in, sn_s
     if (status == SN_OK && out->enabled) status = take_rig(&rig, out, in, error);
     if (status == SN_OK) status = name_muscle(out, error);
     if (status == SN_OK) status = sn_activation_parse(&activation, in->clock, out->name, &out->activation, error);
-    if (status == SN_OK) sn_json_warn_unknown(value, known);
+    if (status == SN_OK) status = sn_json_check_members(value, known, error);
     return status;
 }
 
@@ -381,8 +381,8 @@ static sn_status parse_scene(const sn_json_value *top, reader in, sn_error *erro
     if (status == SN_OK) status = sn_scene_surfaces_parse(&surfaces, scene, error);
     if (status == SN_OK) status = parse_muscles(&muscles, &in, error);
     if (status == SN_OK) status = sn_scene_surfaces_load(sn_json_name(top->tree), in.load_bones, scene, error);
+    if (status == SN_OK) status = sn_json_check_members(top, known, error);
     if (status != SN_OK) return status;
-    sn_json_warn_unknown(top, known);
     return sn_scene_validate(scene, error);
 }
 

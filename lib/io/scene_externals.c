@@ -26,7 +26,7 @@ sn_status sn_scene_externals_parse(const sn_json_value *value, sn_external_setti
     if (status == SN_OK) status = parse_type(value, "soft", &out->no_soft, error);
     if (status == SN_OK) status = parse_type(value, "hard", &out->no_hard, error);
     if (status == SN_OK) status = parse_type(value, "minimum", &out->no_minimum, error);
-    if (status == SN_OK) sn_json_warn_unknown(value, known);
+    if (status == SN_OK) status = sn_json_check_members(value, known, error);
     return status;
 }
 

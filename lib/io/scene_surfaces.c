@@ -21,7 +21,7 @@ static sn_status parse_envelope(const sn_json_value *value, sn_scene_surface *ou
     static const char *const known[] = {"name", "contact", "envelope", NULL};
     sn_json_value envelope = sn_json_member(value, "envelope");
     sn_status status = get_file(&envelope, &out->uri, error);
-    if (status == SN_OK) sn_json_warn_unknown(value, known);
+    if (status == SN_OK) status = sn_json_check_members(value, known, error);
     return status;
 }
 
@@ -39,7 +39,7 @@ static sn_status parse_driven(const sn_json_value *value, sn_scene_surface *out,
     if (status == SN_OK) status = sn_json_get_choice(&up, up_names, &axis, error);
     if (status == SN_OK) status = sn_json_get_number(&rate, SN_JSON_POSITIVE, INFINITY, &out->rate, error);
     out->up = axis < 0 ? SN_UP_UNKNOWN : axis == 0 ? SN_UP_Y : SN_UP_Z;
-    if (status == SN_OK) sn_json_warn_unknown(value, known);
+    if (status == SN_OK) status = sn_json_check_members(value, known, error);
     return status;
 }
 

@@ -35,7 +35,7 @@ static sn_status parse_trigger(const sn_json_value *value, double unit, sn_trigg
     int sense = 0;
     *out = (sn_trigger){.level = 1.0};
     sn_status status = sn_json_expect_object(value, error);
-    if (status == SN_OK) sn_json_warn_unknown(value, known);
+    if (status == SN_OK) status = sn_json_check_members(value, known, error);
     if (status == SN_OK) status = sn_json_require(&threshold, "what the reading must pass", error);
     if (status == SN_OK) status = sn_json_get_number(&threshold, -1e12, 1e12, &out->threshold, error);
     if (status == SN_OK) status = sn_json_get_number(&hysteresis, 0.0, 1e12, &out->hysteresis, error);
@@ -128,7 +128,7 @@ static sn_status parse_to(const sn_json_value *to, sn_side side, sn_sensor_place
     if (status != SN_OK) return status;
     if (!sn_json_is_text(to)) {
         status = sn_json_expect_object(to, error);
-        if (status == SN_OK) sn_json_warn_unknown(to, known);
+        if (status == SN_OK) status = sn_json_check_members(to, known, error);
         return status == SN_OK ? parse_place(to, side, out, error) : status;
     }
     status = parse_joint(to, side, &out->joint, &world, error);
@@ -176,11 +176,12 @@ static sn_status parse_response(const sn_json_value *value, sn_side side, sn_sen
 
 static bool is_angular(sn_sensor_kind kind) { return kind <= SN_SENSOR_ANGULAR_ACCELERATION; }
 
-static void warn_of_unknown(const sn_json_value *value, sn_sensor_kind kind) {
-    static const char *const of_rotations[] = {"name", "type", "joint", "relativeTo", "axis", "filter", "curve", "trigger", NULL};
+static sn_status check_members(const sn_json_value *value, sn_sensor_kind kind, sn_error *error) {
+    static const char *const of_rotations[] = {"name",   "type",          "joint", "relativeTo", "axis",
+                                               "filter", "metersPerUnit", "curve", "trigger",    NULL};
     static const char *const of_points[] = {"name", "type", "joint", "point", "relativeTo", "axis", "filter", "curve", "trigger", NULL};
     static const char *const of_two[] = {"name", "type", "joint", "point", "to", "relativeTo", "axis", "filter", "curve", "trigger", NULL};
-    sn_json_warn_unknown(value, is_angular(kind) ? of_rotations : kind == SN_SENSOR_DISTANCE ? of_two : of_points);
+    return sn_json_check_members(value, is_angular(kind) ? of_rotations : kind == SN_SENSOR_DISTANCE ? of_two : of_points, error);
 }
 
 /* What is measured: which joint or points, seen from where, along what. */
@@ -207,7 +208,7 @@ static sn_status parse_sensor(const sn_json_value *value, sn_side side, sn_senso
     out->kind = (sn_sensor_kind)kind;
     if (status == SN_OK) status = parse_measure(value, side, out, error);
     if (status == SN_OK) status = parse_response(value, side, out, error);
-    if (status == SN_OK && side.side <= 0) warn_of_unknown(value, out->kind); /* once, not for each side */
+    if (status == SN_OK && side.side <= 0) status = check_members(value, out->kind, error); /* once, not for each side */
     return status;
 }
 
@@ -263,7 +264,7 @@ static sn_status parse_input(reader *r, const sn_json_value *value, sn_side side
     char *text = NULL;
     out->weight = 1.0;
     sn_status status = bare ? SN_OK : sn_json_expect_object(value, error);
-    if (status == SN_OK && !bare && side.side <= 0) sn_json_warn_unknown(value, known);
+    if (status == SN_OK && !bare && side.side <= 0) status = sn_json_check_members(value, known, error);
     if (status == SN_OK) status = sn_json_require(&name, "the name of a sensor", error);
     if (status == SN_OK) status = sn_side_text(&name, side, &text, error);
     if (status == SN_OK && !bare) status = sn_json_get_number(&weight, -1e6, 1e6, &out->weight, error);
@@ -303,8 +304,8 @@ static sn_status parse_feed(reader *r, const sn_json_value *value, sn_side side,
     sn_json_value sensors = sn_json_member(value, "sensors"), combine = sn_json_member(value, "combine"),
                   floor = sn_json_member(value, "floor"), trigger = sn_json_member(value, "trigger");
     int choice = 0;
-    if (side.side <= 0) sn_json_warn_unknown(value, known);
-    sn_status status = sn_json_get_choice(&combine, sn_combination_names, &choice, error);
+    sn_status status = side.side <= 0 ? sn_json_check_members(value, known, error) : SN_OK;
+    if (status == SN_OK) status = sn_json_get_choice(&combine, sn_combination_names, &choice, error);
     out->combination = (sn_combination)choice;
     if (status == SN_OK) status = parse_inputs(r, &sensors, side, out, error);
     if (status == SN_OK) status = sn_json_get_number(&floor, 0.0, 1.0, &out->floor, error);
@@ -485,7 +486,7 @@ static sn_status parse_head(reader *r, const sn_json_value *top, sn_error *error
     sn_status status = sn_json_expect_format(top, "sinew-sensors", 1, error);
     if (status == SN_OK) status = sn_json_get_number(&unit, SN_JSON_POSITIVE, INFINITY, &meters, error);
     if (status == SN_OK && meters != 1.0) status = sn_json_complain(&unit, error, "sensors measure in metres, whatever a scene's unit");
-    if (status == SN_OK) sn_json_warn_unknown(top, known);
+    if (status == SN_OK) status = sn_json_check_members(top, known, error);
     if (status == SN_OK) status = sn_json_get_text(&name, &r->out->name, error);
     if (status == SN_OK) status = sn_json_get_number(&filter, 0.0, 1e5, &r->out->cutoff, error);
     if (status == SN_OK) status = sn_sides_parse(&sides, &r->sides, error);

@@ -61,24 +61,32 @@ static void list_words(const char *const *words, char *out, size_t size) {
     }
 }
 
+/* "; did you mean WORD?", or nothing. */
+static const char *guess(const char *const *words, const char *text, size_t length, char *out, size_t size) {
+    const char *meant = sn_nearest_word(text, length, words);
+    snprintf(out, size, "%s%s%s", meant != NULL ? "; did you mean " : "", meant != NULL ? meant : "", meant != NULL ? "?" : "");
+    return out;
+}
+
 static sn_status unknown_key(sn_solver_method method, const char *text, size_t length, sn_error *error) {
     const char *names[KEY_COUNT + 1] = {NULL};
-    char list[256];
+    char list[256], meant[64];
     int count = 0;
     for (int i = 0; i < KEY_COUNT; i++)
         if (KEYS[i].methods & (1U << method)) names[count++] = KEYS[i].name;
     list_words(names, list, sizeof list);
-    return sn_fail(error, SN_ERROR_INPUT, "%s has no \"%.*s\"; it has %s", sn_solver_method_names[method], (int)(length < 64 ? length : 64),
-                   text, list);
+    return sn_fail(error, SN_ERROR_INPUT, "%s has no \"%.*s\"; it has %s%s", sn_solver_method_names[method],
+                   (int)(length < 64 ? length : 64), text, list, guess(names, text, length, meant, sizeof meant));
 }
 
 static sn_status parse_word(const setting_key *key, const char *text, size_t length, double *out, sn_error *error) {
-    char list[256];
+    char list[256], meant[64];
     int place = find_word(key->words, text, length);
     *out = place;
     if (place >= 0) return SN_OK;
     list_words(key->words, list, sizeof list);
-    return sn_fail(error, SN_ERROR_INPUT, "%s=%.*s: it is %s", key->name, (int)(length < 64 ? length : 64), text, list);
+    return sn_fail(error, SN_ERROR_INPUT, "%s=%.*s: it is %s%s", key->name, (int)(length < 64 ? length : 64), text, list,
+                   guess(key->words, text, length, meant, sizeof meant));
 }
 
 static sn_status parse_value(sn_solver_method method, const setting_key *key, const char *text, size_t length, double *out,

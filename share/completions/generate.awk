@@ -1,5 +1,14 @@
 # generate.awk -- completions from the text of --help. Given: shell, tool.
 # An option's line: "  -o, --output FILE             write to FILE"; two spaces or more end the argument's word.
+# The values of one, under "Values:": "  --units                       m, cm, mm".
+
+/^[A-Z][a-z ]*:$/ { values_follow = $0 == "Values:" }
+values_follow && /^  --[a-z]/ {
+    name = substr($1, 3)
+    words[name] = $0
+    sub(/^ *[^ ]+ +/, "", words[name])
+    gsub(/,/, "", words[name])
+}
 
 /^  (-[A-Za-z], |    )--[a-z]/ {
     n++
@@ -20,8 +29,7 @@
 # what an option's argument stands for: choices, "files", or "" for anything
 function values(i,    word) {
     word = argument[i]
-    if (word == "UNIT") return "m cm mm"
-    if (word == "AXIS") return "z y"
+    if (long[i] in words) return words[long[i]]
     return word ~ /FILE|PATH/ || (word ~ /LIST/ && help[i] ~ /^a text file/) ? "files" : ""
 }
 
@@ -32,25 +40,30 @@ function quoted(text) {
 
 # ---- bash --------------------------------------------------------------------------------------------------------------------------
 
+# may there be several of the values, with commas between them?
+function is_list(i) { return argument[i] ~ /LIST/ && long[i] in words }
+
 function bash_names(i) { return "--" long[i] (i in short ? " | -" short[i] : "") }
 
-function write_bash(    i, words, name, value) {
+function write_bash(    i, options, name, value) {
     name = "_sinew_" tool
     gsub(/-/, "_", name)
-    for (i = 1; i <= n; i++) words = words (i > 1 ? " " : "") (i in short ? "-" short[i] " " : "") "--" long[i]
+    for (i = 1; i <= n; i++) options = options (i > 1 ? " " : "") (i in short ? "-" short[i] " " : "") "--" long[i]
     print name "() {"
     print "    local word=${COMP_WORDS[COMP_CWORD]} before=${COMP_WORDS[COMP_CWORD - 1]}"
     print "    COMPREPLY=()"
+    print "    if [[ $word == = ]]; then word=; elif [[ $before == = ]]; then before=${COMP_WORDS[COMP_CWORD - 2]}; fi"
     print "    case $before in"
     for (i = 1; i <= n; i++) {
         if (!(i in argument)) continue
         value = values(i)
         if (value == "") print "        " bash_names(i) ") return ;;"
+        else if (is_list(i)) print "        " bash_names(i) ") before=; [[ $word == *,* ]] && before=${word%,*},; mapfile -t COMPREPLY < <(compgen -P \"$before\" -W " quoted(value) " -- \"${word##*,}\"); return ;;"
         else if (value != "files") print "        " bash_names(i) ") mapfile -t COMPREPLY < <(compgen -W " quoted(value) " -- \"$word\"); return ;;"
     }
     print "    esac"
     print "    if [[ $word == -* ]]; then"
-    print "        mapfile -t COMPREPLY < <(compgen -W " quoted(words) " -- \"$word\")"
+    print "        mapfile -t COMPREPLY < <(compgen -W " quoted(options) " -- \"$word\")"
     print "    else"
     print "        compopt -o filenames 2> /dev/null"
     print "        mapfile -t COMPREPLY < <(compgen -f -- \"$word\")"
@@ -73,7 +86,7 @@ function write_zsh(    i, value, action, tail) {
         tail = "[" zsh_text(help[i]) "]"
         if (i in argument) {
             value = values(i)
-            action = value == "files" ? "_files" : value == "" ? " " : "(" value ")"
+            action = value == "files" ? "_files" : value == "" ? " " : is_list(i) ? "_values -s , " long[i] " " value : "(" value ")"
             tail = tail ":" zsh_text(argument[i]) ":" action
         }
         if (i in short) print "    '*'{-" short[i] ",--" long[i] "}" quoted(tail) " \\"

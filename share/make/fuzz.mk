@@ -26,15 +26,19 @@ fuzz-run:
 
 $(F)/%.o: %.c
 	@mkdir -p $(@D)
-	$(FUZZ_CC) $(CPPFLAGS_ALL) $(FUZZ_FLAGS) -fsanitize=fuzzer-no-link -MMD -MP -c -o $@ $<
+	$(call say,CC,$<)
+	$(Q)$(FUZZ_CC) $(CPPFLAGS_ALL) $(FUZZ_FLAGS) -fsanitize=fuzzer-no-link -MMD -MP -c -o $@ $<
 $(F)/libsinew.a: $(FUZZ_OBJECTS)
 	@rm -f $@
-	ar rcs $@ $^
+	$(call say,AR,$@)
+	$(Q)ar rcs $@ $^
 $(F)/fuzz-%: tests/fuzz/targets/reader.c $(F)/libsinew.a
-	$(FUZZ_CC) $(CPPFLAGS_ALL) $(FUZZ_FLAGS) -fsanitize=fuzzer -DTARGET_$* -o $@ $< $(F)/libsinew.a \
+	$(call say,LINK,$@)
+	$(Q)$(FUZZ_CC) $(CPPFLAGS_ALL) $(FUZZ_FLAGS) -fsanitize=fuzzer -DTARGET_$* -o $@ $< $(F)/libsinew.a \
 	    -Wl,--as-needed $(LINK_mesh) $(LINK_json) $(LINK_gsl) $(LINK_exact) -lm
 $(F)/fuzz-state: tests/fuzz/targets/state.c tests/fuzz/states.h $(FUZZ_SIM_OBJECTS) $(F)/libsinew.a
-	$(FUZZ_CC) $(CPPFLAGS_ALL) $(FUZZ_FLAGS) -fsanitize=fuzzer -o $@ $< $(FUZZ_SIM_OBJECTS) $(F)/libsinew.a \
+	$(call say,LINK,$@)
+	$(Q)$(FUZZ_CC) $(CPPFLAGS_ALL) $(FUZZ_FLAGS) -fsanitize=fuzzer -o $@ $< $(FUZZ_SIM_OBJECTS) $(F)/libsinew.a \
 	    -Wl,--as-needed $(LINK_sparse) $(LINK_mesh) $(LINK_json) $(LINK_gsl) $(LINK_exact) -lcmocka -lm
 
 -include $(FUZZ_OBJECTS:.o=.d) $(FUZZ_SIM_OBJECTS:.o=.d)

@@ -15,7 +15,7 @@ CLI_SUITES := $(sort $(wildcard tests/cli/*.bats))
 UNIT_STAMPS := $(UNIT_TESTS:$(B)/tests/unit/%=$(STAMPS)/unit-%)
 CLI_STAMPS := $(CLI_SUITES:tests/cli/%.bats=$(STAMPS)/cli-%)
 PROGRAM_STAMPS := $(patsubst tests/%.c,$(STAMPS)/program-%,$(sort $(wildcard tests/fuzz/*.c tests/numerics/*.c)))
-SHORT_STAMPS := $(STAMPS)/layering $(STAMPS)/circles $(STAMPS)/parameters $(UNIT_STAMPS) $(CLI_STAMPS)
+SHORT_STAMPS := $(STAMPS)/layering $(STAMPS)/circles $(STAMPS)/parameters $(STAMPS)/man-schema $(UNIT_STAMPS) $(CLI_STAMPS)
 ALL_STAMPS := $(SHORT_STAMPS) $(PROGRAM_STAMPS) $(STAMPS)/examples $(STAMPS)/anatomy $(STAMPS)/install
 ASSETS := $(wildcard share/make/sinew.mk share/make/assets share/make/*.awk)
 EVERYTHING := $(ASSETS) $(wildcard share/plots/* share/examples/arm/* share/examples/body/* share/examples/assets/* share/examples/papers/* share/examples/sensors/* share/completions/*) $(BUILT_TOOLS) $(BUILT_LIBEXEC) $(EXAMPLES) $(wildcard share/schema/*.json) tests/suite
@@ -40,6 +40,8 @@ $(STAMPS)/circles: tests/circles $(B)/libsinew.a
 	@tests/suite $@ circles tests/circles $(addprefix $(B)/lib/,base geom motion sim view)
 $(STAMPS)/parameters: tests/parameters $(wildcard include/sinew/*.h lib/*/*.[ch] lib/*/*.hpp lib/*/*.cpp tools/*.[ch])
 	@tests/suite $@ parameters tests/parameters
+$(STAMPS)/man-schema: tests/man-schema $(wildcard share/man/*.5 share/schema/*.json)
+	@tests/suite $@ man-schema tests/man-schema share/man share/schema
 $(UNIT_STAMPS): $(STAMPS)/unit-%: $(B)/tests/unit/%
 	@DATA=$(DATA) tests/suite $@ unit/$* $<
 $(STAMPS)/program-numerics/sim_golden: tests/data/golden.txt
@@ -47,6 +49,7 @@ $(PROGRAM_STAMPS): $(STAMPS)/program-%: $(B)/tests/%
 	@DATA=$(DATA) tests/suite $@ $* $<
 $(CLI_STAMPS): $(STAMPS)/cli-%: tests/cli/%.bats $(EVERYTHING)
 	@BIN=$(CURDIR)/$(B)/bin EXAMPLES=$(CURDIR)/$(B)/examples DATA=$(abspath $(DATA)) CONFIG=$(CONFIG) tests/suite $@ cli/$* bats --tap $<
+$(STAMPS)/cli-make: Makefile share/make/project.mk share/make/install-packages tests/sum
 $(STAMPS)/cli-papers: tests/kohout-table $(B)/tests/numerics/hinge_rules
 $(STAMPS)/examples: tests/run-man-examples tests/sample-folder README.md $(wildcard share/man/*.[157]) $(EVERYTHING)
 	@tests/suite $@ examples tests/run-man-examples $(B)/bin $(B)/examples
@@ -148,7 +151,8 @@ completions: $(COMPLETIONS)
 define completion_rule
 $(B)/completions/$1/%: $(B)/bin/% share/completions/generate share/completions/generate.awk
 	@mkdir -p $$(@D)
-	$$< --help | share/completions/generate $1 $$* > $$@
+	$$(call say,GEN,$$@)
+	$$(Q)$$< --help | share/completions/generate $1 $$* > $$@
 endef
 $(foreach s,bash zsh fish,$(eval $(call completion_rule,$s)))
 

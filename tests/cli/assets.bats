@@ -258,6 +258,13 @@ refused() { # WORDS [MAKE ARGUMENT...]: one sentence, no work
     [ ! -e rigs/sheet-2.png ]
 }
 
+@test "rigs say their units themselves: those of the surfaces are not asked of the sheet" {
+    row biceps mesh-clean '--units mm'
+    make SINEW_BONES= SINEW_UNITS=cm SINEW_UP=y > said 2> complaints
+    refute grep -q 'no picture' complaints
+    [ "$(head -c 4 rigs/sheet-1.png | tail -c 3)" = PNG ]
+}
+
 @test "the example builds" {
     ARM=$EXAMPLES/arm/arm TOOLS=$BIN sh "$share/examples/assets/generate.sh" x
     cd x

@@ -45,6 +45,43 @@ setup() {
     done
 }
 
+@test "a mistyped option is named as it was meant, in every tool; what is like none is not" {
+    for tool in $tools; do
+        for option in $("$BIN/$tool" --help | grep -o -e '^ *\(-.,\)\? *--[a-z-]*' | grep -o -e '--[a-z-]*'); do
+            [ "${#option}" -ge 7 ] || continue
+            mistyped=${option:0:4}q${option:5} # another letter for the third
+            code=0
+            "$BIN/$tool" "$mistyped" > out 2> err < /dev/null || code=$?
+            [ "$code" -eq 2 ]
+            grep -q -e "there is no option $mistyped; did you mean --[a-z-]*?;" err || { echo "$tool $mistyped"; cat err; false; }
+            swapped=${option:0:3}${option:4:1}${option:3:1}${option:5}
+            [ "$swapped" != "$option" ] || continue
+            "$BIN/$tool" "$swapped" > out 2> err < /dev/null || true
+            grep -q -e "did you mean $option?;" err || { echo "$tool $swapped"; cat err; false; }
+        done
+        "$BIN/$tool" --help | grep -q -e ' --strict '
+        run -2 "$BIN/$tool" --qqqqqqqqqqqqqqqq
+        [[ "$output" != *"did you mean"* ]]
+    done
+}
+
+@test "a mistyped value of an option with known values is named as it was meant" {
+    means() { # TOOL OPTION VALUE MEANT
+        run -2 "$BIN/$1" "--$2" "$3" none.json
+        [[ "$output" == *"did you mean $4?"* ]] || { echo "$*: $output"; false; }
+    }
+    means simulate scheme romoe romeo
+    means simulate solver QN qn
+    means simulate law isochorik isochoric
+    means rig-view show fibres fibers
+    means rig-view show surface,atachments attachments
+    means attach-detect method prximity proximity
+    means error-time stretch membran membrane
+    run -2 "$BIN/mesh-clean" --units dm none.off
+    [[ "$output" != *"did you mean"* ]]
+    [[ "$output" == *"not one of m, cm, mm;"* ]]
+}
+
 @test "a missing input file is named, status 1" {
     for tool in $tools; do
         code=0
@@ -81,6 +118,73 @@ setup() {
     run -1 sh -c "'$BIN/mesh-clean' tetra.off > /dev/full"
     run -1 sh -c "'$BIN/mesh-clean' tetra.off -o /dev/full"
     [ -c /dev/full ]
+}
+
+# piped COMMAND...: with a standard output that nobody reads any more; its status and what it said are in code and err
+piped() {
+    code=0
+    { sleep 0.3; "$@" 2> err || echo $? > code; } | true
+    code=$(cat code 2> /dev/null || echo 0)
+    rm -f code
+}
+
+@test "a tool whose reader has gone ends by the signal, without a word, as others do" {
+    "$EXAMPLES/tip/tip" --triangles 200 tip > /dev/null
+    for tool in $tools; do
+        piped "$BIN/$tool" --help
+        [ "$code" -eq 141 ] || { echo "$tool --help: $code"; cat err; false; }
+        [ ! -s err ]
+    done
+    printf '{"format": "sinew-motion", "version": 1, "rate": 24, "joints": [{"name": "b", "type": "hinge", "axis": [1,0,0], "point": [0,0,0], "keys": [[0,0],[1,90]]}]}' > m.json
+    printf '{"format": "sinew-sensors", "version": 1, "sensors": [{"name": "s", "type": "angle", "joint": "b", "axis": "x", "curve": [[0,0],[90,1]]}]}' > s.json
+    rig=tip/fusiform.muscle.json
+    "$BIN/root-select" -q $rig -o rooted.json
+    "$BIN/build-structure" -q rooted.json -o built.json
+    while read -r tool words; do
+        # shellcheck disable=SC2086
+        piped "$BIN/$tool" $words
+        [ "$code" -eq 141 ] || { echo "$tool $words: $code"; cat err; false; }
+        refute grep -q "^$tool: [^w].*\(written\|write\|pipe\)" err
+    done << END
+mesh-clean -q $rig
+root-select -q $rig
+build-structure -q rooted.json
+fiber-flow -q built.json
+fiber-fill -q -n 4 built.json
+attach-detect -q --pin a=indices:1 $rig
+motion-import -q m.json
+motion-import -q --list m.json
+motion-sense -q --sensors s.json m.json
+motion-sense -q --sensors s.json --list m.json
+simulate -q tip/tip.scene.json
+simulate -q --plan tip/tip.scene.json
+rig-view $rig
+END
+    # whoever ignores the signal wants to hear of it
+    (trap '' PIPE; piped "$BIN/mesh-clean" -q $rig; [ "$code" -eq 1 ])
+    grep -q '^mesh-clean: .*Broken pipe' err
+}
+
+@test "--units, --up and --mesh are applied or refused, never ignored" {
+    "$BIN/mesh-clean" -q --units mm tetra.off -o mm.json
+    for tool in mesh-clean root-select rig-view; do
+        for words in "--units m" "--units cm" "--up y" "--mesh 1"; do
+            # shellcheck disable=SC2086
+            run -2 "$BIN/$tool" $words mm.json -o x.out
+            [[ "$output" == *mm.json:*"bare meshes"* ]] || { echo "$tool $words: $output"; false; }
+        done
+    done
+    "$BIN/mesh-clean" -q --units mm --up z mm.json -o same.json
+    echo '{"format": "sinew-scene", "version": 1}' > s.json
+    run -2 "$BIN/rig-view" --units mm s.json -o x.png
+    [[ "$output" == *s.json:*"bare meshes"* ]]
+    echo '{"format": "sinew-motion", "version": 1, "metersPerUnit": 0.01, "joints": [{"name": "b", "type": "hinge", "axis": [1,0,0], "point": [0,0,0]}]}' > m.json
+    run -2 "$BIN/motion-import" --units mm m.json
+    [[ "$output" == *m.json:*"here 0.01 m, not 0.001 m"* ]]
+    "$BIN/motion-import" -q --units cm m.json > out.json
+    printf '{"format": "sinew-envelope", "version": 1, "mesh": {"vertices": [0,0,0, 1,0,0, 0,1,0, 0,0,1], "triangles": [0,2,1, 0,1,3, 1,2,3, 2,0,3]}, "bones": ["b"], "influences": {"counts": [1,1,1,1], "bones": [0,0,0,0], "weights": [1,1,1,1]}}' > e.json
+    run -2 "$BIN/envelope-bind" --units mm --bones m.json e.json
+    [[ "$output" == *e.json:*"bare meshes"* ]]
 }
 
 @test "an output that fails leaves the old file alone" {

@@ -48,6 +48,41 @@ offers() {
     done
 }
 
+# the values of --help, a line "OPTION VALUE ..." each
+values() { "$BIN/$1" --help | sed -n '/^Values:$/,/^$/{s/,//g;s/^  --//p}'; }
+
+@test "every known value is completed by every shell" {
+    for tool in "$BIN"/*; do
+        name=${tool##*/}
+        . "./$name.bash"
+        values "$name" > known
+        while read -r option words; do
+            [ "$(offers "$name" "--$option" "" | tr '\n' ' ')" = "$words " ] || { echo "$name --$option"; offers "$name" "--$option" ""; false; }
+            grep -q -e "--$option[^a-z-].*[( ]$words[)']" "$name.zsh" || { echo "$name.zsh --$option"; false; }
+            grep -q -e " -l $option .*-a '$words'" "$name.fish" || { echo "$name.fish --$option"; false; }
+        done < known
+    done
+    [ "$(values simulate | grep -c -E '^(law|scheme|solver|precision|hinges|format|collision) ')" -eq 7 ]
+    [ "$(offers simulate --scheme k)" = kohout ]
+    [ "$(offers simulate --scheme = k)" = kohout ] # as bash parts --scheme=k
+    [ "$(offers simulate --scheme = | wc -l)" -eq 3 ]
+    [ "$(offers rig-view --show surface,ext)" = surface,externals ]
+    [ "$(offers rig-view --show surface,ext,w)" = surface,ext,wire ]
+}
+
+@test "the values that the help tells are those that the tools take" {
+    for tool in "$BIN"/*; do
+        name=${tool##*/}
+        values "$name" > known
+        while read -r option words; do
+            for word in $words; do
+                run "$tool" "--$option" "$word" none.of.these.json
+                case $output in *"not one of"* | *" is no "*) echo "$name --$option $word: $output"; false ;; esac
+            done
+        done < known
+    done
+}
+
 @test "zsh and fish read them" {
     for tool in "$BIN"/*; do
         name=${tool##*/}

@@ -189,3 +189,126 @@ END
         }
     done
 }
+
+# mistyped TOOL-COMMAND...: FILE has a mistyped member: it is warned of, with what was meant, and under --strict an error with name and place.
+mistyped() { # MEMBER MEANT FILE COMMAND...
+    local member=$1 meant=$2 file=$3
+    shift 3
+    "$@" > out 2> err || { cat err; false; }
+    grep -q "warning: $file:[0-9]*: .*$member (did you mean $meant?)" err || { echo "$*"; cat err; false; }
+    code=0
+    "$@" --strict > out 2> err || code=$?
+    [ "$code" -eq 1 ]
+    [ ! -s out ]
+    [ "$(wc -l < err)" -eq 1 ]
+    grep -q ": $file:[0-9]*:[0-9]*: .*$member: sinew knows no such member: did you mean \"$meant\"?" err || { echo "$* --strict"; cat err; false; }
+    sed -i "s/\"$member\"/\"x-$member\"/" "$file"
+    "$@" --strict > out 2> err || { cat err; false; }
+    refute grep -q "$member" err
+}
+
+@test "a mistyped member of any kind of document is named as it was meant; --strict refuses it" {
+    tetra='"mesh": {"vertices": [0,0,0, 0.1,0,0, 0,0.1,0, 0,0,0.1], "triangles": [0,2,1, 0,1,3, 1,2,3, 2,0,3]}'
+    echo '{"format": "sinew-muscle", "version": 1, "metersPerUnit": 1, '"$tetra"', "root": {"vertices": [0]}}' > a.muscle.json
+    mistyped root roots a.muscle.json "$BIN/mesh-clean" a.muscle.json
+    echo '{"format": "sinew-muscle", "version": 1, "metersPerUnit": 1, '"$tetra"', "attachments": [{"bone": "b", "vertices": [0], "distance": [0]}]}' > a.muscle.json
+    mistyped distance distances a.muscle.json "$BIN/mesh-clean" a.muscle.json
+    echo '{"format": "sinew-muscle", "version": 1, "metersPerUnit": 1, '"$tetra"', "host": {"vertices": [0]}}' > a.muscle.json
+    "$BIN/mesh-clean" a.muscle.json > out 2> err # of another program: passed on without a word
+    refute grep -q host err
+    run -1 "$BIN/mesh-clean" --strict a.muscle.json
+    [[ "$output" == *"a.muscle.json:1:"*"host: sinew knows no such member;"* ]]
+    echo '{"format": "sinew-muscle", "version": 1, "metersPerUnit": 1, '"$tetra"'}' > a.muscle.json
+
+    echo '{"format": "sinew-motion", "version": 1, "Rate": 24, "joints": [{"name": "elbow", "type": "hinge", "axis": [1,0,0], "point": [0,0,0], "keys": [[0,0],[1,90]]}]}' > a.motion.json
+    mistyped Rate rate a.motion.json "$BIN/motion-import" a.motion.json
+    sed -i 's/"axis"/"ends": [0,0,1], "axis"/' a.motion.json
+    mistyped ends end a.motion.json "$BIN/motion-import" a.motion.json
+    echo '{"format": "sinew-motion", "version": 1, "joints": [{"name": "elbow", "type": "pose", "keys": [{"time": 0, "rotations": [1,0,0,0]}]}]}' > a.motion.json
+    mistyped rotations rotation a.motion.json "$BIN/motion-import" a.motion.json
+
+    echo '{"format": "sinew-activation", "version": 1, "nam": "x", "channels": {"a": {"times": [0,1], "values": [0,1], "interpolation": "smooth"}}}' > a.activation.json
+    echo '{"format": "sinew-scene", "version": 1, "muscles": [{"name": "a", "rig": "a.muscle.json", "activation": {"uri": "a.activation.json"}}]}' > a.scene.json
+    mistyped nam name a.activation.json "$BIN/simulate" --plan a.scene.json
+    sed -i 's/"interpolation"/"interpolaton"/' a.activation.json
+    mistyped interpolaton interpolation a.activation.json "$BIN/simulate" --plan a.scene.json
+
+    scene() { echo '{"format": "sinew-scene", "version": 1, '"$1"'"muscles": [{"name": "a", "rig": "a.muscle.json"'"$2"'}]}' > a.scene.json; }
+    while IFS='|' read -r of_scene of_muscle member meant; do
+        scene "$of_scene" "$of_muscle"
+        mistyped "$member" "$meant" a.scene.json "$BIN/simulate" --plan a.scene.json
+    done << 'END'
+"frame": [0, 3], ||frame|frames
+"solver": {"methods": "qn"}, ||methods|method
+"contact": {"enabled": false, "samplez": 1}, ||samplez|samples
+"externals": {"enabled": false, "stifness": 1}, ||stifness|stiffness
+"motion": {"joint": []}, ||joint|joints
+|, "contration": 0.4|contration|contraction
+|, "stiffness": {"relax": 1}|relax|relaxed
+|, "maps": {"activations": "x"}|activations|activation
+|, "activation": {"keys": [{"time": 0, "activation": 1, "Frame": 3}]}|Frame|frame
+END
+
+    cat > a.sensors.json << 'END'
+{"format": "sinew-sensors", "version": 1, "sensors": [
+  {"name": "bent", "type": "angle", "joint": "elbow", "axis": "x", "curve": [[0, 0], [90, 1]], "filtr": 0}]}
+END
+    echo '{"format": "sinew-motion", "version": 1, "rate": 24, "joints": [{"name": "elbow", "type": "hinge", "axis": [1,0,0], "point": [0,0,0], "keys": [[0,0],[1,90]]}]}' > a.motion.json
+    mistyped filtr filter a.sensors.json "$BIN/motion-sense" a.motion.json --sensors a.sensors.json
+    echo '{"format": "sinew-envelope", "version": 1, '"$tetra"', "bones": ["b"], "influences": {"counts": [1,1,1,1], "bones": [0,0,0,0], "weights": [1,1,1,1]}, "reech": 1}' > a.envelope.json
+    scene '"motion": {"joints": [{"name": "b", "type": "hinge", "axis": [1,0,0], "point": [0,0,0]}]}, "surfaces": [{"name": "skin", "envelope": "a.envelope.json"}], '
+    mistyped reech reach a.envelope.json "$BIN/rig-view" a.scene.json -o a.png
+}
+
+@test "so is one of a template, of ends and of landmarks" {
+    spindle > s.off
+    "$BIN/root-select" -q s.off -o r.json
+    "$BIN/build-structure" -q r.json -o s.json
+    echo '{"format": "sinew-fiber-template", "version": 1, "curves": [{"points": [0.5,0.5,0, 0.9,0.5,0.5, 0.5,0.5,1], "nam": "x"}], "descripton": ""}' > t.json
+    run -1 "$BIN/fiber-fill" --strict -n 4 --template-file t.json s.json
+    [[ "$output" == *"t.json:1:"*"descripton: sinew knows no such member;"* ]]
+    sed -i 's/"descripton"/"versions"/' t.json
+    "$BIN/fiber-fill" -n 4 --template-file t.json s.json > out 2> err
+    grep -q "warning: t.json:1: sinew knows no member versions here" err # version is there: it was not meant
+    grep -q "warning: t.json:1: curves\[0\]: sinew knows no member nam here" err
+    echo '{"format": "sinew-fiber-ends", "version": 1, "origin": [0], "insertion": [320], "origins": [1]}' > e.json
+    run -1 "$BIN/fiber-fill" --strict -n 4 --ends e.json s.json
+    [[ "$output" == *"e.json:1:"*"origins: sinew knows no such member"* ]]
+    echo '{"areas": [{"bone": "b", "landmark": [[0,0,0]]}]}' > l.json
+    run -1 "$BIN/attach-detect" --landmarks l.json --pin b=indices:1 s.json
+    [[ "$output" == *'areas[0].landmarks: '*'did you mean it by "landmark"?'* ]]
+}
+
+@test "the defaults of the scene's schema are those that simulate fills in" {
+    echo '{"format": "sinew-muscle", "version": 1, "metersPerUnit": 1, "mesh": {"vertices": [0,0,0, 0.1,0,0, 0,0.1,0, 0,0,0.1], "triangles": [0,2,1, 0,1,3, 1,2,3, 2,0,3]}}' > a.muscle.json
+    for method in '{}' '{"method": "xpbd"}' '{"scheme": "kohout"}'; do
+        echo '{"format": "sinew-scene", "version": 1, "contact": true, "externals": true, "solver": '"$method"', "muscles": [{"rig": "a.muscle.json"}]}' > a.scene.json
+        "$BIN/simulate" --plan a.scene.json > "plan-${#method}.json"
+    done
+    /usr/bin/python3 - "$schemas/scene.schema.json" plan-*.json << 'END'
+import json, sys
+schema = json.load(open(sys.argv[1]))
+top, muscle = schema["properties"], schema["$defs"]["muscle"]["properties"]
+compared = set()
+
+def compare(properties, found, path, given):
+    for name, node in properties.items():
+        if "default" not in node or name not in found or name in given: continue
+        assert found[name] == node["default"], f"{path}.{name}: {found[name]} is not {node['default']}"
+        compared.add(f"{path}.{name}")
+
+for plan in sys.argv[2:]:
+    scene = json.load(open(plan))["scene"]
+    solver = scene["solver"]
+    given = {"method", "scheme"} if solver["method"] == "xpbd" else set()
+    if solver["scheme"] == "kohout": given |= {"hinges", "collision"}
+    compare(top, scene, "", set())
+    compare(top["solver"]["properties"], solver, "solver", given)
+    compare(top["contact"]["anyOf"][1]["properties"], scene["contact"], "contact", given | ({"collision"}))
+    compare(top["externals"]["anyOf"][1]["properties"], scene["externals"], "externals", set())
+    compare(muscle, scene["muscles"][0], "muscle", set())
+    compare(muscle["stiffness"]["properties"], scene["muscles"][0]["stiffness"], "stiffness", set())
+print(len(compared), sorted(compared))
+assert len(compared) >= 38, len(compared)
+END
+}

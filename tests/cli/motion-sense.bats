@@ -216,7 +216,7 @@ END
     told "sensor \"biceps\" $fixed ulna" 's/"axis": "-x"/"axis": "-x", "relativeTo": "ulna"/'
     told "sensor \"speed\" $fixed ulna" 's/"velocity", "joint": "ulna", "point": "end"/"distance", "joint": "ulna", "point": "end", "to": "ulna"/'
     told "sensor \"speed\" $fixed the world" 's/"velocity", "joint": "ulna", "point": "end"/"velocity", "joint": "world", "point": [0,0,1]/'
-    told "sinew knows no member hold_ here" 's/"attack"/"hold_": 1, "attack"/'
+    told "sinew knows no member hold_ (did you mean hold?) here" 's/"attack"/"hold_": 1, "attack"/'
     told "a filter of 70 Hz has nothing to take from 120 frames a second" 's/"sensors"/"filter": 70, "sensors"/'
     awk '/^-/ && n++ >= 100 { print $1 - 170; next } { print }' elbow.bvh > flip.bvh
     "$BIN/motion-sense" --sensors elbow.sensors.json flip.bvh -o a.json 2> err

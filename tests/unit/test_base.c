@@ -1,4 +1,5 @@
 /* test_base.c -- status, memory, numbers in text, hash, trace, threads. */
+#include <limits.h>
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -284,6 +285,39 @@ static void rigid_motions_invert(void **state) {
     assert_true(sn_distance(sn_quat_rotate(half, sn_v3(1, 0, 0)), sn_v3(sqrt(0.5), sqrt(0.5), 0)) < 1e-15);
 }
 
+/* Nobody is told that he meant something else altogether. */
+static void mistyped_words_are_found(void **state) {
+    (void)state;
+    const char *const known[] = {"method", "metersPerUnit", "mm", "iterations", "obj", NULL};
+    const struct {
+        const char *word, *meant;
+    } cases[] = {{"metod", "method"},
+                 {"mehtod", "method"},
+                 {"METHOD", "method"},
+                 {"meters_per_unit", "metersPerUnit"},
+                 {"iteration", "iterations"},
+                 {"cm", NULL},
+                 {"off", NULL},
+                 {"colour", NULL},
+                 {"", NULL},
+                 {"__", NULL},
+                 {"m", NULL},
+                 {"objj", "obj"},
+                 {"iterationsiterations", NULL}};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        const char *nearest = sn_nearest_word(cases[i].word, SIZE_MAX, known);
+        assert_true((nearest == NULL) == (cases[i].meant == NULL));
+        if (nearest != NULL) assert_string_equal(nearest, cases[i].meant);
+    }
+    assert_string_equal(sn_nearest_word("metod=3", 5, known), "method");
+    char endless[5000];
+    memset(endless, 'm', sizeof endless - 1);
+    endless[sizeof endless - 1] = '\0';
+    assert_null(sn_nearest_word(endless, SIZE_MAX, known));
+    assert_int_equal(sn_word_distance("kitten", SIZE_MAX, "kittne"), 1); /* a swap is one edit */
+    assert_int_equal(sn_word_distance("kitten", SIZE_MAX, "sitting"), INT_MAX);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(error_keeps_its_file),
@@ -299,6 +333,7 @@ int main(void) {
         cmocka_unit_test(eigenvectors_solve),
         cmocka_unit_test(robust_fit_ignores_outliers),
         cmocka_unit_test(rigid_motions_invert),
+        cmocka_unit_test(mistyped_words_are_found),
     };
     return cmocka_run_group_tests_name("base", tests, NULL, NULL);
 }

@@ -301,12 +301,73 @@ static void passing_on_keeps_everything(void **state) {
 
 static void unknown_members_are_named(void **state) {
     (void)state;
+    sn_error error = {0};
     sn_json_tree *tree = parsed("{\"stiffness\": {\"relaxed\": 1,\n \"activ\": 2, \"_note\": 3, \"x-mine\": 4, \"other\": 5}}");
     sn_json_value top = sn_json_top(tree), stiffness = sn_json_member(&top, "stiffness");
-    sn_json_warn_unknown(&stiffness, (const char *const[]){"relaxed", "active", NULL});
-    assert_contains(logged, "t.json:2: stiffness: sinew knows no member activ, other here");
+    assert_int_equal(sn_json_check_members(&stiffness, (const char *const[]){"relaxed", "active", NULL}, &error), SN_OK);
+    assert_contains(logged, "t.json:2: stiffness: sinew knows no member activ (did you mean active?), other here");
     assert_lacks(logged, "_note");
     assert_lacks(logged, "x-mine");
+    sn_json_tree_free(tree);
+}
+
+static void what_is_passed_on_is_named_where_it_seems_mistyped(void **state) {
+    (void)state;
+    sn_error error = {0};
+    const char *const known[] = {"roots", "fibers", "structure", NULL};
+    sn_json_tree *tree = parsed("{\"host\": 1,\n \"fibres\": 2, \"roots\": 3, \"root\": 4}");
+    sn_json_value top = sn_json_top(tree);
+    assert_int_equal(sn_json_check_passed(&top, known, &error), SN_OK);
+    assert_contains(logged, "t.json:2: sinew knows no member fibres (did you mean fibers?) here");
+    assert_lacks(logged, "host");
+    assert_lacks(logged, "root ("); /* the one that is there was not meant */
+    sn_json_tree_free(tree);
+}
+
+static void strictly_unknown_members_are_errors(void **state) {
+    (void)state;
+    sn_error error = {0};
+    const char *const known[] = {"relaxed", "active", NULL};
+    sn_json_tree *tree = parsed("{\"stiffness\": {\"_note\": 3, \"x-mine\": 4,\n \"Relaxd\": 1}}");
+    sn_json_value top = sn_json_top(tree), stiffness = sn_json_member(&top, "stiffness");
+    sn_documents_strict(true);
+    sn_status status = sn_json_check_members(&stiffness, known, &error), passed = sn_json_check_passed(&stiffness, known, NULL);
+    sn_documents_strict(false);
+    expect_complaint(
+        status, &error, 2, 12,
+        "stiffness.Relaxd: sinew knows no such member: did you mean \"relaxed\"?; a member of your own begins with '_' or \"x-\"");
+    assert_int_equal(passed, SN_ERROR_INPUT);
+    sn_json_tree_free(tree);
+}
+
+/* A document that consists of mistyped members does not bury what else is said. */
+static void not_every_object_is_told_of(void **state) {
+    (void)state;
+    sn_error error = {0};
+    sn_json_tree *tree = parsed("{\"a\": 1}");
+    sn_json_value top = sn_json_top(tree);
+    const char *const known[] = {"b", NULL};
+    for (int i = 0; i < 1000; i++) assert_int_equal(sn_json_check_members(&top, known, &error), SN_OK);
+    int lines = 0;
+    for (const char *at = logged; (at = strstr(at, "t.json:1:")) != NULL; at++) lines++;
+    assert_in_range(lines, 1, 21);
+    sn_json_tree_free(tree);
+}
+
+static void a_mistyped_member_that_is_needed_is_found(void **state) {
+    (void)state;
+    sn_error error = {0};
+    int choice = 0;
+    sn_json_tree *tree = parsed("{\"verticse\": 1, \"law\": \"isochorik\", \"other\": \"nothing\"}");
+    sn_json_value top = sn_json_top(tree), vertices = sn_json_member(&top, "vertices"), law = sn_json_member(&top, "law"),
+                  other = sn_json_member(&top, "other");
+    const char *const laws[] = {"projected", "paper", "isochoric", NULL};
+    assert_int_equal(sn_json_require(&vertices, "numbers", &error), SN_ERROR_INPUT);
+    assert_string_equal(error.text, "vertices: expected numbers, found nothing; did you mean it by \"verticse\"?");
+    assert_int_equal(sn_json_get_choice(&law, laws, &choice, &error), SN_ERROR_INPUT);
+    assert_contains(error.text, "found \"isochorik\"; did you mean \"isochoric\"?");
+    assert_int_equal(sn_json_get_choice(&other, laws, &choice, &error), SN_ERROR_INPUT);
+    assert_lacks(error.text, "did you mean");
     sn_json_tree_free(tree);
 }
 
@@ -323,6 +384,10 @@ int main(void) {
         cmocka_unit_test(missing_members_are_placed_at_their_object),
         cmocka_unit_test(passing_on_keeps_everything),
         cmocka_unit_test_setup(unknown_members_are_named, forget_log),
+        cmocka_unit_test_setup(what_is_passed_on_is_named_where_it_seems_mistyped, forget_log),
+        cmocka_unit_test_setup(strictly_unknown_members_are_errors, forget_log),
+        cmocka_unit_test_setup(not_every_object_is_told_of, forget_log),
+        cmocka_unit_test(a_mistyped_member_that_is_needed_is_found),
     };
     return cmocka_run_group_tests_name("json", tests, make_folder, remove_folder);
 }

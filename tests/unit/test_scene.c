@@ -292,7 +292,7 @@ static void mistyped_members_are_warned_of(void **state) {
     char *text = replace(scene_text, "\"contraction\"", "\"contration\"");
     (void)state;
     sn_scene scene = read_text(text, false);
-    assert_contains(logged, "t.scene.json:14: muscles[0]: sinew knows no member contration here");
+    assert_contains(logged, "t.scene.json:14: muscles[0]: sinew knows no member contration (did you mean contraction?) here");
     sn_scene_free(&scene);
     free(text);
 }

@@ -19,7 +19,10 @@ for n in $triangles; do
     rig "muscle-$n" "$n" "$@"
     scene "muscle-$n" "$frames" '' "$@"
     for i in $iterations; do
-        printf '%s\t%s\t%s\t%s\n' "$(count "muscle-$n")" "$i" "$(step "muscle-$n" kohout "$i")" "$(step "muscle-$n" guarded "$i")"
+        # by assignments: a run that fails ends the recipe, and leaves no empty cell
+        kohout=$(step "muscle-$n" kohout "$i")
+        guarded=$(step "muscle-$n" guarded "$i")
+        printf '%s\t%s\t%s\t%s\n' "$(count "muscle-$n")" "$i" "$kohout" "$guarded"
     done
 done >> "$out/$recipe.tsv"
 rm "$out/time.json"
