@@ -323,6 +323,78 @@ static void name_part(part *p, const struct aiNode *node, const struct aiScene *
     p->name[length] = '\0';
 }
 
+/* ---- parts of glTF, which sinew reads itself -------------------------------------------------------------------------------------- */
+
+/* As one line, from `length` on. */
+static size_t append_line(char *line, size_t length, size_t size, const char *text) {
+    for (; *text != '\0' && length < size - 1; text++) {
+        unsigned char c = (unsigned char)*text;
+        line[length++] = c < ' ' || c == 0x7f ? '_' : (char)c;
+    }
+    line[length] = '\0';
+    return length;
+}
+
+/* The node's name, or else its mesh's; instances are counted behind it. */
+static void name_gltf_part(part *p, const sn_gltf_part *from) {
+    char spare[32], number[16] = "";
+    snprintf(spare, sizeof spare, "meshes[%d]", (int)from->mesh);
+    if (from->instance != SN_NONE) snprintf(number, sizeof number, " %d", (int)from->instance + 1);
+    const char *text = *from->node_name != '\0' ? from->node_name : *from->mesh_name != '\0' ? from->mesh_name : spare;
+    size_t length = append_line(p->name, 0, sizeof p->name - strlen(number), text);
+    append_line(p->name, length, sizeof p->name, number);
+}
+
+static sn_status weld_gltf_part(meshes *m, const sn_gltf_part *from, int32_t *new_index, sn_error *error) {
+    size_t count = (size_t)from->vertex_count;
+    if (!begin_weld(m, count) || !sn_grow((void **)&m->vertices, &m->vertex_capacity, m->vertex_count + count, sizeof *m->vertices))
+        return sn_fail_memory(error, "the vertices");
+    for (size_t i = 0; i < count; i++) {
+        vertex *v = &m->vertices[m->vertex_count];
+        *v = (vertex){.colour = {1.0f, 1.0f, 1.0f, 1.0f}};
+        memcpy(v->position, from->positions + 3 * i, sizeof v->position);
+        if (from->colours != NULL) memcpy(v->colour, from->colours + 4 * i, sizeof v->colour);
+        size_t at = weld(m, m->vertex_count);
+        if (at == m->vertex_count) m->vertex_count++;
+        new_index[i] = (int32_t)at;
+    }
+    m->coloured = m->coloured || from->colours != NULL;
+    return SN_OK;
+}
+
+static sn_status add_gltf_faces(meshes *m, const sn_gltf_part *from, const int32_t *new_index, sn_error *error) {
+    size_t triangles = (size_t)from->corner_count / 3;
+    if (!sn_grow((void **)&m->faces, &m->face_capacity, m->face_words + 4 * triangles, sizeof *m->faces)) return sn_fail_memory(error, "the faces");
+    for (size_t i = 0; i < triangles; i++) {
+        m->faces[m->face_words++] = 3;
+        for (size_t k = 0; k < 3; k++) m->faces[m->face_words++] = new_index[from->corners[3 * i + k]];
+    }
+    m->face_count += triangles;
+    m->parts[m->part_count++].triangles = triangles;
+    return SN_OK;
+}
+
+static sn_status take_gltf_part(void *context, const sn_gltf_part *from, sn_error *error) {
+    meshes *m = context;
+    if (m->vertex_count + (size_t)from->vertex_count >= SN_INDEX_MAX || m->face_count + (size_t)from->corner_count >= SN_INDEX_MAX)
+        return sn_fail(error, SN_ERROR_INPUT, "the file has more vertices or faces than sinew can count");
+    int32_t *new_index = SN_NEW(int32_t, from->vertex_count);
+    if (new_index == NULL || !sn_grow((void **)&m->parts, &m->part_capacity, m->part_count + 1, sizeof *m->parts)) {
+        free(new_index);
+        return sn_fail_memory(error, "the meshes");
+    }
+    name_gltf_part(&m->parts[m->part_count], from);
+    sn_status status = weld_gltf_part(m, from, new_index, error);
+    if (status == SN_OK) status = add_gltf_faces(m, from, new_index, error);
+    free(new_index);
+    return status;
+}
+
+static bool read_gltf_buffer(const void *context, const char *uri, sn_blob *out) {
+    const folder f = {.input = context};
+    return read_buffer(&f, uri, out);
+}
+
 /* ---- nodes --------------------------------------------------------------------------------------------------------------------- */
 
 /* All meshes on a node, one for each of its materials, are one part: they share borders. */
@@ -406,8 +478,10 @@ static void take_fbx_frame(const struct aiScene *scene, sn_mesh_frame *frame) {
     frame->up = up == 1.0 ? SN_UP_Y : up == 2.0 ? SN_UP_Z : SN_UP_UNKNOWN;
 }
 
+static bool is_gltf(const char *kind) { return kind != NULL && (strcmp(kind, "glb") == 0 || strcmp(kind, "gltf") == 0); }
+
 static void take_frame(const struct aiScene *scene, const char *kind, sn_mesh_frame *frame) {
-    if (strcmp(kind, "glb") == 0 || strcmp(kind, "gltf") == 0)
+    if (is_gltf(kind))
         *frame = (sn_mesh_frame){1.0, SN_UP_Y, SN_SPACE_UNKNOWN}; /* by its specification */
     if (strcmp(kind, "dae") == 0) take_collada_frame(scene->mRootNode, frame);
     if (strcmp(kind, "3ds") == 0) take_3ds_frame(scene->mRootNode, frame);
@@ -452,15 +526,27 @@ static sn_status open_scene(const sn_blob *input, const struct aiScene **out, sn
     return SN_OK;
 }
 
-static sn_status import(const sn_blob *input, meshes *out, sn_error *error) {
+static sn_status import_scene(const sn_blob *input, meshes *out, sn_error *error) {
     const struct aiScene *scene = NULL;
     sn_status status = open_scene(input, &scene, &out->frame, error);
     if (status != SN_OK) return status;
     static const transform world = {{{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}}};
     status = add_node(out, scene, scene->mRootNode, &world, error);
+    aiReleaseImport(scene);
+    return status;
+}
+
+/* In metres and y up by its specification. */
+static sn_status import_gltf(const sn_blob *input, meshes *out, sn_error *error) {
+    const sn_gltf_source source = {input, read_gltf_buffer, input};
+    out->frame = (sn_mesh_frame){1.0, SN_UP_Y, SN_SPACE_UNKNOWN};
+    return sn_gltf_read(&source, take_gltf_part, out, error);
+}
+
+static sn_status import(const sn_blob *input, meshes *out, sn_error *error) {
+    sn_status status = is_gltf(sn_import_detect(input)) && !sn_gltf_is_old(input) ? import_gltf(input, out, error) : import_scene(input, out, error);
     if (status == SN_OK && out->face_count == 0)
         status = sn_fail(error, SN_ERROR_INPUT, "holds no surface: no mesh of triangles or polygons is in its scene");
-    aiReleaseImport(scene);
     return status;
 }
 

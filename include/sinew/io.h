@@ -117,6 +117,35 @@ SN_MUST_CHECK sn_status sn_vertex_track_read(const char *path, const sn_track_op
 const char *sn_import_detect(const sn_blob *blob);
 const char *sn_import_format_name(const char *kind); /* "FBX", "glTF", ... for messages */
 
+/* ---- the surfaces of a glTF file (lib/io/gltf*.c): for mesh-import, which has the limits that a hostile file needs ------------- */
+
+typedef struct sn_gltf_source {
+    const sn_blob *file; /* JSON or GLB, of version 2 */
+    /* A buffer by its uri, no data: uri; false = there is none. Nullable. */
+    bool (*read_buffer)(const void *context, const char *uri, sn_blob *out);
+    const void *context;
+} sn_gltf_source;
+
+/* What hangs on one node, or one instance of it, in the world: in metres, y up. Morph targets have their default weights; a skinned mesh is
+ * as it was bound, where its joints have it (glTF 2.0, 3.7.3.3: its node does not move it). */
+typedef struct sn_gltf_part {
+    const char *node_name, *mesh_name; /* "" = none */
+    sn_index node, mesh;
+    sn_index instance; /* of the node, from 0; SN_NONE = it has none (EXT_mesh_gpu_instancing) */
+    sn_index vertex_count, corner_count;
+    double *positions; /* (3 x vertex_count) may be no finite numbers */
+    float *colours;    /* (4 x vertex_count) 0 to 1; NULL = none */
+    sn_index *corners; /* (corner_count) by threes, in range, turned where the node mirrors */
+} sn_gltf_part;
+typedef sn_status (*sn_gltf_sink)(void *context, const sn_gltf_part *part, sn_error *error);
+/* Parts one by one, in the order of the scene; lines and points are passed over. An extension that is required and not known, packed meshes,
+ * numbers that are not there are errors; a warning in the log where what is used but not required may move something. */
+SN_MUST_CHECK sn_status sn_gltf_read(const sn_gltf_source *source, sn_gltf_sink sink, void *context, sn_error *error);
+/* The required extensions alone; *unbound: a skin has no inverse bind matrices, on which assimp 5.2 dies. */
+SN_MUST_CHECK sn_status sn_gltf_check(const sn_blob *file, bool *unbound, sn_error *error);
+/* Of version 1, which is another format. */
+bool sn_gltf_is_old(const sn_blob *file);
+
 /* ---- the meshes of one file: objects of a scene, groups of an OBJ file (lib/io/mesh_part.c) ------------------------------ */
 
 typedef struct sn_mesh_part {
