@@ -138,13 +138,16 @@ typedef struct sn_gltf_part {
     sn_index *corners; /* (corner_count) by threes, in range, turned where the node mirrors */
 } sn_gltf_part;
 typedef sn_status (*sn_gltf_sink)(void *context, const sn_gltf_part *part, sn_error *error);
-/* Parts one by one, in the order of the scene; lines and points are passed over. An extension that is required and not known, packed meshes,
- * numbers that are not there are errors; a warning in the log where what is used but not required may move something. */
+/* Parts one by one, in the order of the scene; lines and points are passed over. An extension that is required and not known, packed
+ * meshes, numbers that are not there are errors; a warning in the log where what is used but not required may move something. */
 SN_MUST_CHECK sn_status sn_gltf_read(const sn_gltf_source *source, sn_gltf_sink sink, void *context, sn_error *error);
 /* The required extensions alone; *unbound: a skin has no inverse bind matrices, on which assimp 5.2 dies. */
 SN_MUST_CHECK sn_status sn_gltf_check(const sn_blob *file, bool *unbound, sn_error *error);
 /* Of version 1, which is another format. */
 bool sn_gltf_is_old(const sn_blob *file);
+/* Is there something in a Collada file that assimp 5.2 misreads in silence? shapes: surfaces matter too. SN_OK also where it is no XML.
+ * (lib/io/collada.c) */
+SN_MUST_CHECK sn_status sn_collada_check(const sn_blob *file, bool shapes, sn_error *error);
 
 /* ---- the meshes of one file: objects of a scene, groups of an OBJ file (lib/io/mesh_part.c) ------------------------------ */
 

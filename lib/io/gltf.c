@@ -100,11 +100,12 @@ static bool is_listed(const char *name, const char *const *list) {
 
 static sn_status refuse_extension(const char *name, sn_error *error) {
     if (is_listed(name, packed))
-        return sn_fail(error, SN_ERROR_INPUT, "requires the extension %s, which packs its meshes and is not read; export it without compression",
-                       name);
-    return sn_fail(error, SN_ERROR_INPUT,
-                   "requires the extension %.100s, which is not known, so that its geometry may be another; export it without, or as OBJ or PLY",
-                   name);
+        return sn_fail(error, SN_ERROR_INPUT,
+                       "requires the extension %s, which packs its meshes and is not read; export it without compression", name);
+    return sn_fail(
+        error, SN_ERROR_INPUT,
+        "requires the extension %.100s, which is not known, so that its geometry may be another; export it without, or as OBJ or PLY",
+        name);
 }
 
 static sn_status check_required(const sn_json_value *top, sn_error *error) {
@@ -131,7 +132,8 @@ static void warn_used(const sn_json_value *top) {
         sn_json_value entry = sn_json_element(&list, i);
         char *name = NULL;
         if (sn_json_get_text(&entry, &name, NULL) == SN_OK && name != NULL && is_listed(name, names))
-            sn_log(SN_LOG_WARNING, "the extension %s, which the file uses, is not read: it may move or hide what is taken as it stands", name);
+            sn_log(SN_LOG_WARNING, "the extension %s, which the file uses, is not read: it may move or hide what is taken as it stands",
+                   name);
         free(name);
     }
 }
@@ -150,7 +152,8 @@ static sn_status split(const sn_blob *file, sn_blob *json, sn_blob *binary, sn_e
     *json = *file;
     if (!is_binary(file)) return SN_OK;
     size_t size = sn_get_u32(b + 8), length = file->size >= 20 ? sn_get_u32(b + 12) : 0;
-    if (file->size < 20 || size > file->size || size < 20 || length > size - 20 || sn_get_u32(b + 16) != CHUNK_JSON) return cut_short(error);
+    if (file->size < 20 || size > file->size || size < 20 || length > size - 20 || sn_get_u32(b + 16) != CHUNK_JSON)
+        return cut_short(error);
     *json = (sn_blob){file->name, file->data + 20, length};
     size_t next = 20 + length;
     if (size - next < 8) return SN_OK;

@@ -43,7 +43,8 @@ void sn_gltf_close(sn_gltf *g);
 SN_MUST_CHECK sn_status sn_gltf_get_whole(const sn_json_value *value, double most, size_t *out, sn_error *error);
 SN_MUST_CHECK sn_status sn_gltf_get_index(const sn_json_value *value, sn_index count, sn_index *out, sn_error *error);
 /* A list of such indices; none where it is absent. */
-SN_MUST_CHECK sn_status sn_gltf_get_indices(const sn_json_value *value, sn_index count, sn_index *out_count, sn_index **out, sn_error *error);
+SN_MUST_CHECK sn_status sn_gltf_get_indices(const sn_json_value *value, sn_index count, sn_index *out_count, sn_index **out,
+                                            sn_error *error);
 /* How many an array of the top level has; 0 = it is absent. */
 SN_MUST_CHECK sn_status sn_gltf_count(const sn_json_value *list, sn_index *out, sn_error *error);
 /* The member of an object's "extensions". */
@@ -75,8 +76,8 @@ typedef struct sn_gltf_joints {
     bool *used; /* (count) */
     sn_index count;
 } sn_gltf_joints;
-/* Where a skin has the mesh that is bound to it, in the pose of the file's nodes; where they are not in the pose that it was bound in, *posed,
- * as it was bound, where the uppermost of those joints has it. */
+/* Where a skin has the mesh that is bound to it, in the pose of the file's nodes; where they are not in the pose that it was bound in,
+ * *posed, as it was bound, where the uppermost of those joints has it. */
 SN_MUST_CHECK sn_status sn_gltf_place_skin(sn_gltf *g, sn_index skin, const sn_gltf_joints *joints, sn_gltf_transform *out, bool *posed,
                                            sn_error *error);
 

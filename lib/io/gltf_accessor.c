@@ -29,12 +29,24 @@ static double read_component(const rows *r, const unsigned char *at) {
     float real;
     uint32_t bits = r->size == 4 ? sn_get_u32(at) : r->size == 2 ? (uint32_t)at[0] | (uint32_t)at[1] << 8 : at[0];
     switch (r->type) {
-        case BYTE: value = (double)(int8_t)(uint8_t)bits, most = 127.0; break;
-        case UNSIGNED_BYTE: value = (double)bits, most = 255.0; break;
-        case SHORT: value = (double)(int16_t)(uint16_t)bits, most = 32767.0; break;
-        case UNSIGNED_SHORT: value = (double)bits, most = 65535.0; break;
-        case UNSIGNED_INT: value = (double)bits, most = 4294967295.0; break;
-        default: memcpy(&real, &bits, sizeof real); return (double)real;
+    case BYTE:
+        value = (double)(int8_t)(uint8_t)bits, most = 127.0;
+        break;
+    case UNSIGNED_BYTE:
+        value = (double)bits, most = 255.0;
+        break;
+    case SHORT:
+        value = (double)(int16_t)(uint16_t)bits, most = 32767.0;
+        break;
+    case UNSIGNED_SHORT:
+        value = (double)bits, most = 65535.0;
+        break;
+    case UNSIGNED_INT:
+        value = (double)bits, most = 4294967295.0;
+        break;
+    default:
+        memcpy(&real, &bits, sizeof real);
+        return (double)real;
     }
     return r->normalized ? fmax(value / most, -1.0) : value;
 }
@@ -58,8 +70,8 @@ static sn_status find_rows(sn_gltf *g, const sn_json_value *object, sn_index cou
     r->stride = view.stride > 0 ? view.stride : row;
     if (r->stride < row) return sn_json_complain(object, error, "rows of %zu bytes are %zu bytes apart", row, r->stride);
     if (count > 0 && (offset > view.size || view.size - offset < row || (view.size - offset - row) / r->stride < (size_t)count - 1))
-        return sn_json_complain(object, error, "%d rows of %zu bytes from byte %zu on do not fit into its view of %zu bytes", (int)count, row,
-                                offset, view.size);
+        return sn_json_complain(object, error, "%d rows of %zu bytes from byte %zu on do not fit into its view of %zu bytes", (int)count,
+                                row, offset, view.size);
     r->bytes = view.bytes + offset;
     return SN_OK;
 }
@@ -95,7 +107,8 @@ static sn_status read_shape(const sn_json_value *object, rows *r, sn_index *coun
 
 /* Rows that stand in for some of the others. */
 static sn_status read_sparse(sn_gltf *g, const sn_json_value *sparse, const rows *like, sn_index count, double *out, sn_error *error) {
-    sn_json_value length = sn_json_member(sparse, "count"), where = sn_json_member(sparse, "indices"), what = sn_json_member(sparse, "values");
+    sn_json_value length = sn_json_member(sparse, "count"), where = sn_json_member(sparse, "indices"),
+                  what = sn_json_member(sparse, "values");
     rows indices = {.width = 1}, values = *like;
     size_t number = 0;
     sn_status status = sn_json_require(&length, "a count", error);
@@ -135,7 +148,7 @@ sn_status sn_gltf_read_numbers(sn_gltf *g, sn_index accessor, sn_gltf_numbers *o
     sn_status status = read_shape(&object, &r, &count, error);
     if (status == SN_OK) status = sn_json_has(&view) ? find_rows(g, &object, count, &r, error) : check_zeros(g, &object, count, error);
     if (status != SN_OK) return status;
-    *out = (sn_gltf_numbers){SN_NEW(double, (size_t)count * (size_t)r.width), r.width, count};
+    *out = (sn_gltf_numbers){SN_NEW(double, (size_t)count *(size_t)r.width), r.width, count};
     status = out->values != NULL ? fill(g, &object, &r, count, out->values, error) : sn_fail_memory(error, "the numbers");
     if (status == SN_OK) return SN_OK;
     free(out->values);

@@ -69,11 +69,12 @@ static sn_status read_uri(const sn_gltf *g, sn_index buffer, char *uri, sn_blob 
         return sn_fail(error, SN_ERROR_INPUT, "cannot be imported as glTF: the data of buffer %d is no base64", (int)buffer);
     }
     bool found = g->source->read_buffer != NULL && g->source->read_buffer(g->source->context, uri, out);
-    sn_status status = found ? SN_OK
-                             : sn_fail(error, SN_ERROR_INPUT,
-                                       "cannot be imported as glTF: its buffer '%.200s' cannot be read; put it beside the file, or export a GLB, "
-                                       "which has everything inside",
-                                       uri);
+    sn_status status =
+        found ? SN_OK
+              : sn_fail(error, SN_ERROR_INPUT,
+                        "cannot be imported as glTF: its buffer '%.200s' cannot be read; put it beside the file, or export a GLB, "
+                        "which has everything inside",
+                        uri);
     free(uri);
     return status;
 }
@@ -123,8 +124,8 @@ static sn_status check_packed(sn_gltf *g, const sn_json_value *view, sn_index bu
     bool empty = !sn_json_has(&uri) && (buffer > 0 || g->binary_size == 0);
     for (int i = 0; i < 2; i++)
         if (sn_gltf_has_extension(view, compressions[i]) && (empty || sn_gltf_has_extension(&object, compressions[i])))
-            return sn_fail(error, SN_ERROR_INPUT, "has its meshes packed by the extension %s, which is not read; export it without compression",
-                           compressions[i]);
+            return sn_fail(error, SN_ERROR_INPUT,
+                           "has its meshes packed by the extension %s, which is not read; export it without compression", compressions[i]);
     return SN_OK;
 }
 

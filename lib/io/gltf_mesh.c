@@ -73,8 +73,10 @@ static sn_status check_positions(sn_gltf *g, const sn_json_value *primitive, con
     sn_json_value sparse = sn_json_member(&object, "sparse");
     if (sn_json_has(&view) || sn_json_has(&sparse)) return SN_OK;
     if (sn_gltf_has_extension(primitive, DRACO))
-        return sn_fail(error, SN_ERROR_INPUT, "has its meshes packed by the extension %s, which is not read; export it without compression", DRACO);
-    return sn_json_complain(&object, error, "has no numbers, and positions are said to be there; an extension that is not read may have them");
+        return sn_fail(error, SN_ERROR_INPUT, "has its meshes packed by the extension %s, which is not read; export it without compression",
+                       DRACO);
+    return sn_json_complain(&object, error,
+                            "has no numbers, and positions are said to be there; an extension that is not read may have them");
 }
 
 /* ---- vertices ------------------------------------------------------------------------------------------------------------------------ */
@@ -88,7 +90,8 @@ static sn_status add_morphs(sn_gltf *g, const sn_json_value *primitive, const su
         sn_json_value target = sn_json_element(&targets, i);
         if (s->weights[i] == 0.0) continue;
         status = read_attribute(g, &target, (shape){"POSITION", 3, positions->count}, &moves, error);
-        for (size_t k = 0; moves.values != NULL && k < 3 * (size_t)positions->count; k++) positions->values[k] += s->weights[i] * moves.values[k];
+        for (size_t k = 0; moves.values != NULL && k < 3 * (size_t)positions->count; k++)
+            positions->values[k] += s->weights[i] * moves.values[k];
         free(moves.values);
     }
     return status;
@@ -97,7 +100,8 @@ static sn_status add_morphs(sn_gltf *g, const sn_json_value *primitive, const su
 static sn_status add_positions(surface *s, const sn_gltf_numbers *positions, sn_error *error) {
     size_t needed = s->vertex_count + (size_t)positions->count;
     if (needed >= SN_INDEX_MAX) return sn_fail(error, SN_ERROR_INPUT, "the file has more vertices than sinew can count");
-    if (!sn_grow((void **)&s->positions, &s->vertex_capacity, needed, 3 * sizeof *s->positions)) return sn_fail_memory(error, "the vertices");
+    if (!sn_grow((void **)&s->positions, &s->vertex_capacity, needed, 3 * sizeof *s->positions))
+        return sn_fail_memory(error, "the vertices");
     memcpy(s->positions + 3 * s->vertex_count, positions->values, 3 * sizeof(double) * (size_t)positions->count);
     s->vertex_count = needed;
     return SN_OK;
@@ -110,7 +114,8 @@ static sn_status fill_colours(surface *s, const sn_gltf_numbers *colours, sn_ind
     size_t first = s->vertex_count - (size_t)count, width = (size_t)colours->width;
     size_t begin = s->colours != NULL ? first : 0;
     if (s->colours == NULL && colours->values == NULL) return SN_OK;
-    if (!sn_grow((void **)&s->colours, &s->colour_capacity, s->vertex_count, 4 * sizeof *s->colours)) return sn_fail_memory(error, "the colours");
+    if (!sn_grow((void **)&s->colours, &s->colour_capacity, s->vertex_count, 4 * sizeof *s->colours))
+        return sn_fail_memory(error, "the colours");
     for (size_t i = begin; i < s->vertex_count; i++)
         for (size_t k = 0; k < 4; k++) {
             bool told = i >= first && colours->values != NULL && k < width;
@@ -125,13 +130,15 @@ static sn_status add_colours(sn_gltf *g, surface *s, const sn_json_value *attrib
     sn_status status = find_accessor(g, attributes, "COLOR_0", &accessor, error);
     if (status == SN_OK && accessor != SN_NONE) status = sn_gltf_read_numbers(g, accessor, &colours, error);
     if (status == SN_OK && colours.values != NULL && (colours.count != count || colours.width < 3 || colours.width > 4))
-        status = sn_fail(error, SN_ERROR_INPUT, "colours are %d rows of %d numbers, for %d vertices", (int)colours.count, colours.width, (int)count);
+        status = sn_fail(error, SN_ERROR_INPUT, "colours are %d rows of %d numbers, for %d vertices", (int)colours.count, colours.width,
+                         (int)count);
     if (status == SN_OK) status = fill_colours(s, &colours, count, error);
     free(colours.values);
     return status;
 }
 
-/* ---- joints that carry something ------------------------------------------------------------------------------------------------------- */
+/* ---- joints that carry something -------------------------------------------------------------------------------------------------------
+ */
 
 static sn_status mark_used(sn_gltf_joints *j, const double *joints, const double *weights, size_t count, sn_error *error) {
     for (size_t i = 0; i < count; i++) {
@@ -272,7 +279,8 @@ static void free_instances(instances *n) {
 }
 
 /* One of the three; they have equally many rows. */
-static sn_status read_moves(sn_gltf *g, const sn_json_value *attributes, shape wanted, instances *n, sn_gltf_numbers *out, sn_error *error) {
+static sn_status read_moves(sn_gltf *g, const sn_json_value *attributes, shape wanted, instances *n, sn_gltf_numbers *out,
+                            sn_error *error) {
     wanted.count = n->count;
     sn_status status = read_attribute(g, attributes, wanted, out, error);
     if (status == SN_OK && out->values != NULL) n->count = out->count;
@@ -288,7 +296,8 @@ static sn_status read_instances(sn_gltf *g, const sn_json_value *node, instances
     if (status == SN_OK) status = read_moves(g, &attributes, (shape){"ROTATION", 4, 0}, n, &n->rotations, error);
     if (status == SN_OK) status = read_moves(g, &attributes, (shape){"SCALE", 3, 0}, n, &n->scales, error);
     if (status == SN_OK && n->count < 0)
-        status = sn_json_complain(&extension, error, "has neither TRANSLATION nor ROTATION nor SCALE: how many instances there are is not told");
+        status =
+            sn_json_complain(&extension, error, "has neither TRANSLATION nor ROTATION nor SCALE: how many instances there are is not told");
     if (status == SN_OK && sn_json_has(&skin))
         status = sn_json_complain(&extension, error, "is not read where the node has a skin too; export the instances as nodes");
     return status;
@@ -342,7 +351,8 @@ static sn_status place(sn_gltf *g, sn_index index, const surface *s, const char 
     if (g->node[index].skin == SN_NONE) return SN_OK;
     sn_status status = sn_gltf_place_skin(g, g->node[index].skin, &s->joints, out, &posed, error);
     if (status == SN_OK && posed)
-        sn_log(SN_LOG_WARNING, "the joints of '%.100s' are not as its skin was bound: the mesh is as bound, where its uppermost joint has it", name);
+        sn_log(SN_LOG_WARNING,
+               "the joints of '%.100s' are not as its skin was bound: the mesh is as bound, where its uppermost joint has it", name);
     return status;
 }
 

@@ -179,7 +179,8 @@ static sn_gltf_transform compare(const sn_gltf *g, const skin *s, const sn_gltf_
     return out;
 }
 
-sn_status sn_gltf_place_skin(sn_gltf *g, sn_index index, const sn_gltf_joints *joints, sn_gltf_transform *out, bool *posed, sn_error *error) {
+sn_status sn_gltf_place_skin(sn_gltf *g, sn_index index, const sn_gltf_joints *joints, sn_gltf_transform *out, bool *posed,
+                             sn_error *error) {
     static const sn_gltf_joints all = {0};
     skin s = {0};
     *posed = false;
