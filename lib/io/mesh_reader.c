@@ -357,6 +357,7 @@ sn_status sn_reader_add_strip(sn_reader *reader) {
     const sn_index *v = reader->corners;
     for (size_t i = 0; i + 2 < corners; i++) {
         size_t turned = i % 2;
+        if (v[i] == v[i + 1] || v[i + 1] == v[i + 2] || v[i + 2] == v[i]) continue; /* a seam: strips are sewn together by such */
         mesh->triangles[mesh->triangle_count++] = (sn_triangle){{v[i + turned], v[i + 1 - turned], v[i + 2]}};
     }
     return SN_OK;

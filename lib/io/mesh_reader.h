@@ -118,7 +118,7 @@ SN_MUST_CHECK sn_status sn_reader_add_colour(sn_reader *reader, const double *co
 SN_MUST_CHECK sn_status sn_reader_add_corner(sn_reader *reader, int64_t vertex);
 /* The corners read make a face of this group (SN_NONE = of none). */
 SN_MUST_CHECK sn_status sn_reader_add_face(sn_reader *reader, sn_index group);
-/* The corners read make a triangle strip: every other triangle is turned over. */
+/* The corners read make a triangle strip: every other triangle is turned over; those of two equal corners are left out. */
 SN_MUST_CHECK sn_status sn_reader_add_strip(sn_reader *reader);
 /* A new attribute of vertex_count rows, for the vertices of a mesh that are known. A name that is taken, or an attribute larger than the
  * file's share of memory, is left out with a warning: then *out is NULL. */

@@ -77,6 +77,10 @@ static const char extra_ply[] =
     "property float x\nproperty float y\nproperty list uchar int skip\nproperty double z\nproperty uchar red\nproperty float painted\n"
     "element face 4\nproperty list uchar int vertex_indices\nproperty int flags\nelement edge 1\nproperty int a\nend_header\n0.5 2 1 2\n"
     "0 0 0 0 255 0.5\n1 0 1 7 0 0 1e-3\n0 1 2 8 9 0 1 nan\n0 0 0 1 2 -1\n3 0 2 1 5\n3 0 1 3 5\n3 1 2 3 5\n3 0 3 2 5\n12\n";
+static const char strips_ply[] =
+    "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\nelement face 1\n"
+    "property list uchar int vertex_indices\nelement tristrips 2\nproperty list int int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n"
+    "0 0 1\n3 1 2 3\n9 0 2 1 3 -1 3 2 0 1\n3 0 3 2\n";
 static const char muscle_json[] =
     "{\"format\":\"sinew-muscle\",\"version\":1,\"name\":\"t\\u00e9st\",\"metersPerUnit\":0.001,\n"
     "\"mesh\":{\"vertices\":[0,0,0, 1,0,0, 0,1,0, 0,0,1.5],\"triangles\":[0,2,1, 0,1,3, 1,2,3, 0,3,2],\n"
@@ -316,6 +320,7 @@ static void make_seeds(void) {
     add_text(MESH, "cube.obj", cube_obj);
     add_text(MESH, "notch.off", notch_off);
     add_text(MESH, "extra.ply", extra_ply);
+    add_text(MESH, "strips.ply", strips_ply);
     char path[512];
     sn_mesh cube;
     sn_error error = {0};
