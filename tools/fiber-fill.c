@@ -154,7 +154,7 @@ static sn_status read_ends(const sn_muscle *muscle, sn_fiber_ends *ends, sn_erro
     if (ends_file == NULL) return SN_OK;
     sn_blob blob = {0};
     sn_status status = sn_blob_read(ends_file, &blob, error);
-    if (status == SN_OK) status = sn_fiber_ends_parse(&blob, muscle->mesh.vertex_count, ends, error);
+    if (status == SN_OK) status = sn_fiber_ends_parse(&blob, &muscle->mesh, ends, error);
     sn_blob_free(&blob);
     params.origin = ends->origin;
     params.origin_count = ends->origin_count;

@@ -204,11 +204,17 @@ void sn_document_free(sn_document *document);
 
 /* ---- what a user adds to a muscle (lib/io/sites.c polylines.c) ----------------------------------------------------------------- */
 
-/* Lines "origin X Y Z" and "insertion X Y Z" (blanks, tabs or commas between; # begins a comment); *sites is freed by the caller. */
+/* Lines "origin X Y Z" and "insertion X Y Z" (blanks, tabs or commas between; # begins a comment), or fibres as sn_polylines_read takes
+ * them: each has a site of the origin where it begins and one of the insertion where it ends. *sites is freed by the caller. */
 SN_MUST_CHECK sn_status sn_sites_read(const char *path, sn_index *count, sn_end_site **sites, sn_error *error);
-/* Fibres: the lines (l) of an OBJ file, or the polylines of a muscle document or of any JSON object {"polylines": [{"points":
- * [x,y,z,...]}]}; at least one. Free with sn_fibers_free. */
+/* Fibres: the lines (l) of an OBJ file or those of VTK PolyData (VTP or legacy), or the polylines of a muscle document or of any JSON
+ * object
+ * {"polylines": [{"points": [x,y,z,...]}]}; at least one. Lines of two points are joined where they meet end to end. Free with
+ * sn_fibers_free. */
 SN_MUST_CHECK sn_status sn_polylines_read(const char *path, sn_fibers *out, sn_error *error);
+SN_MUST_CHECK sn_status sn_polylines_parse(const sn_blob *blob, sn_fibers *out, sn_error *error);
+/* Is it a file of fibres by its first words: VTK, or an OBJ file? JSON may be one. (lib/io/polylines.c) */
+bool sn_polylines_detect(const sn_blob *blob);
 
 /* ---- the scene document (lib/io/scene_document.c) -------------------------------------------------------------------------- */
 
@@ -401,12 +407,14 @@ SN_MUST_CHECK sn_status sn_activation_names_parse(const sn_blob *blob, sn_muscle
  * the control points of Bezier curves; they become out->polylines. */
 SN_MUST_CHECK sn_status sn_fiber_template_parse(const sn_blob *blob, sn_fibers *out, sn_error *error);
 
-/* Vertices where fibres begin and end: {"format": "sinew-fiber-ends", "version": 1, "origin": [vertex, ...], "insertion": [...]}. */
+/* Vertices where fibres begin and end: {"format": "sinew-fiber-ends", "version": 1, "origin": [vertex, ...], "insertion": [...]}, or fibres
+ * as sn_polylines_read takes them: the vertices that are nearest to where these begin (origin) and end (insertion), each once, ascending.
+ */
 typedef struct sn_fiber_ends {
     sn_index origin_count, insertion_count;
     sn_index *origin, *insertion;
 } sn_fiber_ends;
-SN_MUST_CHECK sn_status sn_fiber_ends_parse(const sn_blob *blob, sn_index vertex_count, sn_fiber_ends *out, sn_error *error);
+SN_MUST_CHECK sn_status sn_fiber_ends_parse(const sn_blob *blob, const sn_mesh *mesh, sn_fiber_ends *out, sn_error *error);
 void sn_fiber_ends_free(sn_fiber_ends *ends);
 
 #endif

@@ -363,6 +363,24 @@ sn_status sn_reader_add_strip(sn_reader *reader) {
     return SN_OK;
 }
 
+sn_status sn_reader_add_line(sn_reader *reader) {
+    sn_line_set *lines = reader->lines;
+    size_t count = reader->corner_count, before = (size_t)lines->corner_count;
+    reader->corner_count = 0;
+    if (count < 2) {
+        lines->thin++;
+        return SN_OK;
+    }
+    if (before + count > SN_INDEX_MAX ||
+        !sn_grow((void **)&lines->starts, &lines->start_capacity, (size_t)lines->line_count + 2, sizeof(sn_index)) ||
+        !sn_grow((void **)&lines->corners, &lines->corner_capacity, before + count, sizeof(sn_index)))
+        return sn_fail_memory(reader->error, "the points of the lines");
+    memcpy(lines->corners + before, reader->corners, count * sizeof(sn_index));
+    lines->starts[lines->line_count++] = (sn_index)before;
+    lines->starts[lines->line_count] = lines->corner_count = (sn_index)(before + count);
+    return SN_OK;
+}
+
 sn_status sn_reader_add_attribute(sn_reader *reader, const char *name, int64_t components, bool integer, sn_attribute **out) {
     *out = NULL;
     bool taken = sn_mesh_attribute(&reader->mesh, name) != NULL;
