@@ -140,7 +140,7 @@ static void warn_used(const sn_json_value *top) {
 
 /* ---- chunks -------------------------------------------------------------------------------------------------------------------------- */
 
-static bool is_binary(const sn_blob *file) { return file->size >= 12 && memcmp(file->data, "glTF", 4) == 0; }
+static bool is_binary(const sn_blob *file) { return file->size >= 4 && memcmp(file->data, "glTF", 4) == 0; }
 
 static sn_status cut_short(sn_error *error) {
     return sn_fail(error, SN_ERROR_INPUT, "begins like a glTF file but does not go on like one; it is damaged or cut short");
@@ -151,9 +151,11 @@ static sn_status split(const sn_blob *file, sn_blob *json, sn_blob *binary, sn_e
     const unsigned char *b = (const unsigned char *)file->data;
     *json = *file;
     if (!is_binary(file)) return SN_OK;
-    size_t size = sn_get_u32(b + 8), length = file->size >= 20 ? sn_get_u32(b + 12) : 0;
-    if (file->size < 20 || size > file->size || size < 20 || length > size - 20 || sn_get_u32(b + 16) != CHUNK_JSON)
-        return cut_short(error);
+    if (file->size < 20) return cut_short(error);
+    size_t size = sn_get_u32(b + 8), length = sn_get_u32(b + 12);
+    if (sn_get_u32(b + 4) != 2)
+        return sn_fail(error, SN_ERROR_INPUT, "is a GLB of version %lu, and 2 is read; export it again", (unsigned long)sn_get_u32(b + 4));
+    if (size > file->size || size < 20 || length > size - 20 || sn_get_u32(b + 16) != CHUNK_JSON) return cut_short(error);
     *json = (sn_blob){file->name, file->data + 20, length};
     size_t next = 20 + length;
     if (size - next < 8) return SN_OK;
@@ -181,6 +183,19 @@ static sn_status open_lists(sn_gltf *g, sn_error *error) {
     return g->blobs != NULL && g->available != NULL ? SN_OK : sn_fail_memory(error, "the buffers");
 }
 
+/* A file may ask for a later minor version of which nothing is known. */
+static sn_status check_version(const sn_json_value *top, sn_error *error) {
+    sn_json_value asset = sn_json_member(top, "asset"), least = sn_json_member(&asset, "minVersion"),
+                  own = sn_json_member(&asset, "version");
+    bool asks = sn_json_has(&least);
+    char *text = NULL;
+    sn_status status = sn_json_get_text(asks ? &least : &own, &text, error);
+    if (status == SN_OK && text != NULL && ((strncmp(text, "2.", 2) != 0 && strcmp(text, "2") != 0) || (asks && strcmp(text, "2.0") != 0)))
+        status = sn_fail(error, SN_ERROR_INPUT, "is glTF of version %.20s, and 2.0 is read; export it as that", text);
+    free(text);
+    return status;
+}
+
 static sn_status parse(const sn_blob *file, sn_blob *binary, sn_json_tree **tree, sn_error *error) {
     sn_blob json;
     sn_status status = split(file, &json, binary, error);
@@ -195,7 +210,8 @@ sn_status sn_gltf_open(sn_gltf *g, const sn_gltf_source *source, sn_error *error
     g->binary = binary.data;
     g->binary_size = binary.size;
     g->top = sn_json_top(g->tree);
-    status = check_required(&g->top, error);
+    status = check_version(&g->top, error);
+    if (status == SN_OK) status = check_required(&g->top, error);
     if (status == SN_OK) warn_used(&g->top);
     return status == SN_OK ? open_lists(g, error) : status;
 }
@@ -213,7 +229,7 @@ void sn_gltf_close(sn_gltf *g) {
 /* ---- what others ask before they read a file ----------------------------------------------------------------------------------------- */
 
 bool sn_gltf_is_old(const sn_blob *file) {
-    if (is_binary(file)) return sn_get_u32((const unsigned char *)file->data + 4) == 1;
+    if (is_binary(file)) return file->size >= 8 && sn_get_u32((const unsigned char *)file->data + 4) == 1;
     sn_json_tree *tree = NULL;
     char *version = NULL;
     if (sn_json_parse(file, &tree, NULL) == SN_OK) {

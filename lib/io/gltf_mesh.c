@@ -160,7 +160,7 @@ static sn_status add_joints(sn_gltf *g, surface *s, const sn_json_value *attribu
     sn_status status = SN_OK;
     bool more = true;
     for (int set = 0; status == SN_OK && more && set < 64; set++) {
-        char joints_key[16], weights_key[16];
+        char joints_key[24], weights_key[24];
         sn_gltf_numbers joints = {0}, weights = {0};
         snprintf(joints_key, sizeof joints_key, "JOINTS_%d", set);
         snprintf(weights_key, sizeof weights_key, "WEIGHTS_%d", set);

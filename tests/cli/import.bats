@@ -360,6 +360,7 @@ accessor meshes\[0\].primitives\[0\].attributes.POSITION: expected a number in
 cycle nodes\[1\]: hangs on itself
 twice nodes\[2\].children: node 0 hangs on two nodes|.*hangs on two nodes
 points holds no surface
+version is glTF of version 2.1, and 2.0 is read
 END
 }
 
