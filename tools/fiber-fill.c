@@ -32,10 +32,11 @@ static const cli_option options[] = {
     {0, "turn", "DEGREES", CLI_NUMBER, &turn, CLI_RESULT, -360, 360, NULL,
      "turn the template about the line of action; at 0 its x lies along the widest way of the section (default 0)"},
     {0, "bend-to", "FILE", CLI_TEXT, &bend_file, CLI_RESULT | CLI_FILE, 0, 0, NULL,
-     "bend the template to superficial fibres: lines of an OBJ file, or a document's fibres"},
+     "bend the template to superficial fibres: lines of an OBJ, VTP or VTK file, or a document's"},
     {0, "map", "NAME", CLI_CHOICE, &map, CLI_RESULT, 0, 0, map_names,
      "from the template to a slice: harmonic (default), or mvc, planar mean value coordinates"},
-    {0, "ends", "FILE", CLI_TEXT, &ends_file, CLI_RESULT | CLI_FILE, 0, 0, NULL, "vertices where fibres begin and end, as JSON"},
+    {0, "ends", "FILE", CLI_TEXT, &ends_file, CLI_RESULT | CLI_FILE, 0, 0, NULL,
+     "where fibres begin and end: vertices as JSON, or fibres as --bend-to takes them"},
     {0, "tips", NULL, CLI_CLEAR, &params.use_attachments, CLI_RESULT, 0, 0, NULL, "let fibres end at the tips, not at the attachments"},
     {0, "smooth", "N", CLI_INTEGER, &smooth, CLI_RESULT, 0, 10000, NULL, "rounds of smoothing along each fibre (default 0)"},
     {0, "no-pull", NULL, CLI_CLEAR, &params.pull, CLI_RESULT, 0, 0, NULL, "leave fibre vertices outside the volume where they are"},
@@ -154,7 +155,7 @@ static sn_status read_ends(const sn_muscle *muscle, sn_fiber_ends *ends, sn_erro
     if (ends_file == NULL) return SN_OK;
     sn_blob blob = {0};
     sn_status status = sn_blob_read(ends_file, &blob, error);
-    if (status == SN_OK) status = sn_fiber_ends_parse(&blob, muscle->mesh.vertex_count, ends, error);
+    if (status == SN_OK) status = sn_fiber_ends_parse(&blob, &muscle->mesh, ends, error);
     sn_blob_free(&blob);
     params.origin = ends->origin;
     params.origin_count = ends->origin_count;

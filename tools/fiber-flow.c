@@ -17,9 +17,9 @@ static const cli_option options[] = {
      "where directions come from: tree, the internal structure; harmonic, a field from end to end; fibers, those of --from-fibers; auto "
      "(default), harmonic where the ends are known by --ends or by attachment areas, else tree"},
     {0, "ends", "FILE", CLI_TEXT, &ends, CLI_RESULT | CLI_FILE, 0, 0, NULL,
-     "known sites of both ends: lines \"origin X Y Z\" and \"insertion X Y Z\""},
+     "known sites of both ends: lines \"origin X Y Z\" and \"insertion X Y Z\", or fibres from end to end"},
     {0, "from-fibers", "FILE", CLI_TEXT, &from_fibers, CLI_RESULT | CLI_FILE, 0, 0, NULL,
-     "take each direction from the nearest of these fibres: lines of an OBJ file, or the fibres of a document"},
+     "take each direction from the nearest of these fibres: lines of an OBJ, VTP or VTK file, or those of a document"},
     {0, "weights", "NAME", CLI_CHOICE, &weights, CLI_RESULT, 0, 0, weight_names,
      "how samples at distance d weigh: inverse-square, 1/(d^2 + eps^2) (default), or paper, d"},
     {0, "smooth", "N", CLI_INTEGER, &smooth, CLI_RESULT, 0, 10000, NULL, "steps of diffusion along the surface (default 3)"},

@@ -311,22 +311,266 @@ static bool is_made_up(const struct aiString *text) {
     return false;
 }
 
+/* As one line, from `length` on. */
+static size_t append_line(char *line, size_t length, size_t size, const char *text) {
+    for (; *text != '\0' && length < size - 1; text++) {
+        unsigned char c = (unsigned char)*text;
+        line[length++] = c < ' ' || c == 0x7f ? '_' : (char)c;
+    }
+    line[length] = '\0';
+    return length;
+}
+
 /* The node's name, or else its mesh's, as one line. */
 static void name_part(part *p, const struct aiNode *node, const struct aiScene *scene) {
     const struct aiString *mesh = &scene->mMeshes[node->mMeshes[0]]->mName;
     const struct aiString *text = is_made_up(&node->mName) && mesh->length > 0 ? mesh : &node->mName;
-    size_t length = 0;
-    for (size_t i = 0; i < text->length && text->data[i] != '\0' && length < sizeof p->name - 1; i++) {
-        unsigned char c = (unsigned char)text->data[i];
-        p->name[length++] = c < ' ' || c == 0x7f ? '_' : (char)c;
+    append_line(p->name, 0, sizeof p->name, text->data);
+}
+
+/* ---- parts of glTF, which sinew reads itself -------------------------------------------------------------------------------------- */
+
+/* The node's name, or else its mesh's; instances are counted behind it. */
+static void name_gltf_part(part *p, const sn_gltf_part *from) {
+    char spare[32], number[16] = "";
+    snprintf(spare, sizeof spare, "meshes[%d]", (int)from->mesh);
+    if (from->instance != SN_NONE) snprintf(number, sizeof number, " %d", (int)from->instance + 1);
+    const char *text = *from->node_name != '\0' ? from->node_name : *from->mesh_name != '\0' ? from->mesh_name : spare;
+    size_t length = append_line(p->name, 0, sizeof p->name - strlen(number), text);
+    append_line(p->name, length, sizeof p->name, number);
+}
+
+static sn_status weld_gltf_part(meshes *m, const sn_gltf_part *from, int32_t *new_index, sn_error *error) {
+    size_t count = (size_t)from->vertex_count;
+    if (!begin_weld(m, count) || !sn_grow((void **)&m->vertices, &m->vertex_capacity, m->vertex_count + count, sizeof *m->vertices))
+        return sn_fail_memory(error, "the vertices");
+    for (size_t i = 0; i < count; i++) {
+        vertex *v = &m->vertices[m->vertex_count];
+        *v = (vertex){.colour = {1.0f, 1.0f, 1.0f, 1.0f}};
+        memcpy(v->position, from->positions + 3 * i, sizeof v->position);
+        if (from->colours != NULL) memcpy(v->colour, from->colours + 4 * i, sizeof v->colour);
+        size_t at = weld(m, m->vertex_count);
+        if (at == m->vertex_count) m->vertex_count++;
+        new_index[i] = (int32_t)at;
     }
-    p->name[length] = '\0';
+    m->coloured = m->coloured || from->colours != NULL;
+    return SN_OK;
+}
+
+static sn_status add_gltf_faces(meshes *m, const sn_gltf_part *from, const int32_t *new_index, sn_error *error) {
+    size_t triangles = (size_t)from->corner_count / 3;
+    if (!sn_grow((void **)&m->faces, &m->face_capacity, m->face_words + 4 * triangles, sizeof *m->faces))
+        return sn_fail_memory(error, "the faces");
+    for (size_t i = 0; i < triangles; i++) {
+        m->faces[m->face_words++] = 3;
+        for (size_t k = 0; k < 3; k++) m->faces[m->face_words++] = new_index[from->corners[3 * i + k]];
+    }
+    m->face_count += triangles;
+    m->parts[m->part_count++].triangles = triangles;
+    return SN_OK;
+}
+
+static sn_status take_gltf_part(void *context, const sn_gltf_part *from, sn_error *error) {
+    meshes *m = context;
+    if (m->vertex_count + (size_t)from->vertex_count >= SN_INDEX_MAX || m->face_count + (size_t)from->corner_count >= SN_INDEX_MAX)
+        return sn_fail(error, SN_ERROR_INPUT, "the file has more vertices or faces than sinew can count");
+    int32_t *new_index = SN_NEW(int32_t, from->vertex_count);
+    if (new_index == NULL || !sn_grow((void **)&m->parts, &m->part_capacity, m->part_count + 1, sizeof *m->parts)) {
+        free(new_index);
+        return sn_fail_memory(error, "the meshes");
+    }
+    name_gltf_part(&m->parts[m->part_count], from);
+    sn_status status = weld_gltf_part(m, from, new_index, error);
+    if (status == SN_OK) status = add_gltf_faces(m, from, new_index, error);
+    free(new_index);
+    return status;
+}
+
+static bool read_gltf_buffer(const void *context, const char *uri, sn_blob *out) {
+    const folder f = {.input = context};
+    return read_buffer(&f, uri, out);
+}
+
+/* ---- nodes by name, and where bones have their meshes --------------------------------------------------------------------------- */
+
+typedef struct listing {
+    const struct aiNode **nodes; /* parents before children */
+    int *parents, *sorted;       /* sorted: by name */
+    size_t count, capacity;
+} listing;
+
+static void free_listing(listing *l) {
+    free(l->nodes);
+    free(l->parents);
+    free(l->sorted);
+}
+
+static bool add_listed(listing *l, const struct aiNode *node, int parent) {
+    size_t other = l->capacity;
+    if (l->count >= SN_INDEX_MAX || !sn_grow((void **)&l->parents, &other, l->count + 1, sizeof *l->parents) ||
+        !sn_grow((void **)&l->nodes, &l->capacity, l->count + 1, sizeof *l->nodes))
+        return false;
+    l->parents[l->count] = parent;
+    l->nodes[l->count++] = node;
+    return true;
+}
+
+static const listing *sorting; /* what qsort's and bsearch's comparison looks at */
+
+static int compare_names(const void *a, const void *b) {
+    int i = *(const int *)a, j = *(const int *)b, order = strcmp(sorting->nodes[i]->mName.data, sorting->nodes[j]->mName.data);
+    return order != 0 ? order : (i > j) - (i < j);
+}
+
+static int compare_with_name(const void *text, const void *b) { return strcmp(text, sorting->nodes[*(const int *)b]->mName.data); }
+
+/* Level by level, without a stack. */
+static sn_status list_nodes(const struct aiScene *scene, listing *l, sn_error *error) {
+    bool enough = add_listed(l, scene->mRootNode, -1);
+    for (size_t i = 0; i < l->count && enough; i++)
+        for (unsigned k = 0; k < l->nodes[i]->mNumChildren && enough; k++) enough = add_listed(l, l->nodes[i]->mChildren[k], (int)i);
+    if (enough) enough = (l->sorted = SN_NEW(int, l->count)) != NULL;
+    if (!enough) return sn_fail_memory(error, "the nodes");
+    for (size_t i = 0; i < l->count; i++) l->sorted[i] = (int)i;
+    sorting = l;
+    qsort(l->sorted, l->count, sizeof *l->sorted, compare_names);
+    return SN_OK;
+}
+
+/* *out is -1 where there is none. Assimp's animations name nodes, which fits one only where names are distinct. */
+static sn_status find_node(const listing *l, const struct aiString *text, int *out, sn_error *error) {
+    sorting = l;
+    const int *at = bsearch(text->data, l->sorted, l->count, sizeof *l->sorted, compare_with_name);
+    *out = at != NULL ? *at : -1;
+    if (at == NULL) return SN_OK;
+    size_t i = (size_t)(at - l->sorted);
+    bool twin = (i > 0 && compare_with_name(text->data, at - 1) == 0) || (i + 1 < l->count && compare_with_name(text->data, at + 1) == 0);
+    if (!twin) return SN_OK;
+    return sn_fail(error, SN_ERROR_INPUT, "an animation or a skin names the node \"%.100s\", and more than one is called so; rename them",
+                   text->data);
+}
+
+/* Where the node is in the world, at rest. */
+static transform world_of(const listing *l, int node) {
+    transform t = {{{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}}};
+    for (; node >= 0; node = l->parents[node]) {
+        transform own = to_transform(&l->nodes[node]->mTransformation);
+        t = multiply(&own, &t);
+    }
+    return t;
+}
+
+/* Does one of its weights count? */
+static bool carries(const struct aiBone *bone) {
+    for (unsigned i = 0; i < bone->mNumWeights; i++)
+        if (bone->mWeights[i].mWeight > 0.0f) return true;
+    return false;
+}
+
+static int depth_of(const listing *l, int node) {
+    int depth = 0;
+    for (; node >= 0; node = l->parents[node]) depth++;
+    return depth;
+}
+
+/* Where a bone has the mesh: its place in the world times its offset, which takes the mesh to it. */
+static sn_status place_by_bone(const listing *l, const struct aiBone *bone, transform *out, int *depth, sn_error *error) {
+    int node;
+    sn_status status = find_node(l, &bone->mName, &node, error);
+    if (status == SN_OK && node < 0)
+        status = sn_fail(error, SN_ERROR_INPUT, "a skin names the joint '%.100s', which is not in its scene; export both together",
+                         bone->mName.data);
+    if (status != SN_OK) return status;
+    transform world = world_of(l, node), offset = to_transform(&bone->mOffsetMatrix);
+    *out = multiply(&world, &offset);
+    *depth = depth_of(l, node);
+    return SN_OK;
+}
+
+/* Offsets are single precision: placements are one within this times their size. */
+static bool differ(const transform *a, const transform *b) {
+    double size[2] = {0.0, 0.0}, difference[2] = {0.0, 0.0}; /* of the matrix, of the translation */
+    for (int i = 0; i < 3; i++)
+        for (int j = 0; j < 4; j++) {
+            size[j == 3] = fmax(size[j == 3], fmax(fabs(a->m[i][j]), fabs(b->m[i][j])));
+            difference[j == 3] = fmax(difference[j == 3], fabs(a->m[i][j] - b->m[i][j]));
+        }
+    return difference[0] > 1e-4 * size[0] || difference[1] > 1e-4 * fmax(size[0], size[1]);
+}
+
+/* By the uppermost bone that carries something, of all where none does; *posed: others have it elsewhere. */
+static sn_status place_by_bones(const listing *l, const struct aiMesh *mesh, transform *out, bool *posed, sn_error *error) {
+    bool any = false, begun = false;
+    int least = 0;
+    for (unsigned b = 0; b < mesh->mNumBones && !any; b++) any = carries(mesh->mBones[b]);
+    *posed = false;
+    for (unsigned b = 0; b < mesh->mNumBones; b++) {
+        transform t;
+        int depth;
+        if (any && !carries(mesh->mBones[b])) continue;
+        sn_status status = place_by_bone(l, mesh->mBones[b], &t, &depth, error);
+        if (status != SN_OK) return status;
+        *posed = *posed || (begun && differ(out, &t));
+        if (!begun || depth < least) *out = t, least = depth;
+        begun = true;
+    }
+    return SN_OK;
 }
 
 /* ---- nodes --------------------------------------------------------------------------------------------------------------------- */
 
+/* A scene of assimp's, and what is known of it besides. */
+typedef struct source {
+    const struct aiScene *scene;
+    listing nodes;
+    bool skins_place; /* skins and not nodes say where their meshes are: Collada, glTF */
+    bool *placed;     /* (meshes of the scene) skinned ones that were met */
+} source;
+
+static void free_source(source *s) {
+    free_listing(&s->nodes);
+    free(s->placed);
+    if (s->scene != NULL) aiReleaseImport(s->scene);
+    *s = (source){0};
+}
+
+/* Where a mesh of a node is, t being the node's place. Of one skin on two nodes assimp tells one skeleton: the other's place is lost. */
+static sn_status place_mesh(const source *from, unsigned index, const transform *t, transform *out, sn_error *error) {
+    const struct aiMesh *mesh = from->scene->mMeshes[index];
+    bool posed = false;
+    *out = *t;
+    if (!from->skins_place || mesh->mNumBones == 0) return SN_OK;
+    if (from->placed[index])
+        return sn_fail(error, SN_ERROR_INPUT, "the skinned mesh '%.100s' is in the scene twice, which is not read right; export two meshes",
+                       mesh->mName.data);
+    from->placed[index] = true;
+    sn_status status = place_by_bones(&from->nodes, mesh, out, &posed, error);
+    if (status == SN_OK && posed)
+        sn_log(SN_LOG_WARNING,
+               "the joints of '%.100s' are not as its skin was bound: the mesh is as bound, where its uppermost joint has it",
+               mesh->mName.data);
+    return status;
+}
+
+/* FBX: a lone shape has a weight of 1 in assimp 5.2, whatever the file says. */
+static void warn_shapes(const struct aiMesh *mesh) {
+    bool mixed = false;
+    for (unsigned i = 0; i < mesh->mNumAnimMeshes; i++)
+        mixed = mixed || (mesh->mNumAnimMeshes > 1 && mesh->mAnimMeshes[i]->mWeight != 0.0f);
+    if (mixed)
+        sn_log(SN_LOG_WARNING, "shapes that the file mixes into '%.100s' are left out; apply them and export again", mesh->mName.data);
+}
+
+static sn_status add_placed(meshes *m, const source *from, unsigned index, const transform *t, sn_error *error) {
+    transform own;
+    sn_status status = place_mesh(from, index, t, &own, error);
+    warn_shapes(from->scene->mMeshes[index]);
+    return status == SN_OK ? add_mesh(m, from->scene->mMeshes[index], &own, error) : status;
+}
+
 /* All meshes on a node, one for each of its materials, are one part: they share borders. */
-static sn_status add_node_meshes(meshes *m, const struct aiScene *scene, const struct aiNode *node, const transform *t, sn_error *error) {
+static sn_status add_node_meshes(meshes *m, const source *from, const struct aiNode *node, const transform *t, sn_error *error) {
+    const struct aiScene *scene = from->scene;
     size_t vertices = m->vertex_count;
     for (unsigned i = 0; i < node->mNumMeshes; i++) {
         if (node->mMeshes[i] >= scene->mNumMeshes)
@@ -339,15 +583,15 @@ static sn_status add_node_meshes(meshes *m, const struct aiScene *scene, const s
     m->parts[m->part_count] = (part){0};
     name_part(&m->parts[m->part_count++], node, scene);
     sn_status status = SN_OK;
-    for (unsigned i = 0; i < node->mNumMeshes && status == SN_OK; i++) status = add_mesh(m, scene->mMeshes[node->mMeshes[i]], t, error);
+    for (unsigned i = 0; i < node->mNumMeshes && status == SN_OK; i++) status = add_placed(m, from, node->mMeshes[i], t, error);
     if (status == SN_OK && m->parts[m->part_count - 1].triangles == 0) m->part_count--;
     return status;
 }
 
-static sn_status add_node(meshes *m, const struct aiScene *scene, const struct aiNode *node, const transform *parent, sn_error *error) {
+static sn_status add_node(meshes *m, const source *from, const struct aiNode *node, const transform *parent, sn_error *error) {
     transform own = to_transform(&node->mTransformation), t = multiply(parent, &own);
-    sn_status status = node->mNumMeshes > 0 ? add_node_meshes(m, scene, node, &t, error) : SN_OK;
-    for (unsigned i = 0; i < node->mNumChildren && status == SN_OK; i++) status = add_node(m, scene, node->mChildren[i], &t, error);
+    sn_status status = node->mNumMeshes > 0 ? add_node_meshes(m, from, node, &t, error) : SN_OK;
+    for (unsigned i = 0; i < node->mNumChildren && status == SN_OK; i++) status = add_node(m, from, node->mChildren[i], &t, error);
     return status;
 }
 
@@ -406,9 +650,10 @@ static void take_fbx_frame(const struct aiScene *scene, sn_mesh_frame *frame) {
     frame->up = up == 1.0 ? SN_UP_Y : up == 2.0 ? SN_UP_Z : SN_UP_UNKNOWN;
 }
 
+static bool is_gltf(const char *kind) { return kind != NULL && (strcmp(kind, "glb") == 0 || strcmp(kind, "gltf") == 0); }
+
 static void take_frame(const struct aiScene *scene, const char *kind, sn_mesh_frame *frame) {
-    if (strcmp(kind, "glb") == 0 || strcmp(kind, "gltf") == 0)
-        *frame = (sn_mesh_frame){1.0, SN_UP_Y, SN_SPACE_UNKNOWN}; /* by its specification */
+    if (is_gltf(kind)) *frame = (sn_mesh_frame){1.0, SN_UP_Y, SN_SPACE_UNKNOWN}; /* by its specification */
     if (strcmp(kind, "dae") == 0) take_collada_frame(scene->mRootNode, frame);
     if (strcmp(kind, "3ds") == 0) take_3ds_frame(scene->mRootNode, frame);
     if (strcmp(kind, "fbx") == 0) take_fbx_frame(scene, frame);
@@ -441,26 +686,45 @@ static sn_status fail_import(const char *kind, const char *words, sn_error *erro
     return sn_fail(error, SN_ERROR_INPUT, "cannot be imported as %s: %s", format, words);
 }
 
-/* The scene of a file; its root node without the turn and the scale that assimp has put there. */
-static sn_status open_scene(const sn_blob *input, const struct aiScene **out, sn_mesh_frame *frame, sn_error *error) {
+/* The scene of a file; its root node without the turn and the scale that assimp has put there. Free it also on failure. */
+static sn_status open_scene(const sn_blob *input, source *out, sn_mesh_frame *frame, sn_error *error) {
     const char *kind = sn_import_detect(input);
     if (kind == NULL) return sn_fail(error, SN_ERROR_INPUT, "is in no format that can be imported; glTF, FBX, Collada and 3DS are some");
     folder f = {.input = input};
-    *out = load(&f, kind);
-    if (*out == NULL) return fail_import(kind, aiGetErrorString(), error);
-    take_frame(*out, kind, frame);
-    return SN_OK;
+    sn_status status = strcmp(kind, "dae") == 0 ? sn_collada_check(input, !motion, error) : SN_OK;
+    if (status != SN_OK) return status;
+    out->scene = load(&f, kind);
+    if (out->scene == NULL) return fail_import(kind, aiGetErrorString(), error);
+    out->skins_place = strcmp(kind, "dae") == 0 || is_gltf(kind);
+    out->placed = SN_NEW(bool, out->scene->mNumMeshes);
+    if (out->placed == NULL) return sn_fail_memory(error, "the meshes");
+    take_frame(out->scene, kind, frame);
+    return list_nodes(out->scene, &out->nodes, error);
+}
+
+static sn_status import_scene(const sn_blob *input, meshes *out, sn_error *error) {
+    static const transform world = {{{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}}};
+    source from = {0};
+    sn_status status = open_scene(input, &from, &out->frame, error);
+    if (status == SN_OK) status = add_node(out, &from, from.scene->mRootNode, &world, error);
+    free_source(&from);
+    return status;
+}
+
+/* In metres and y up by its specification. */
+static sn_status import_gltf(const sn_blob *input, meshes *out, sn_error *error) {
+    const sn_gltf_source from = {input, read_gltf_buffer, input};
+    out->frame = (sn_mesh_frame){1.0, SN_UP_Y, SN_SPACE_UNKNOWN};
+    sn_status status = sn_gltf_read(&from, take_gltf_part, out, error);
+    if (status != SN_OK) error->line = error->column = 0; /* within the JSON of a GLB, of a file of one line: its path says more */
+    return status;
 }
 
 static sn_status import(const sn_blob *input, meshes *out, sn_error *error) {
-    const struct aiScene *scene = NULL;
-    sn_status status = open_scene(input, &scene, &out->frame, error);
-    if (status != SN_OK) return status;
-    static const transform world = {{{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}}};
-    status = add_node(out, scene, scene->mRootNode, &world, error);
+    sn_status status =
+        is_gltf(sn_import_detect(input)) && !sn_gltf_is_old(input) ? import_gltf(input, out, error) : import_scene(input, out, error);
     if (status == SN_OK && out->face_count == 0)
         status = sn_fail(error, SN_ERROR_INPUT, "holds no surface: no mesh of triangles or polygons is in its scene");
-    aiReleaseImport(scene);
     return status;
 }
 
@@ -525,71 +789,9 @@ static sn_status convert(cli *c, const sn_blob *input, sn_error *error) {
  * ticks and three or four numbers (w x y z); "end". A node is -1 where the scene has none of its name.
  */
 
-typedef struct listing {
-    const struct aiNode **nodes; /* parents before children */
-    int *parents, *sorted;       /* sorted: by name */
-    size_t count, capacity;
-} listing;
-
-static void free_listing(listing *l) {
-    free(l->nodes);
-    free(l->parents);
-    free(l->sorted);
-}
-
-static bool add_listed(listing *l, const struct aiNode *node, int parent) {
-    size_t other = l->capacity;
-    if (l->count >= SN_INDEX_MAX || !sn_grow((void **)&l->parents, &other, l->count + 1, sizeof *l->parents) ||
-        !sn_grow((void **)&l->nodes, &l->capacity, l->count + 1, sizeof *l->nodes))
-        return false;
-    l->parents[l->count] = parent;
-    l->nodes[l->count++] = node;
-    return true;
-}
-
-static const listing *sorting; /* what qsort's and bsearch's comparison looks at */
-
-static int compare_names(const void *a, const void *b) {
-    int i = *(const int *)a, j = *(const int *)b, order = strcmp(sorting->nodes[i]->mName.data, sorting->nodes[j]->mName.data);
-    return order != 0 ? order : (i > j) - (i < j);
-}
-
-static int compare_with_name(const void *text, const void *b) { return strcmp(text, sorting->nodes[*(const int *)b]->mName.data); }
-
-/* Level by level, without a stack. */
-static sn_status list_nodes(const struct aiScene *scene, listing *l, sn_error *error) {
-    bool enough = add_listed(l, scene->mRootNode, -1);
-    for (size_t i = 0; i < l->count && enough; i++)
-        for (unsigned k = 0; k < l->nodes[i]->mNumChildren && enough; k++) enough = add_listed(l, l->nodes[i]->mChildren[k], (int)i);
-    if (enough) enough = (l->sorted = SN_NEW(int, l->count)) != NULL;
-    if (!enough) return sn_fail_memory(error, "the nodes");
-    for (size_t i = 0; i < l->count; i++) l->sorted[i] = (int)i;
-    sorting = l;
-    qsort(l->sorted, l->count, sizeof *l->sorted, compare_names);
-    return SN_OK;
-}
-
-/* *out is -1 where there is none. Assimp's animations name nodes, which fits one only where names are distinct. */
-static sn_status find_node(const listing *l, const struct aiString *text, int *out, sn_error *error) {
-    sorting = l;
-    const int *at = bsearch(text->data, l->sorted, l->count, sizeof *l->sorted, compare_with_name);
-    *out = at != NULL ? *at : -1;
-    if (at == NULL) return SN_OK;
-    size_t i = (size_t)(at - l->sorted);
-    bool twin = (i > 0 && compare_with_name(text->data, at - 1) == 0) || (i + 1 < l->count && compare_with_name(text->data, at + 1) == 0);
-    if (!twin) return SN_OK;
-    return sn_fail(error, SN_ERROR_INPUT, "an animation or a skin names the node \"%.100s\", and more than one is called so; rename them",
-                   text->data);
-}
-
-/* As one line. */
 static void write_name(const struct aiString *text, sn_output *output) {
     char line[sizeof text->data + 1] = " ";
-    size_t length = 1;
-    for (size_t i = 0; i < text->length && text->data[i] != '\0' && length < sizeof line - 1; i++) {
-        unsigned char c = (unsigned char)text->data[i];
-        line[length++] = c < ' ' || c == 0x7f ? '_' : (char)c;
-    }
+    size_t length = append_line(line, 1, sizeof line, text->data);
     sn_output_write(output, line, length, NULL);
 }
 
@@ -624,31 +826,25 @@ static transform invert(const transform *t) {
     return out;
 }
 
-/* Where the node is in the world, at rest. */
-static transform world_of(const listing *l, int node) {
-    transform t = {{{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}}};
-    for (; node >= 0; node = l->parents[node]) {
-        transform own = to_transform(&l->nodes[node]->mTransformation);
-        t = multiply(&own, &t);
-    }
-    return t;
-}
-
-/* The bones of the meshes of one node. A bone's offset takes the mesh to the bone, as they were when the mesh was bound. */
-static sn_status write_binds(const listing *l, const struct aiScene *scene, int node, sn_output *output, sn_error *error) {
-    const struct aiNode *holder = l->nodes[node];
-    transform world = holder->mNumMeshes > 0 ? world_of(l, node) : (transform){{{0}}};
+/* The bones of the meshes of one node. A bone's offset takes the mesh to the bone, as they were when the mesh was bound; the mesh is where
+ * the meshes have it that are written without --motion. */
+static sn_status write_binds(const source *from, int node, sn_output *output, sn_error *error) {
+    const struct aiNode *holder = from->nodes.nodes[node];
+    transform world = holder->mNumMeshes > 0 ? world_of(&from->nodes, node) : (transform){{{0}}}, place;
     for (unsigned k = 0; k < holder->mNumMeshes; k++) {
-        if (holder->mMeshes[k] >= scene->mNumMeshes) return sn_fail(error, SN_ERROR_INPUT, "a node names a mesh that is not there");
-        const struct aiMesh *mesh = scene->mMeshes[holder->mMeshes[k]];
-        for (unsigned b = 0; b < mesh->mNumBones; b++) {
+        if (holder->mMeshes[k] >= from->scene->mNumMeshes) return sn_fail(error, SN_ERROR_INPUT, "a node names a mesh that is not there");
+        const struct aiMesh *mesh = from->scene->mMeshes[holder->mMeshes[k]];
+        if (from->placed[holder->mMeshes[k]]) continue; /* its bones are told */
+        sn_status status = place_mesh(from, holder->mMeshes[k], &world, &place, error);
+        for (unsigned b = 0; b < mesh->mNumBones && status == SN_OK; b++) {
             int bone;
-            transform offset = to_transform(&mesh->mBones[b]->mOffsetMatrix), inverse = invert(&offset), bind = multiply(&world, &inverse);
-            sn_status status = find_node(l, &mesh->mBones[b]->mName, &bone, error);
+            transform offset = to_transform(&mesh->mBones[b]->mOffsetMatrix), inverse = invert(&offset), bind = multiply(&place, &inverse);
+            status = find_node(&from->nodes, &mesh->mBones[b]->mName, &bone, error);
             if (status != SN_OK) return status;
             sn_output_print(output, "bind %d\n", bone);
             write_transform(&bind, output);
         }
+        if (status != SN_OK) return status;
     }
     return SN_OK;
 }
@@ -688,35 +884,53 @@ static sn_status write_animations(const listing *l, const struct aiScene *scene,
     return status;
 }
 
-static sn_status write_motion(const struct aiScene *scene, const sn_mesh_frame *frame, sn_output *output, sn_error *error) {
-    listing l = {0};
-    sn_status status = list_nodes(scene, &l, error);
-    if (status == SN_OK) {
-        sn_output_print(output, "sinew-nodes 1\n");
-        if (frame->meters_per_unit > 0.0) sn_output_print(output, "metersPerUnit %.17g\n", frame->meters_per_unit);
-        if (frame->up != SN_UP_UNKNOWN) sn_output_print(output, "up %c\n", frame->up == SN_UP_Y ? 'y' : 'z');
-        write_nodes(&l, output);
+static sn_status write_motion(const source *from, const sn_mesh_frame *frame, sn_output *output, sn_error *error) {
+    sn_status status = SN_OK;
+    sn_output_print(output, "sinew-nodes 1\n");
+    if (frame->meters_per_unit > 0.0) sn_output_print(output, "metersPerUnit %.17g\n", frame->meters_per_unit);
+    if (frame->up != SN_UP_UNKNOWN) sn_output_print(output, "up %c\n", frame->up == SN_UP_Y ? 'y' : 'z');
+    write_nodes(&from->nodes, output);
+    for (size_t i = 0; i < from->nodes.count && status == SN_OK; i++) status = write_binds(from, (int)i, output, error);
+    if (status == SN_OK) status = write_animations(&from->nodes, from->scene, output, error);
+    return status == SN_OK ? sn_output_print(output, "end\n") : status;
+}
+
+/* "skin": and "skins": of the JSON get names that mean nothing, in place, so that its nodes have none. */
+static void hide_skins(sn_blob *input) {
+    static const char *const keys[] = {"\"skin\"", "\"skins\""};
+    for (int k = 0; k < 2; k++) {
+        size_t length = strlen(keys[k]);
+        char *end = input->data + input->size;
+        for (char *at = input->data; (at = memmem(at, (size_t)(end - at), keys[k], length)) != NULL; at++) {
+            const char *next = at + length;
+            while (next < end && strchr(" \t\r\n", *next) != NULL && *next != '\0') next++;
+            if (next < end && *next == ':') at[1] = 'x';
+        }
     }
-    for (size_t i = 0; i < l.count && status == SN_OK; i++) status = write_binds(&l, scene, (int)i, output, error);
-    if (status == SN_OK) status = write_animations(&l, scene, output, error);
-    if (status == SN_OK) status = sn_output_print(output, "end\n");
-    free_listing(&l);
+}
+
+/* Assimp dies on a skin without inverse bind matrices; where they are not told, no bone is bound. */
+static sn_status prepare_motion(sn_blob *input, sn_error *error) {
+    bool unbound = false;
+    if (!is_gltf(sn_import_detect(input)) || sn_gltf_is_old(input)) return SN_OK;
+    sn_status status = sn_gltf_check(input, &unbound, error);
+    if (status == SN_OK && unbound) hide_skins(input);
     return status;
 }
 
-static sn_status convert_motion(cli *c, const sn_blob *input, sn_error *error) {
-    const struct aiScene *scene = NULL;
+static sn_status convert_motion(cli *c, sn_blob *input, sn_error *error) {
+    source from = {0};
     sn_mesh_frame frame = {0};
     sn_output *output = NULL;
-    sn_status status = open_scene(input, &scene, &frame, error);
-    if (status != SN_OK) return status;
-    status = sn_output_open(c->output, false, &output, error);
-    if (status == SN_OK) status = write_motion(scene, &frame, output, error);
+    sn_status status = prepare_motion(input, error);
+    if (status == SN_OK) status = open_scene(input, &from, &frame, error);
+    if (status == SN_OK) status = sn_output_open(c->output, false, &output, error);
+    if (status == SN_OK) status = write_motion(&from, &frame, output, error);
     if (status == SN_OK)
         status = sn_output_commit(output, error);
     else
         sn_output_abort(output);
-    aiReleaseImport(scene);
+    free_source(&from);
     return status;
 }
 

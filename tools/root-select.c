@@ -26,7 +26,7 @@ static const cli_option options[] = {
     {0, "painted", "NAME[>T]", CLI_TEXT, &painted, CLI_RESULT, 0, 0, NULL,
      "the vertices whose PLY attribute NAME is greater than T (default 0)"},
     {0, "ends", "FILE", CLI_TEXT, &ends, CLI_RESULT | CLI_FILE, 0, 0, NULL,
-     "known sites of both ends: lines \"origin X Y Z\" and \"insertion X Y Z\""},
+     "known sites of both ends: lines \"origin X Y Z\" and \"insertion X Y Z\", or fibres from end to end"},
     {0, "tips", "HOW", CLI_CHOICE, &tips, CLI_RESULT, 0, 0, tip_names,
      "what the ends are without sites or attachments: sweeps, the points farthest from each other (default), or eigenfunction, the "
      "extremes of the surface's slowest vibration"},

@@ -123,6 +123,38 @@ SN_MUST_CHECK sn_status sn_vertex_track_read(const char *path, const sn_track_op
 const char *sn_import_detect(const sn_blob *blob);
 const char *sn_import_format_name(const char *kind); /* "FBX", "glTF", ... for messages */
 
+/* ---- the surfaces of a glTF file (lib/io/gltf*.c): for mesh-import, which has the limits that a hostile file needs ------------- */
+
+typedef struct sn_gltf_source {
+    const sn_blob *file; /* JSON or GLB, of version 2 */
+    /* A buffer by its uri, no data: uri; false = there is none. Nullable. */
+    bool (*read_buffer)(const void *context, const char *uri, sn_blob *out);
+    const void *context;
+} sn_gltf_source;
+
+/* What hangs on one node, or one instance of it, in the world: in metres, y up. Morph targets have their default weights; a skinned mesh is
+ * as it was bound, where its joints have it (glTF 2.0, 3.7.3.3: its node does not move it). */
+typedef struct sn_gltf_part {
+    const char *node_name, *mesh_name; /* "" = none */
+    sn_index node, mesh;
+    sn_index instance; /* of the node, from 0; SN_NONE = it has none (EXT_mesh_gpu_instancing) */
+    sn_index vertex_count, corner_count;
+    double *positions; /* (3 x vertex_count) may be no finite numbers */
+    float *colours;    /* (4 x vertex_count) 0 to 1; NULL = none */
+    sn_index *corners; /* (corner_count) by threes, in range, turned where the node mirrors */
+} sn_gltf_part;
+typedef sn_status (*sn_gltf_sink)(void *context, const sn_gltf_part *part, sn_error *error);
+/* Parts one by one, in the order of the scene; lines and points are passed over. An extension that is required and not known, packed
+ * meshes, numbers that are not there are errors; a warning in the log where what is used but not required may move something. */
+SN_MUST_CHECK sn_status sn_gltf_read(const sn_gltf_source *source, sn_gltf_sink sink, void *context, sn_error *error);
+/* The required extensions alone; *unbound: a skin has no inverse bind matrices, on which assimp 5.2 dies. */
+SN_MUST_CHECK sn_status sn_gltf_check(const sn_blob *file, bool *unbound, sn_error *error);
+/* Of version 1, which is another format. */
+bool sn_gltf_is_old(const sn_blob *file);
+/* Is there something in a Collada file that assimp 5.2 misreads in silence? shapes: surfaces matter too. SN_OK also where it is no XML.
+ * (lib/io/collada.c) */
+SN_MUST_CHECK sn_status sn_collada_check(const sn_blob *file, bool shapes, sn_error *error);
+
 /* ---- the meshes of one file: objects of a scene, groups of an OBJ file (lib/io/mesh_part.c) ------------------------------ */
 
 typedef struct sn_mesh_part {
@@ -179,11 +211,17 @@ void sn_document_free(sn_document *document);
 
 /* ---- what a user adds to a muscle (lib/io/sites.c polylines.c) ----------------------------------------------------------------- */
 
-/* Lines "origin X Y Z" and "insertion X Y Z" (blanks, tabs or commas between; # begins a comment); *sites is freed by the caller. */
+/* Lines "origin X Y Z" and "insertion X Y Z" (blanks, tabs or commas between; # begins a comment), or fibres as sn_polylines_read takes
+ * them: each has a site of the origin where it begins and one of the insertion where it ends. *sites is freed by the caller. */
 SN_MUST_CHECK sn_status sn_sites_read(const char *path, sn_index *count, sn_end_site **sites, sn_error *error);
-/* Fibres: the lines (l) of an OBJ file, or the polylines of a muscle document or of any JSON object {"polylines": [{"points":
- * [x,y,z,...]}]}; at least one. Free with sn_fibers_free. */
+/* Fibres: the lines (l) of an OBJ file or those of VTK PolyData (VTP or legacy), or the polylines of a muscle document or of any JSON
+ * object
+ * {"polylines": [{"points": [x,y,z,...]}]}; at least one. Lines of two points are joined where they meet end to end. Free with
+ * sn_fibers_free. */
 SN_MUST_CHECK sn_status sn_polylines_read(const char *path, sn_fibers *out, sn_error *error);
+SN_MUST_CHECK sn_status sn_polylines_parse(const sn_blob *blob, sn_fibers *out, sn_error *error);
+/* Is it a file of fibres by its first words: VTK, or an OBJ file? JSON may be one. (lib/io/polylines.c) */
+bool sn_polylines_detect(const sn_blob *blob);
 
 /* ---- the scene document (lib/io/scene_document.c) -------------------------------------------------------------------------- */
 
@@ -376,12 +414,14 @@ SN_MUST_CHECK sn_status sn_activation_names_parse(const sn_blob *blob, sn_muscle
  * the control points of Bezier curves; they become out->polylines. */
 SN_MUST_CHECK sn_status sn_fiber_template_parse(const sn_blob *blob, sn_fibers *out, sn_error *error);
 
-/* Vertices where fibres begin and end: {"format": "sinew-fiber-ends", "version": 1, "origin": [vertex, ...], "insertion": [...]}. */
+/* Vertices where fibres begin and end: {"format": "sinew-fiber-ends", "version": 1, "origin": [vertex, ...], "insertion": [...]}, or fibres
+ * as sn_polylines_read takes them: the vertices that are nearest to where these begin (origin) and end (insertion), each once, ascending.
+ */
 typedef struct sn_fiber_ends {
     sn_index origin_count, insertion_count;
     sn_index *origin, *insertion;
 } sn_fiber_ends;
-SN_MUST_CHECK sn_status sn_fiber_ends_parse(const sn_blob *blob, sn_index vertex_count, sn_fiber_ends *out, sn_error *error);
+SN_MUST_CHECK sn_status sn_fiber_ends_parse(const sn_blob *blob, const sn_mesh *mesh, sn_fiber_ends *out, sn_error *error);
 void sn_fiber_ends_free(sn_fiber_ends *ends);
 
 #endif

@@ -1,4 +1,5 @@
 /* fill_document.c -- what a user gives to fiber-fill: a fibre template, and where fibres end. */
+#include <math.h>
 #include <stdlib.h>
 
 #include "document.h"
@@ -53,22 +54,69 @@ sn_status sn_fiber_template_parse(const sn_blob *blob, sn_fibers *out, sn_error 
 
 /* ---- ends ------------------------------------------------------------------------------------------------------------------------ */
 
-sn_status sn_fiber_ends_parse(const sn_blob *blob, sn_index vertex_count, sn_fiber_ends *out, sn_error *error) {
+static sn_status parse_ends(const sn_json_value *top, sn_index vertex_count, sn_fiber_ends *out, sn_error *error) {
     static const char *const known[] = {"format", "version", "name", "origin", "insertion", NULL};
-    sn_json_tree *tree = NULL;
-    *out = (sn_fiber_ends){0};
-    sn_status status = sn_json_parse(blob, &tree, error);
-    if (status != SN_OK) return status;
-    sn_json_value top = sn_json_top(tree), origin = sn_json_member(&top, "origin"), insertion = sn_json_member(&top, "insertion");
-    status = sn_json_expect_format(&top, "sinew-fiber-ends", NEWEST_ENDS, error);
-    if (status == SN_OK) status = sn_json_check_members(&top, known, error);
+    sn_json_value origin = sn_json_member(top, "origin"), insertion = sn_json_member(top, "insertion");
+    sn_status status = sn_json_expect_format(top, "sinew-fiber-ends", NEWEST_ENDS, error);
+    if (status == SN_OK) status = sn_json_check_members(top, known, error);
     if (status == SN_OK)
         status = sn_json_get_indices(&origin, (sn_index_rule){1, -1, 0, vertex_count - 1}, &out->origin_count, &out->origin, error);
     if (status == SN_OK)
         status =
             sn_json_get_indices(&insertion, (sn_index_rule){1, -1, 0, vertex_count - 1}, &out->insertion_count, &out->insertion, error);
     if (status == SN_OK && (out->origin_count == 0 || out->insertion_count == 0))
-        status = sn_json_complain(&top, error, "\"origin\" and \"insertion\" must each list at least one vertex");
+        status = sn_json_complain(top, error, "\"origin\" and \"insertion\" must each list at least one vertex");
+    return status;
+}
+
+static sn_index nearest_vertex(const sn_mesh *mesh, sn_vec3 point) {
+    sn_index best = 0;
+    double least = INFINITY;
+    for (sn_index v = 0; v < mesh->vertex_count; v++) {
+        sn_vec3 d = sn_sub(mesh->positions[v], point);
+        double square = sn_dot(d, d);
+        if (square < least) least = square, best = v;
+    }
+    return best;
+}
+
+/* The vertices nearest to the fibres' first points, or their last. */
+static sn_status find_end(const sn_fibers *fibers, const sn_mesh *mesh, bool last, sn_index *count, sn_index **out) {
+    bool *marked = SN_NEW(bool, mesh->vertex_count);
+    *out = SN_NEW(sn_index, fibers->polyline_count);
+    *count = 0;
+    for (sn_index i = 0; i < fibers->polyline_count && marked != NULL; i++) {
+        const sn_polyline *line = &fibers->polylines[i];
+        marked[nearest_vertex(mesh, line->points[last ? line->count - 1 : 0])] = true;
+    }
+    for (sn_index v = 0; v < mesh->vertex_count && marked != NULL && *out != NULL; v++)
+        if (marked[v]) (*out)[(*count)++] = v;
+    bool enough = marked != NULL && *out != NULL;
+    free(marked);
+    return enough ? SN_OK : SN_ERROR_MEMORY;
+}
+
+static sn_status find_ends(const sn_blob *blob, const sn_mesh *mesh, sn_fiber_ends *out, sn_error *error) {
+    sn_fibers fibers;
+    sn_status status = sn_polylines_parse(blob, &fibers, error);
+    if (status != SN_OK) return status;
+    status = find_end(&fibers, mesh, false, &out->origin_count, &out->origin);
+    if (status == SN_OK) status = find_end(&fibers, mesh, true, &out->insertion_count, &out->insertion);
+    sn_fibers_free(&fibers);
+    return status == SN_OK ? SN_OK : sn_fail_memory(error, "the ends of the fibres");
+}
+
+sn_status sn_fiber_ends_parse(const sn_blob *blob, const sn_mesh *mesh, sn_fiber_ends *out, sn_error *error) {
+    sn_json_tree *tree = NULL;
+    bool lines = sn_polylines_detect(blob);
+    *out = (sn_fiber_ends){0};
+    sn_status status = lines ? SN_OK : sn_json_parse(blob, &tree, error);
+    if (status == SN_OK && !lines) {
+        sn_json_value top = sn_json_top(tree), fibers = sn_json_member(&top, "fibers"), polylines = sn_json_member(&top, "polylines");
+        lines = sn_json_has(&fibers) || sn_json_has(&polylines);
+        if (!lines) status = parse_ends(&top, mesh->vertex_count, out, error);
+    }
+    if (status == SN_OK && lines) status = find_ends(blob, mesh, out, error);
     sn_json_tree_free(tree);
     if (status != SN_OK) sn_fiber_ends_free(out);
     return status;

@@ -341,6 +341,18 @@ static sn_status read_answer(const child *c, bool allow_nonfinite, sn_mesh *out,
     return status;
 }
 
+/* Its warnings go to the log as ours. What else it says while it succeeds is of no interest. */
+static void pass_warnings(child *c) {
+    static const char prefix[] = "mesh-import: warning: ";
+    char *line = c->message;
+    while (line != NULL && *line != '\0') {
+        char *end = strchr(line, '\n');
+        if (end != NULL) *end++ = '\0';
+        if (strncmp(line, prefix, sizeof prefix - 1) == 0) sn_log(SN_LOG_WARNING, "%s: %s", c->blob->name, line + sizeof prefix - 1);
+        line = end;
+    }
+}
+
 /* Ask the child, and judge how it ended; its answer is in c, also on failure. */
 static sn_status ask(child *c, sn_error *error) {
     c->pid = c->input = c->output = c->messages = -1;
@@ -351,6 +363,7 @@ static sn_status ask(child *c, sn_error *error) {
         if (status == SN_OK && !is_gone(c)) status = too_slow(c, error);
         int wait_status = reap(c);
         if (status == SN_OK) status = judge(c, wait_status, error);
+        if (status == SN_OK) pass_warnings(c);
     }
     close_descriptor(&c->output);
     close_descriptor(&c->messages);

@@ -357,8 +357,27 @@ sn_status sn_reader_add_strip(sn_reader *reader) {
     const sn_index *v = reader->corners;
     for (size_t i = 0; i + 2 < corners; i++) {
         size_t turned = i % 2;
+        if (v[i] == v[i + 1] || v[i + 1] == v[i + 2] || v[i + 2] == v[i]) continue; /* a seam: strips are sewn together by such */
         mesh->triangles[mesh->triangle_count++] = (sn_triangle){{v[i + turned], v[i + 1 - turned], v[i + 2]}};
     }
+    return SN_OK;
+}
+
+sn_status sn_reader_add_line(sn_reader *reader) {
+    sn_line_set *lines = reader->lines;
+    size_t count = reader->corner_count, before = (size_t)lines->corner_count;
+    reader->corner_count = 0;
+    if (count < 2) {
+        lines->thin++;
+        return SN_OK;
+    }
+    if (before + count > SN_INDEX_MAX ||
+        !sn_grow((void **)&lines->starts, &lines->start_capacity, (size_t)lines->line_count + 2, sizeof(sn_index)) ||
+        !sn_grow((void **)&lines->corners, &lines->corner_capacity, before + count, sizeof(sn_index)))
+        return sn_fail_memory(reader->error, "the points of the lines");
+    memcpy(lines->corners + before, reader->corners, count * sizeof(sn_index));
+    lines->starts[lines->line_count++] = (sn_index)before;
+    lines->starts[lines->line_count] = lines->corner_count = (sn_index)(before + count);
     return SN_OK;
 }
 

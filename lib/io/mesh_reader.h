@@ -35,6 +35,14 @@ typedef struct sn_polygon {
     sn_index first_triangle, corner_count;
 } sn_polygon;
 
+/* Lines as numbers of vertices, one behind the other. */
+typedef struct sn_line_set {
+    sn_index line_count, *starts; /* (line_count + 1) of each line among the corners */
+    sn_index corner_count, *corners;
+    size_t start_capacity, corner_capacity;
+    sn_index thin; /* lines of fewer than two vertices, left out */
+} sn_line_set;
+
 typedef struct sn_reader {
     const sn_blob *blob;
     sn_error *error;
@@ -62,6 +70,8 @@ typedef struct sn_reader {
     int64_t first_index; /* what the file calls the first vertex */
     int64_t highest_corner, highest_place;
     int64_t thin_faces; /* faces of fewer than three corners, left out */
+
+    sn_line_set *lines; /* where lines go; NULL = they are passed over, and so are data of points where they are not */
 } sn_reader;
 
 /* ---- places and errors ---------------------------------------------------------------------------------------------- */
@@ -118,8 +128,10 @@ SN_MUST_CHECK sn_status sn_reader_add_colour(sn_reader *reader, const double *co
 SN_MUST_CHECK sn_status sn_reader_add_corner(sn_reader *reader, int64_t vertex);
 /* The corners read make a face of this group (SN_NONE = of none). */
 SN_MUST_CHECK sn_status sn_reader_add_face(sn_reader *reader, sn_index group);
-/* The corners read make a triangle strip: every other triangle is turned over. */
+/* The corners read make a triangle strip: every other triangle is turned over; those of two equal corners are left out. */
 SN_MUST_CHECK sn_status sn_reader_add_strip(sn_reader *reader);
+/* The corners read make a line. */
+SN_MUST_CHECK sn_status sn_reader_add_line(sn_reader *reader);
 /* A new attribute of vertex_count rows, for the vertices of a mesh that are known. A name that is taken, or an attribute larger than the
  * file's share of memory, is left out with a warning: then *out is NULL. */
 SN_MUST_CHECK sn_status sn_reader_add_attribute(sn_reader *reader, const char *name, int64_t components, bool integer, sn_attribute **out);

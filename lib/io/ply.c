@@ -2,7 +2,8 @@
  * ply.c -- the Stanford polygon format: ASCII and binary of both byte orders.
  *
  * Format: G. Turk, The PLY Polygon File Format (1994). Scalars of vertices other than x, y, z become attributes under their own names;
- * lists of vertices, and elements other than vertices and faces, are passed over.
+ * lists of vertices, and elements other than vertices, faces and tristrips, are passed over. The scans of the Stanford repository have
+ * strips of triangles in place of faces: lists in which -1 begins the next strip.
  */
 #include "mesh_reader.h"
 #include "scalar.h"
@@ -21,7 +22,7 @@ static const struct {
 enum { TYPE_COUNT = sizeof scalar_types / sizeof *scalar_types };
 
 /* Where the values of a property go. */
-typedef enum target { SKIP, COORDINATE, ATTRIBUTE, CORNERS } target;
+typedef enum target { SKIP, COORDINATE, ATTRIBUTE, CORNERS, STRIPS } target;
 
 typedef struct property {
     sn_span name;
@@ -221,28 +222,37 @@ static sn_status plan_vertices(sn_reader *reader, header *h, const element *vert
     return sn_reader_fail(reader, SN_NONE, "the vertices need the properties x, y and z, each once");
 }
 
-static sn_status plan_faces(sn_reader *reader, header *h, const element *faces) {
+/* lists: what those of this element are, CORNERS or STRIPS. */
+static sn_status plan_faces(sn_reader *reader, header *h, const element *faces, target lists) {
     for (size_t i = 0; i < faces->property_count; i++) {
         property *p = &h->properties[faces->first + i];
         if (!p->list || (!sn_span_is(p->name, "vertex_indices") && !sn_span_is(p->name, "vertex_index"))) continue;
         if (!sn_scalar_is_integer(p->type)) return sn_reader_fail(reader, SN_NONE, "vertex_indices must be whole numbers, such as int");
-        p->target = CORNERS;
+        p->target = lists;
         return SN_OK;
     }
-    return sn_reader_fail(reader, SN_NONE, "the faces need a property list vertex_indices");
+    return sn_reader_fail(reader, SN_NONE, "the %s need a property list vertex_indices", lists == CORNERS ? "faces" : "tristrips");
+}
+
+static int64_t count_of(const header *h, const char *name) {
+    const element *e = find_element(h, name);
+    return e != NULL ? e->count : 0;
 }
 
 static sn_status plan(sn_reader *reader, header *h) {
-    const element *vertices = find_element(h, "vertex"), *faces = find_element(h, "face");
+    const element *vertices = find_element(h, "vertex");
+    int64_t faces = count_of(h, "face"), strips = count_of(h, "tristrips");
     if (vertices == NULL) return sn_reader_fail(reader, SN_NONE, "the header declares no element vertex");
     sn_status status = check_counts(reader, h);
-    if (status == SN_OK && (faces == NULL || faces->count == 0)) {
+    if (status == SN_OK && faces == 0 && strips == 0) {
         return sn_fail_at(reader->error, SN_ERROR_INPUT, reader->blob->name, 0,
                           "has no faces by its header; a surface of triangles or polygons is needed");
     }
-    if (status == SN_OK) status = sn_reader_reserve(reader, vertices->count, faces->count);
+    if (status == SN_OK) status = sn_reader_reserve(reader, vertices->count, faces);
     if (status == SN_OK) status = plan_vertices(reader, h, vertices);
-    return status == SN_OK ? plan_faces(reader, h, faces) : status;
+    if (status == SN_OK && faces > 0) status = plan_faces(reader, h, find_element(h, "face"), CORNERS);
+    if (status == SN_OK && strips > 0) status = plan_faces(reader, h, find_element(h, "tristrips"), STRIPS);
+    return status;
 }
 
 /* ---- the data ------------------------------------------------------------------------------------------------------- */
@@ -260,6 +270,16 @@ static sn_status read_value(sn_reader *reader, const header *h, sn_scalar type, 
     return SN_OK;
 }
 
+/* A vertex of a face or a strip. -1, also where it has become unsigned, ends a strip; the last one ends with its list. */
+static sn_status take_corner(sn_reader *reader, const property *p, double value) {
+    bool end = p->target == STRIPS && (value == -1.0 || (p->type == SN_UINT32 && value == 4294967295.0));
+    if (end) return sn_reader_add_strip(reader);
+    if (!(fabs(value) <= 4294967295.0) || value != floor(value)) {
+        return sn_reader_fail(reader, SN_NONE, "a face names vertex %g, which cannot be", value);
+    }
+    return sn_reader_add_corner(reader, (int64_t)value);
+}
+
 static sn_status read_list(sn_reader *reader, const header *h, const property *p) {
     double count = 0.0, value = 0.0;
     sn_status status = read_value(reader, h, p->count_type, p, &count);
@@ -269,12 +289,7 @@ static sn_status read_list(sn_reader *reader, const header *h, const property *p
     }
     for (int64_t i = 0; i < (int64_t)count; i++) {
         status = read_value(reader, h, p->type, p, &value);
-        if (status == SN_OK && p->target == CORNERS) {
-            if (!(fabs(value) <= 4294967295.0) || value != floor(value)) {
-                return sn_reader_fail(reader, SN_NONE, "a face names vertex %g, which cannot be", value);
-            }
-            status = sn_reader_add_corner(reader, (int64_t)value);
-        }
+        if (status == SN_OK && p->target != SKIP) status = take_corner(reader, p, value);
         if (status != SN_OK) return status;
     }
     return SN_OK;
@@ -311,6 +326,7 @@ static sn_status end_row(sn_reader *reader, const element *e) {
 
 static sn_status read_elements(sn_reader *reader, const header *h, const element *e) {
     bool text = h->encoding == SN_ENCODING_ASCII, vertices = sn_span_is(e->name, "vertex"), faces = sn_span_is(e->name, "face");
+    bool strips = sn_span_is(e->name, "tristrips");
     if (e->property_count == 0) return SN_OK;
     for (int64_t row = 0; row < e->count; row++) {
         double position[3] = {0, 0, 0};
@@ -324,6 +340,7 @@ static sn_status read_elements(sn_reader *reader, const header *h, const element
             if (status == SN_OK) reader->at = next;
         }
         if (status == SN_OK && faces) status = sn_reader_add_face(reader, SN_NONE);
+        if (status == SN_OK && strips && reader->corner_count > 0) status = sn_reader_add_strip(reader);
         if (status == SN_OK && text) status = end_row(reader, e);
         if (status != SN_OK) return status;
     }
@@ -337,7 +354,7 @@ sn_status sn_ply_parse(sn_reader *reader) {
     if (status == SN_OK) status = plan(reader, h);
     if (status == SN_OK) begin_data(reader, h);
     for (size_t i = 0; status == SN_OK && i < h->element_count; i++) status = read_elements(reader, h, &h->elements[i]);
-    if (status == SN_OK) status = sn_reader_expect_end(reader, find_element(h, "face")->count, "faces");
+    if (status == SN_OK) status = sn_reader_expect_end(reader, count_of(h, "face") + count_of(h, "tristrips"), "faces");
     free(h);
     return status;
 }

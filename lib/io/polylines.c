@@ -1,4 +1,7 @@
-/* polylines.c -- fibres from a file: the lines of an OBJ file, the fibres of a muscle document, or {"polylines": [{"points": [...]}]}. */
+/*
+ * polylines.c -- fibres from a file: the lines of an OBJ file or of VTK PolyData (VTP and legacy), the fibres of a muscle document, or
+ * {"polylines": [{"points": [...]}]}.
+ */
 #include "document.h"
 #include "mesh_reader.h"
 
@@ -20,19 +23,12 @@ static sn_status parse_json(const sn_blob *blob, sn_fibers *out, sn_error *error
 
 /* ---- OBJ: v and l ----------------------------------------------------------------------------------------------------------- */
 
-/* Lines as numbers of vertices, one behind the other. */
-typedef struct line_set {
-    sn_index line_count, *starts; /* (line_count + 1) of each line among the corners */
-    sn_index corner_count, *corners;
-    size_t start_capacity, corner_capacity;
-} line_set;
-
-static void free_lines(line_set *lines) {
+static void free_lines(sn_line_set *lines) {
     free(lines->starts);
     free(lines->corners);
 }
 
-static sn_status begin_line(line_set *lines, sn_error *error) {
+static sn_status begin_line(sn_line_set *lines, sn_error *error) {
     if (!sn_grow((void **)&lines->starts, &lines->start_capacity, (size_t)lines->line_count + 2, sizeof(sn_index)))
         return sn_fail_memory(error, "the fibres");
     lines->starts[lines->line_count++] = lines->corner_count;
@@ -40,7 +36,7 @@ static sn_status begin_line(line_set *lines, sn_error *error) {
     return SN_OK;
 }
 
-static sn_status add_corner(line_set *lines, sn_index vertex, sn_error *error) {
+static sn_status add_corner(sn_line_set *lines, sn_index vertex, sn_error *error) {
     if (lines->corner_count == SN_INDEX_MAX ||
         !sn_grow((void **)&lines->corners, &lines->corner_capacity, (size_t)lines->corner_count + 1, sizeof(sn_index)))
         return sn_fail_memory(error, "the points of the fibres");
@@ -56,7 +52,7 @@ static sn_status read_vertex(sn_reader *r) {
 }
 
 /* v, or v/vt; from 1, or from -1 backwards. */
-static sn_status read_line_corner(sn_reader *r, line_set *lines) {
+static sn_status read_line_corner(sn_reader *r, sn_line_set *lines) {
     const char *start = r->at, *next;
     char found[48];
     int64_t vertex;
@@ -73,7 +69,7 @@ static sn_status read_line_corner(sn_reader *r, line_set *lines) {
     return add_corner(lines, (sn_index)(vertex - 1), r->error);
 }
 
-static sn_status read_line(sn_reader *r, line_set *lines) {
+static sn_status read_line(sn_reader *r, sn_line_set *lines) {
     sn_status status = begin_line(lines, r->error);
     while (status == SN_OK && !sn_reader_at_line_end(r)) status = read_line_corner(r, lines);
     if (status != SN_OK) return status;
@@ -81,7 +77,7 @@ static sn_status read_line(sn_reader *r, line_set *lines) {
     return sn_reader_fail(r, SN_NONE, "a line must have two vertices or more");
 }
 
-static sn_status read_statements(sn_reader *r, line_set *lines) {
+static sn_status read_statements(sn_reader *r, sn_line_set *lines) {
     r->continues = true;
     do {
         sn_span word = sn_reader_word(r);
@@ -95,15 +91,15 @@ static sn_status read_statements(sn_reader *r, line_set *lines) {
 
 /* Programs that know edges alone write a curve as lines of two points. Each vertex knows the segments at it. */
 typedef struct segments {
-    const line_set *lines;
+    const sn_line_set *lines;
     sn_index *at[2]; /* (vertices) the first and the second segment that ends here; SN_NONE = none */
     sn_index *count; /* (vertices) of line ends and inner corners; joined are those that only two segments share */
     bool *used;      /* (lines) */
 } segments;
 
-static sn_index corners_of(const line_set *lines, sn_index line) { return lines->starts[line + 1] - lines->starts[line]; }
+static sn_index corners_of(const sn_line_set *lines, sn_index line) { return lines->starts[line + 1] - lines->starts[line]; }
 
-static bool is_segment(const line_set *lines, sn_index line) {
+static bool is_segment(const sn_line_set *lines, sn_index line) {
     const sn_index *v = lines->corners + lines->starts[line];
     return corners_of(lines, line) == 2 && v[0] != v[1];
 }
@@ -138,7 +134,7 @@ static sn_index walk_back(const segments *s, sn_index line, sn_index v, sn_index
 }
 
 /* The chain that `line` is in, from its first end on, as a new line. */
-static sn_status add_chain(segments *s, sn_index line, line_set *out, sn_error *error) {
+static sn_status add_chain(segments *s, sn_index line, sn_line_set *out, sn_error *error) {
     sn_index first, v = walk_back(s, line, s->lines->corners[s->lines->starts[line]], &first);
     sn_status status = begin_line(out, error);
     if (status == SN_OK) status = add_corner(out, v, error);
@@ -150,7 +146,7 @@ static sn_status add_chain(segments *s, sn_index line, line_set *out, sn_error *
     return status;
 }
 
-static sn_status add_whole(const line_set *lines, sn_index line, line_set *out, sn_error *error) {
+static sn_status add_whole(const sn_line_set *lines, sn_index line, sn_line_set *out, sn_error *error) {
     sn_status status = begin_line(out, error);
     for (sn_index k = lines->starts[line]; k < lines->starts[line + 1] && status == SN_OK; k++)
         status = add_corner(out, lines->corners[k], error);
@@ -158,7 +154,7 @@ static sn_status add_whole(const line_set *lines, sn_index line, line_set *out, 
 }
 
 /* Lines of two points that meet end to end become one; the order is that of the first of each. */
-static sn_status join_segments(const line_set *lines, sn_index vertex_count, line_set *out, sn_error *error) {
+static sn_status join_segments(const sn_line_set *lines, sn_index vertex_count, sn_line_set *out, sn_error *error) {
     segments s = {.lines = lines,
                   .at = {SN_NEW(sn_index, vertex_count), SN_NEW(sn_index, vertex_count)},
                   .count = SN_NEW(sn_index, vertex_count),
@@ -180,7 +176,7 @@ static sn_status join_segments(const line_set *lines, sn_index vertex_count, lin
 
 /* ---- from lines to fibres ------------------------------------------------------------------------------------------------------ */
 
-static sn_status copy_lines(const line_set *lines, const sn_vec3 *positions, sn_fibers *out, sn_error *error) {
+static sn_status copy_lines(const sn_line_set *lines, const sn_vec3 *positions, sn_fibers *out, sn_error *error) {
     if ((out->polylines = SN_NEW(sn_polyline, lines->line_count)) == NULL) return sn_fail_memory(error, "the fibres");
     for (sn_index i = 0; i < lines->line_count; i++) {
         sn_polyline *line = &out->polylines[out->polyline_count++];
@@ -193,8 +189,8 @@ static sn_status copy_lines(const line_set *lines, const sn_vec3 *positions, sn_
     return SN_OK;
 }
 
-static sn_status make_fibers(const sn_reader *r, const line_set *lines, sn_fibers *out) {
-    line_set joined = {0};
+static sn_status make_fibers(const sn_reader *r, const sn_line_set *lines, sn_fibers *out) {
+    sn_line_set joined = {0};
     sn_status status = lines->line_count > 0 ? join_segments(lines, r->mesh.vertex_count, &joined, r->error) : SN_OK;
     if (status == SN_OK && joined.line_count < lines->line_count)
         sn_log(SN_LOG_WARNING, "%s: %d lines, of them many of two points, are joined where they meet end to end: %d fibres", r->blob->name,
@@ -204,13 +200,71 @@ static sn_status make_fibers(const sn_reader *r, const line_set *lines, sn_fiber
     return status;
 }
 
+/* What comes with a mesh as its file is read. */
+static void free_reader(sn_reader *r, sn_line_set *lines) {
+    sn_mesh_free(&r->mesh);
+    free(r->corners);
+    free(r->polygons);
+    free(r->colours);
+    free_lines(lines);
+}
+
 static sn_status parse_obj(const sn_blob *blob, sn_fibers *out, sn_error *error) {
     sn_reader r = sn_reader_of(blob, error);
-    line_set lines = {0};
+    sn_line_set lines = {0};
     sn_status status = read_statements(&r, &lines);
     if (status == SN_OK) status = make_fibers(&r, &lines, out);
-    sn_mesh_free(&r.mesh);
-    free_lines(&lines);
+    free_reader(&r, &lines);
+    return status;
+}
+
+/* ---- VTK ----------------------------------------------------------------------------------------------------------------------- */
+
+static sn_status check_lines(const sn_reader *r, const sn_line_set *lines) {
+    for (sn_index k = 0; k < lines->corner_count; k++)
+        if (lines->corners[k] >= r->mesh.vertex_count)
+            return sn_fail_at(r->error, SN_ERROR_INPUT, r->blob->name, 0, "a line names vertex %d, but the file has %d",
+                              (int)lines->corners[k], (int)r->mesh.vertex_count);
+    if (lines->thin > 0) sn_log(SN_LOG_WARNING, "%s: %d lines of fewer than two points are left out", r->blob->name, (int)lines->thin);
+    return SN_OK;
+}
+
+static sn_status parse_vtk(const sn_blob *blob, sn_fibers *out, sn_error *error) {
+    sn_reader r = sn_reader_of(blob, error);
+    sn_line_set lines = {0};
+    r.lines = &lines;
+    sn_status status = sn_vtp_is(blob) ? sn_vtp_parse(&r) : sn_vtk_parse(&r);
+    if (status == SN_OK) status = check_lines(&r, &lines);
+    if (status == SN_OK) status = make_fibers(&r, &lines, out);
+    free_reader(&r, &lines);
+    return status;
+}
+
+bool sn_polylines_detect(const sn_blob *blob) {
+    static const char *const words[] = {"v", "vn", "vt", "vp", "l", "p", "o", "g", "s", "mtllib", "usemtl"};
+    if (blob->size == 0) return false;
+    if (sn_vtp_is(blob) || sn_vtk_is(blob)) return true;
+    sn_reader r = sn_reader_of(blob, NULL);
+    if (!sn_reader_find_line(&r)) return false;
+    sn_span word = sn_reader_word(&r);
+    for (size_t i = 0; i < sizeof words / sizeof *words; i++)
+        if (sn_span_is(word, words[i])) return true;
+    return false;
+}
+
+sn_status sn_polylines_parse(const sn_blob *blob, sn_fibers *out, sn_error *error) {
+    *out = (sn_fibers){0};
+    sn_status status = sn_json_detect(blob)                 ? parse_json(blob, out, error)
+                       : sn_vtp_is(blob) || sn_vtk_is(blob) ? parse_vtk(blob, out, error)
+                                                            : parse_obj(blob, out, error);
+    if (!status && out->polyline_count == 0)
+        status = sn_fail_at(error, SN_ERROR_INPUT, blob->name, 0,
+                            "the file holds no fibre: no line (l) of an OBJ file, no line of VTK PolyData, no \"polylines\" of a document");
+    for (sn_index i = 0; i < out->polyline_count && !status; i++)
+        if (out->polylines[i].count < 2)
+            status = sn_fail_at(error, SN_ERROR_INPUT, blob->name, 0, "fibre %d of %d has fewer than two points", (int)i + 1,
+                                (int)out->polyline_count);
+    if (status) sn_fibers_free(out);
     return status;
 }
 
@@ -219,11 +273,7 @@ sn_status sn_polylines_read(const char *path, sn_fibers *out, sn_error *error) {
     *out = (sn_fibers){0};
     sn_status status = sn_blob_read(path, &blob, error);
     if (status) return status;
-    status = sn_json_detect(&blob) ? parse_json(&blob, out, error) : parse_obj(&blob, out, error);
-    if (!status && out->polyline_count == 0)
-        status = sn_fail_at(error, SN_ERROR_INPUT, blob.name, 0,
-                            "the file holds no fibre: no line (l) of an OBJ file, no \"polylines\" of a document");
-    if (status) sn_fibers_free(out);
+    status = sn_polylines_parse(&blob, out, error);
     sn_blob_free(&blob);
     return status;
 }

@@ -1,4 +1,5 @@
-/* sites.c -- known sites of a muscle's ends: lines "origin X Y Z" and "insertion X Y Z". */
+/* sites.c -- known sites of a muscle's ends: lines "origin X Y Z" and "insertion X Y Z", or where fibres begin and end. */
+#include "json.h"
 #include "mesh_reader.h"
 
 #include <stdlib.h>
@@ -33,6 +34,27 @@ static sn_status read_lines(sn_reader *r, site_list *list) {
     return sn_fail_at(r->error, SN_ERROR_INPUT, r->blob->name, 0, "the file holds no site: no line \"origin X Y Z\"");
 }
 
+/* ---- fibres ---------------------------------------------------------------------------------------------------------------- */
+
+static bool add_site(site_list *list, sn_vec3 point, bool insertion) {
+    if (list->count == SN_INDEX_MAX || !sn_grow((void **)&list->sites, &list->capacity, (size_t)list->count + 1, sizeof *list->sites))
+        return false;
+    list->sites[list->count++] = (sn_end_site){point, insertion};
+    return true;
+}
+
+static sn_status take_ends(const sn_blob *blob, site_list *list, sn_error *error) {
+    sn_fibers fibers;
+    sn_status status = sn_polylines_parse(blob, &fibers, error);
+    for (sn_index i = 0; i < fibers.polyline_count && status == SN_OK; i++) {
+        const sn_polyline *line = &fibers.polylines[i];
+        bool enough = add_site(list, line->points[0], false) && add_site(list, line->points[line->count - 1], true);
+        if (!enough) status = sn_fail_memory(error, "the sites");
+    }
+    sn_fibers_free(&fibers);
+    return status;
+}
+
 sn_status sn_sites_read(const char *path, sn_index *count, sn_end_site **sites, sn_error *error) {
     sn_blob blob = {0};
     *count = 0;
@@ -42,7 +64,7 @@ sn_status sn_sites_read(const char *path, sn_index *count, sn_end_site **sites, 
     sn_reader r = sn_reader_of(&blob, error);
     site_list list = {0};
     r.commas = true;
-    status = read_lines(&r, &list);
+    status = sn_json_detect(&blob) || sn_polylines_detect(&blob) ? take_ends(&blob, &list, error) : read_lines(&r, &list);
     sn_blob_free(&blob);
     if (status) {
         free(list.sites);

@@ -1,8 +1,9 @@
 /*
  * vtk.c -- legacy VTK files of PolyData, as text and as binary (big-endian), versions 1 to 5.1.
  *
- * Format: The VTK User's Guide, "VTK File Formats", and vtkPolyDataReader. Polygons and triangle strips are the surface; vertices and
- * lines, data of cells and data of the whole are passed over. Numbers of the points become attributes under their own names.
+ * Format: The VTK User's Guide, "VTK File Formats", and vtkPolyDataReader. Polygons and triangle strips are the surface; vertices, data of
+ * cells and data of the whole are passed over, lines too unless the reader takes them. Numbers of the points become attributes under their
+ * own names.
  */
 #include "mesh_reader.h"
 #include "scalar.h"
@@ -209,14 +210,15 @@ static sn_status read_points(vtk_file *file) {
     return status;
 }
 
-typedef enum cell_kind { POLYGONS, STRIPS, PASSED_OVER } cell_kind;
+typedef enum cell_kind { POLYGONS, STRIPS, LINE_CELLS, PASSED_OVER } cell_kind;
 
 static sn_status read_corner(vtk_file *file, sn_scalar type) {
     double vertex = 0.0;
     sn_status status = read_value(file, type, "cells", &vertex);
     if (status != SN_OK) return status;
     if (!(vertex >= 0.0 && vertex <= SN_INDEX_MAX) || vertex != floor(vertex)) {
-        return sn_reader_fail(file->reader, SN_NONE, "a face names vertex %.17g, which cannot be", vertex);
+        return sn_reader_fail(file->reader, SN_NONE, "a %s names vertex %.17g, which cannot be",
+                              file->reader->lines != NULL ? "line" : "face", vertex);
     }
     return sn_reader_add_corner(file->reader, (int64_t)vertex);
 }
@@ -226,6 +228,7 @@ static sn_status read_cell(vtk_file *file, cell_kind kind, sn_scalar type, int64
         sn_status status = read_corner(file, type);
         if (status != SN_OK) return status;
     }
+    if (kind == LINE_CELLS) return sn_reader_add_line(file->reader);
     return kind == STRIPS ? sn_reader_add_strip(file->reader) : sn_reader_add_face(file->reader, SN_NONE);
 }
 
@@ -340,7 +343,8 @@ static sn_status read_attribute(vtk_file *file, sn_span name, sn_scalar type, in
 
 static sn_status read_array(vtk_file *file, sn_span name, value_type type, int64_t rows, int64_t components) {
     file->components = components;
-    bool kept = file->section == OF_POINTS && type.kind == NUMBERS && rows == file->reader->mesh.vertex_count && components >= 1;
+    bool kept = file->reader->lines == NULL && file->section == OF_POINTS && type.kind == NUMBERS &&
+                rows == file->reader->mesh.vertex_count && components >= 1;
     if (kept && components <= SN_INDEX_MAX / (rows > 0 ? rows : 1)) return read_attribute(file, name, type.scalar, components);
     return skip_array(file, type, rows, components, "data");
 }
@@ -490,12 +494,13 @@ static sn_status read_section(vtk_file *file, keyword word) {
     case POINTS:
         return read_points(file);
     case VERTICES:
-    case LINES:
         return read_cells(file, PASSED_OVER);
+    case LINES:
+        return read_cells(file, file->reader->lines != NULL ? LINE_CELLS : PASSED_OVER);
     case POLYGONS_WORD:
-        return read_cells(file, POLYGONS);
+        return read_cells(file, file->reader->lines != NULL ? PASSED_OVER : POLYGONS);
     case TRIANGLE_STRIPS:
-        return read_cells(file, STRIPS);
+        return read_cells(file, file->reader->lines != NULL ? PASSED_OVER : STRIPS);
     case POINT_DATA:
         return begin_section(file, OF_POINTS);
     case CELL_DATA:

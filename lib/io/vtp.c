@@ -1,8 +1,8 @@
 /*
  * vtp.c -- VTK XML PolyData, serial: its elements are walked first, then the arrays are read that make the mesh.
  *
- * Pieces become one mesh, their points behind one another. Polys and Strips are the surface; Verts, Lines, CellData and FieldData are
- * passed over. Arrays of PointData that all pieces have become attributes.
+ * Pieces become one mesh, their points behind one another. Polys and Strips are the surface; Verts, CellData and FieldData are passed over.
+ * Arrays of PointData that all pieces have become attributes. Where the reader takes lines, Lines are read in place of all these.
  */
 #include "mesh_reader.h"
 #include "vtp_array.h"
@@ -12,10 +12,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-typedef enum section { OTHER, POINT_DATA, POINTS, POLYS, STRIPS } section;
+typedef enum section { OTHER, POINT_DATA, POINTS, LINES, POLYS, STRIPS } section;
 
 typedef struct piece {
-    int64_t points, polys, strips;
+    int64_t points, lines, polys, strips;
     int64_t line;
     size_t first_array, array_count;
 } piece;
@@ -102,16 +102,20 @@ static sn_status start_piece(vtp_file *file, const sn_xml_tag *tag) {
     *p = (piece){.line = tag->line, .first_array = file->array_count};
     file->in_piece = true;
     sn_status status = read_count(file, tag, "NumberOfPoints", 0, &p->points);
+    if (status == SN_OK) status = read_count(file, tag, "NumberOfLines", 0, &p->lines);
     if (status == SN_OK) status = read_count(file, tag, "NumberOfPolys", 0, &p->polys);
     return status == SN_OK ? read_count(file, tag, "NumberOfStrips", 0, &p->strips) : status;
 }
 
 static void start_section(vtp_file *file, const sn_xml_tag *tag) {
-    file->section = is_named(tag, "PointData") ? POINT_DATA
-                    : is_named(tag, "Points")  ? POINTS
-                    : is_named(tag, "Polys")   ? POLYS
-                    : is_named(tag, "Strips")  ? STRIPS
-                                               : OTHER;
+    bool lines = file->reader->lines != NULL;
+    file->section = is_named(tag, "Points")      ? POINTS
+                    : is_named(tag, "Lines")     ? (lines ? LINES : OTHER)
+                    : lines                      ? OTHER
+                    : is_named(tag, "PointData") ? POINT_DATA
+                    : is_named(tag, "Polys")     ? POLYS
+                    : is_named(tag, "Strips")    ? STRIPS
+                                                 : OTHER;
 }
 
 static bool find_type(const char *name, sn_scalar *out) {
@@ -287,20 +291,25 @@ static sn_status read_corner(vtp_file *file, sn_vtp_values *values, const cell_b
     if (vertex >= 0.0 && vertex < (double)cells->points && vertex == floor(vertex)) {
         return sn_reader_add_corner(file->reader, cells->first + (int64_t)vertex);
     }
-    return sn_reader_fail(file->reader, SN_NONE, "a face names vertex %.17g, but the piece has %lld points", vertex,
-                          (long long)cells->points);
+    return sn_reader_fail(file->reader, SN_NONE, "a %s names vertex %.17g, but the piece has %lld points",
+                          cells->kind == LINES ? "line" : "face", vertex, (long long)cells->points);
 }
 
 static sn_status read_connectivity(vtp_file *file, const sn_vtp_array *array, const cell_block *cells) {
     sn_reader *reader = file->reader;
     sn_vtp_values values = {0};
-    int64_t corners = cells->ends[cells->count - 1], triangles = corners - 2 * cells->count;
+    bool lines = cells->kind == LINES;
+    int64_t corners = cells->ends[cells->count - 1], triangles = lines ? 0 : corners - 2 * cells->count;
     sn_status status = sn_vtp_open(reader, &file->layout, array, corners, "connectivity", &values);
     if (status == SN_OK && triangles > 0) status = sn_reader_reserve(reader, 0, reader->mesh.triangle_count + triangles);
     for (int64_t i = 0; status == SN_OK && i < cells->count; i++) {
         int64_t begin = i > 0 ? cells->ends[i - 1] : 0;
         for (int64_t k = begin; status == SN_OK && k < cells->ends[i]; k++) status = read_corner(file, &values, cells);
-        if (status == SN_OK) status = cells->kind == STRIPS ? sn_reader_add_strip(reader) : sn_reader_add_face(reader, SN_NONE);
+        if (status != SN_OK) break;
+        if (lines)
+            status = sn_reader_add_line(reader);
+        else
+            status = cells->kind == STRIPS ? sn_reader_add_strip(reader) : sn_reader_add_face(reader, SN_NONE);
     }
     if (status == SN_OK) status = sn_vtp_expect_end(&values);
     sn_vtp_close(&values);
@@ -389,8 +398,12 @@ static sn_status read_mesh(vtp_file *file) {
     sn_index first = 0;
     for (size_t i = 0; status == SN_OK && i < file->piece_count; i++) {
         const piece *p = &file->pieces[i];
-        status = read_cells(file, i, POLYS, p->polys, first);
-        if (status == SN_OK) status = read_cells(file, i, STRIPS, p->strips, first);
+        if (file->reader->lines != NULL) {
+            status = read_cells(file, i, LINES, p->lines, first);
+        } else {
+            status = read_cells(file, i, POLYS, p->polys, first);
+            if (status == SN_OK) status = read_cells(file, i, STRIPS, p->strips, first);
+        }
         first += (sn_index)p->points;
     }
     return status == SN_OK ? read_point_data(file) : status;

@@ -98,6 +98,7 @@ static sn_status parse_value(sn_solver_method method, const setting_key *key, co
         return SN_OK;
     }
     bool good = sn_scan_number(text, end, &next, out) && next == end && *out >= key->low && *out <= key->high;
+    if (good) *out += 0.0; /* -0 is 0 */
     if (good && (key->kind == NUMBER || *out == floor(*out))) return SN_OK;
     return sn_fail(error, SN_ERROR_INPUT, "%s=%.*s: it is a %snumber from %g to %g", key->name, (int)(length < 64 ? length : 64), text,
                    key->kind == NUMBER ? "" : "whole ", key->low, key->high);

@@ -2,7 +2,7 @@
 # Seeds come from tests/fuzz/mutate_readers and mutate_states; what is found grows build/fuzz/corpus, inputs that break a reader stay in build/fuzz/found.
 
 FUZZ_SECONDS ?= 60
-FUZZ_TARGETS ?= obj ply stl off vtk vtp muscle scene pc2 bvh amc asf motion osim mjcf mot nodes sensors body envelope field state
+FUZZ_TARGETS ?= obj ply stl off vtk vtp muscle scene pc2 bvh amc asf motion osim mjcf mot nodes sensors body envelope field lines gltf state
 FUZZ_CC ?= clang
 F := build/fuzz
 # memory: ten times the largest input and 64 MB, and what the sanitizers take themselves

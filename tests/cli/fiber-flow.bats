@@ -87,6 +87,70 @@ directions() { grep -o '"directions": *\[[^]]*\]' "$1" | sed 's/.*\[//; s/\]//' 
     run -2 "$BIN/fiber-flow" --field fibers built.json
 }
 
+@test "fibres are read alike wherever they are written, by every option that takes them" {
+    # what fiber-fill makes of this muscle, from end to end, and twenty of them as other programs write such lines
+    "$BIN/fiber-flow" built.json | "$BIN/fiber-fill" -n 20 --no-history -o filled.json
+    "$BIN/fiber-flow" built.json | "$BIN/fiber-fill" -n 20 -o filled.vtp
+    "$BIN/fiber-flow" built.json | "$BIN/fiber-fill" -n 20 -o filled.obj
+    python3 -c '
+import json
+lines = json.load(open("filled.json"))["fibers"]["polylines"]
+json.dump([[l["points"][i:i + 3] for i in range(0, len(l["points"]), 3)] for l in lines], open("fibres", "w"))'
+    for format in obj obj-segments json muscle vtp vtp-binary vtp-appended vtp-zlib vtp-pieces vtk vtk-binary vtk5 vtk5-binary; do
+        "$BATS_TEST_DIRNAME/../write-lines" $format lines.$format fibres
+    done
+    take() { # COMMAND OPTION FILE: what comes out, without a line of history
+        "$BIN/$1" -q --no-history $extra "$2" "$3" built.json -o out.json && mv out.json "$4"
+    }
+    while read -r tool option extra; do
+        take $tool $option lines.obj wanted.json
+        for file in filled.json filled.vtp filled.obj lines.*; do
+            take $tool $option $file found.json || { echo "$tool $option $file"; false; }
+            cmp wanted.json found.json || { echo "$tool $option $file"; false; }
+        done
+    done << 'END'
+fiber-flow --from-fibers
+fiber-flow --ends
+root-select --ends
+fiber-fill --bend-to -n 5
+fiber-fill --ends -n 5
+END
+    # the ends are the fibres': origins where they begin
+    python3 -c '
+import json
+lines = json.load(open("fibres"))
+open("sites", "w").writelines("%s %r %r %r\n" % (n, *l[k]) for l in lines for n, k in (("origin", 0), ("insertion", -1)))'
+    take fiber-flow --ends sites found.json
+    take fiber-flow --ends lines.vtk wanted.json
+    cmp wanted.json found.json
+}
+
+@test "files of lines that cannot be are said in a sentence" {
+    echo '[[[-1, 0, 0], [0, 0, 0], [1, 0, 0]]]' > one
+    for format in vtp vtk vtk5 obj json; do
+        "$BATS_TEST_DIRNAME/../write-lines" $format bad.$format one
+    done
+    sed -i 's/^3 0 1 2/3 0 1 7/' bad.vtk
+    sed -i 's/0 1 2<\/Da/0 1 7<\/Da/' bad.vtp
+    sed -i 's/^0 1 2$/0 1 7/' bad.vtk5
+    sed -i 's/^l 1 2 3/l 1/' bad.obj
+    sed -i 's/-1, 0, 0, 0, 0, 0, 1, 0, 0/1, 0, 0/' bad.json
+    for format in vtp vtk vtk5 obj json; do
+        for option in --from-fibers --ends; do
+            run -1 "$BIN/fiber-flow" $option bad.$format built.json
+            [ "${#lines[@]}" -eq 1 ] || { echo "$format: $output"; false; }
+            echo "$output" | grep -Eq "^fiber-flow: bad.$format:.*(names vertex|two vertices|two points)" || { echo "$output"; false; }
+        done
+    done
+    # a line of one point is left out, with a word; a file without lines holds no fibre
+    printf '# vtk DataFile Version 3.0\nx\nASCII\nDATASET POLYDATA\nPOINTS 3 float\n-1 0 0\n1 0 0\n0 0 0\nLINES 2 5\n1 2\n2 0 1\n' > thin.vtk
+    "$BIN/fiber-flow" --from-fibers thin.vtk built.json -o thin.json 2> err
+    grep -q '^fiber-flow: warning: thin.vtk: 1 lines of fewer than two points are left out' err
+    printf '# vtk DataFile Version 3.0\nx\nASCII\nDATASET POLYDATA\nPOINTS 3 float\n-1 0 0\n1 0 0\n0 0 0\nPOLYGONS 1 4\n3 0 1 2\n' > none.vtk
+    run -1 "$BIN/fiber-flow" --from-fibers none.vtk built.json
+    [[ "$output" == *"none.vtk: the file holds no fibre"* ]]
+}
+
 @test "every direction has a confidence, low at the tips" {
     "$BIN/fiber-flow" --report r.json built.json -o f.json
     grep -o '"confidence": *\[[^]]*\]' f.json | sed 's/.*\[//; s/\]//' | tr , '\n' > c.txt

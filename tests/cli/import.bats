@@ -12,6 +12,7 @@ setup() {
     clean="$BIN/mesh-clean"
     import="$BIN/../libexec/sinew/mesh-import"
     scene="$BATS_TEST_DIRNAME/../write-scene"
+    write="$BATS_TEST_DIRNAME/../write-gltf"
     man="$BATS_TEST_DIRNAME/../../share/man/mesh-import.1"
     # sanitizers reserve terabytes, so that the tool's limit of memory is off: theirs instead
     export ASAN_OPTIONS="${ASAN_OPTIONS:+$ASAN_OPTIONS:}hard_rss_limit_mb=2048:max_allocation_size_mb=2048"
@@ -233,6 +234,184 @@ pretend() {
     [ "$(extent n.json)" != "" ]
 }
 
+# "N vertices, low corner, high corner" in the file's axes and unit, and that its outside is outside, each piece of it
+placed() { # FILE WANTED
+    "$import" "$1" -o placed.ply 2> err || { cat err; return 1; }
+    [ ! -s err ] || { cat err; return 1; }
+    /usr/bin/python3 - placed.ply "$1" "$2" <<'END'
+import struct, sys
+data = open(sys.argv[1], 'rb').read()
+head, body = data.split(b'end_header\n', 1)
+count = {line.split()[1]: int(line.split()[2]) for line in head.decode().splitlines() if line.startswith('element')}
+sizes = [int(line.split()[2]) for line in head.decode().splitlines() if line.startswith('comment mesh')]
+points = [struct.unpack_from('<3d', body, 24 * i) for i in range(count['vertex'])]
+at, volumes, size = 24 * len(points), [0], 0
+for _ in range(count['face']):
+    n, = struct.unpack_from('<i', body, at)
+    c = [points[i] for i in struct.unpack_from('<%di' % n, body, at + 4)]
+    at += 4 + 4 * n
+    for k in range(1, n - 1):
+        a, b, d = c[0], c[k], c[k + 1]
+        volumes[-1] += (a[0] * (b[1] * d[2] - b[2] * d[1]) - a[1] * (b[0] * d[2] - b[2] * d[0]) + a[2] * (b[0] * d[1] - b[1] * d[0])) / 6
+    size += n - 2
+    if size == sizes[0]:
+        sizes.pop(0), volumes.append(0)
+        size = 0
+found = ' '.join([str(len(points))] + ['%.5g' % f(p[k] for p in points) for f in (min, max) for k in range(3)])
+if found != sys.argv[3] or min(volumes[:-1]) <= 0:
+    sys.exit('%s: %s, not %s; volumes %s' % (sys.argv[2], found, sys.argv[3], volumes[:-1]))
+END
+}
+
+@test "glTF: numbers of any kind, sparse, strided; strips and fans; morph targets" {
+    for kind in plain u16 i16 u8 i8 integers sparse zeros strip fan strided morph morph-node percent noscene two-scenes; do
+        case $kind in
+            sparse | morph-node) wanted="4 0 0 0 3 1 1" ;;
+            morph) wanted="4 0 0 0 2 1 1" ;;
+            two-scenes) wanted="4 5 0 0 6 1 1" ;;
+            *) wanted="4 0 0 0 1 1 1" ;;
+        esac
+        for form in json glb; do
+            "$write" $kind a.$form $form
+            placed a.$form "$wanted"
+        done
+    done
+}
+
+@test "glTF: instances are all there, with names of their own" {
+    for form in json glb; do
+        "$write" instances-t t.gltf $form
+        placed t.gltf "8 0 0 0 4 1 1"
+        "$write" instances-trs trs.gltf $form
+        placed trs.gltf "8 0 1 0 3 3 2"
+        "$write" instances-mirror mirror.gltf $form
+        placed mirror.gltf "8 0 0 0 3 1 1"
+    done
+    "$clean" --list t.gltf > list
+    printf '1\tm 1\t4\t4\n2\tm 2\t4\t4\n' | cmp - list
+    "$write" instances-none none.gltf
+    refused "none.gltf: nodes\[0\].extensions.EXT_mesh_gpu_instancing: has neither" "$clean" none.gltf
+    "$write" instances-uneven uneven.gltf
+    refused "uneven.gltf: .*SCALE: is 1 rows of 3 numbers, not 2 of 3" "$clean" uneven.gltf
+    "$write" instances-skin both.gltf
+    refused "both.gltf: .*EXT_mesh_gpu_instancing: is not read where the node has a skin" "$clean" both.gltf
+}
+
+@test "glTF: what an extension packs or changes is refused by name, what leaves surfaces alone is not" {
+    for name in ACME_other_geometry KHR_draco_mesh_compression EXT_meshopt_compression KHR_meshopt_compression CESIUM_RTC KHR_mesh; do
+        for form in json glb; do
+            "$write" plain a.gltf required=$name $form
+            refused "a.gltf: requires the extension $name, which .*export it without" "$clean" a.gltf
+            run ! "$BIN/motion-import" -q a.gltf -o a.json
+            [ "$(echo "$output" | grep -c "requires the extension $name")" -eq 1 ]
+        done
+    done
+    for name in KHR_materials_unlit KHR_materials_pbrSpecularGlossiness KHR_texture_transform KHR_texture_basisu EXT_texture_webp \
+        KHR_lights_punctual KHR_mesh_quantization KHR_xmp_json_ld; do
+        "$write" plain a.gltf required=$name
+        placed a.gltf "4 0 0 0 1 1 1"
+    done
+    "$write" plain a.gltf used=ACME_other_geometry
+    placed a.gltf "4 0 0 0 1 1 1"
+    "$write" plain a.gltf used=CESIUM_RTC
+    "$clean" a.gltf -o a.json 2> err
+    grep -q "^mesh-clean: warning: a.gltf: the extension CESIUM_RTC, which the file uses, is not read" err
+    for kind in draco meshopt; do # not required: there may be a copy of the meshes that is not packed
+        "$write" $kind-fallback a.gltf
+        placed a.gltf "4 0 0 0 1 1 1"
+        "$write" $kind a.gltf
+        refused "a.gltf: has its meshes packed by the extension (KHR_draco_mesh|EXT_meshopt)_compression" "$clean" a.gltf
+    done
+}
+
+@test "glTF: a skinned mesh is where its joints have it, not where its node is" {
+    for form in json glb; do
+        for kind in skin skin-moved skin-unbound skin-lone skin-below; do
+            "$write" $kind a.gltf $form
+            placed a.gltf "4 0 0 0 1 1 1"
+        done
+        "$write" skin-scaled a.gltf $form
+        placed a.gltf "4 0 0 4 0.01 0.01 4.01"
+        "$write" skin-twice a.gltf $form
+        placed a.gltf "8 0 0 0 11 1 1"
+    done
+    "$write" skin-posed a.gltf
+    "$clean" --keep all a.gltf -o a.json 2> err
+    [ "$(wc -l < err)" -eq 1 ]
+    grep -q "^mesh-clean: warning: a.gltf: the joints of 'm' are not as its skin was bound" err
+    expect_extent a.json "4 0 -1 0 1 0 1 1"
+    # bones without matrices are no crash of motion-import either
+    "$write" skin-unbound a.gltf
+    run -1 "$BIN/motion-import" a.gltf
+    [ "$output" = "motion-import: a.gltf: holds no animation of a node and no bones; an animation of shapes or cameras is no motion" ]
+}
+
+@test "glTF: what does not fit is refused in one sentence" {
+    while read -r kind pattern; do
+        for form in json glb; do
+            "$write" "$kind" a.gltf $form
+            refused "a.gltf: $pattern" "$clean" a.gltf
+        done
+    done <<'END'
+short (cannot be imported as glTF: buffer 0 holds 5[0-9] bytes, not the 72|.*cut short)
+outside accessors\[0\]: 4 rows of 12 bytes from byte 0 on do not fit into its view of 40 bytes
+index a face names vertex 4 of 4
+accessor meshes\[0\].primitives\[0\].attributes.POSITION: expected a number in
+cycle nodes\[1\]: hangs on itself
+twice nodes\[2\].children: node 0 hangs on two nodes|.*hangs on two nodes
+points holds no surface
+version is glTF of version 2.1, and 2.0 is read
+END
+}
+
+@test "Collada: the bind shape moves a skinned mesh, its node does not" {
+    for kind in plain moved; do
+        "$write" dae $kind a.dae
+        placed a.dae "8 5 0 0 6 1 1"
+    done
+    "$write" dae mirrored a.dae
+    placed a.dae "8 4 0 0 5 1 1"
+    "$write" dae scaled a.dae
+    placed a.dae "8 0.05 0 0 0.06 0.01 0.01"
+    "$write" dae cm a.dae
+    placed a.dae "8 4 0 0 5 1 1"
+    "$clean" --keep all a.dae -o a.json # y up turned to z
+    expect_extent a.json "8 4 -1 0 5 0 1 0.01"
+    "$write" dae posed a.dae
+    "$clean" --keep all a.dae -o a.json 2> err
+    grep -q "^mesh-clean: warning: a.dae: the joints of 'g' are not as its skin was bound" err
+    expect_extent a.json "8 5 0 0 6 1 1 1"
+    "$BIN/motion-import" a.dae -o a.motion.json 2> err
+    "$write" dae nojoint a.dae
+    refused "a.dae: a skin names the joint 'j0', which is not in its scene" "$clean" a.dae
+    for kind in twice twins; do
+        "$write" dae $kind a.dae
+        refused "a.dae: (the skinned mesh 'g' is in the scene twice|two joints have the sid 'j0')" "$clean" a.dae
+    done
+    "$write" dae sids a.dae
+    refused "a.dae: two joints have the sid 'j0'" "$clean" a.dae
+    for kind in morph morph-relative; do
+        "$write" dae $kind a.dae
+        refused "a.dae: mixes shapes \\(morph" "$clean" a.dae
+    done
+}
+
+@test "FBX: what moves the geometry of a node does not move its children" {
+    "$scene" fbx-pivot a.fbx
+    /usr/bin/python3 - <<'END'
+text = open('a.fbx').read()
+geometry = text[text.index('\tGeometry: 1000'):text.index('\tModel: 2000')].replace('1000', '1001')
+child = '\tModel: 2001, "Model::child", "Mesh" {\n\t\tProperties70:  {\n\t\t\tP: "Lcl Translation", "Lcl Translation", "", "A",5,0,0\n\t\t}\n\t}\n'
+text = text.replace('}\nConnections:  {', geometry + child + '}\nConnections:  {')
+open('a.fbx', 'w').write(text.replace('\tC: "OO",1000,2000\n', '\tC: "OO",1000,2000\n\tC: "OO",2001,2000\n\tC: "OO",1001,2001\n'))
+END
+    # the parent: 1 + 0..1, times 2, moved by 10; the child: 5 + 0..1, times 2, moved by 10
+    "$clean" --mesh soleus --up z -q a.fbx -o parent.json
+    expect_extent parent.json "8 12 20 27 14 24 30 0.01"
+    "$clean" --mesh child --up z -q a.fbx -o child.json
+    expect_extent child.json "8 20 20 27 22 24 30 0.01"
+}
+
 @test "bones come in their own unit and axis" {
     "$scene" glb bone.glb
     "$clean" --mesh triceps --units mm bone.glb -o muscle.ply # 1 m as a cube of 1 mm ...
@@ -363,6 +542,22 @@ pretend() {
         sleep 0.1
     done
     refute pgrep -f 'sleep 4711.0817'
+}
+
+@test "mutated skins, instances and sparse numbers: a mesh or one sentence" {
+    for kind in skin-twice instances-trs sparse morph; do
+        "$write" $kind a.glb glb
+        for seed in $(seq 40); do
+            "$scene" mutate a.glb "$seed" mutant.glb
+            code=0
+            timeout 300 "$import" -q --name mutant.glb mutant.glb -o mutant.ply > out 2> err || code=$?
+            case $code in
+                0) [ ! -s err ] ;;
+                1) [ "$(wc -l < err)" -eq 1 ] && grep -q "^mesh-import: mutant.glb: ." err ;;
+                *) false ;;
+            esac || { echo "$kind $seed: status $code"; cat err; false; }
+        done
+    done
 }
 
 @test "mutated files: a mesh or one sentence, status 0, 1 or 3" {

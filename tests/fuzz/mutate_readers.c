@@ -42,7 +42,9 @@ typedef enum kind {
     NAMES,
     BODY,
     ENVELOPE,
-    FIELD
+    FIELD,
+    LINES,
+    GLTF
 } kind;
 
 typedef struct bytes {
@@ -77,6 +79,49 @@ static const char extra_ply[] =
     "property float x\nproperty float y\nproperty list uchar int skip\nproperty double z\nproperty uchar red\nproperty float painted\n"
     "element face 4\nproperty list uchar int vertex_indices\nproperty int flags\nelement edge 1\nproperty int a\nend_header\n0.5 2 1 2\n"
     "0 0 0 0 255 0.5\n1 0 1 7 0 0 1e-3\n0 1 2 8 9 0 1 nan\n0 0 0 1 2 -1\n3 0 2 1 5\n3 0 1 3 5\n3 1 2 3 5\n3 0 3 2 5\n12\n";
+static const char strips_ply[] =
+    "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\nelement face 1\n"
+    "property list uchar int vertex_indices\nelement tristrips 2\nproperty list int int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n"
+    "0 0 1\n3 1 2 3\n9 0 2 1 3 -1 3 2 0 1\n3 0 3 2\n";
+/* Instances, a skin, a morph target, sparse and normalized numbers, a strip: tests/write-gltf makes each of these. */
+static const char sink_gltf[] =
+    "{\"asset\":{\"version\":\"2.0\"},\"scene\":0,\"scenes\":[{\"nodes\":[0,1,2]}],\"nodes\":[{\"name\":\"m\",\"mesh\":0,\"transl"
+    "ation\":[0,1,0],\"extensions\":{\"EXT_mesh_gpu_instancing\":{\"attributes\":{\"TRANSLATION\":2,\"ROTATION\":3,\"SCALE\":4}}}"
+    "},{\"name\":\"s\",\"mesh\":1,\"skin\":0},{\"children\":[3],\"matrix\":[1,0,0,0,0,1,0,0,0,0,1,0,0,0,4,1]},{\"translation\":[0"
+    ",1,0]}],\"bufferViews\":[{\"buffer\":0,\"byteOffset\":0,\"byteLength\":48},{\"buffer\":0,\"byteOffset\":48,\"byteLength\":24"
+    "},{\"buffer\":0,\"byteOffset\":72,\"byteLength\":24},{\"buffer\":0,\"byteOffset\":96,\"byteLength\":16},{\"buffer\":0,\"byte"
+    "Offset\":112,\"byteLength\":24},{\"buffer\":0,\"byteOffset\":136,\"byteLength\":48},{\"buffer\":0,\"byteOffset\":184,\"byteL"
+    "ength\":16,\"byteStride\":4},{\"buffer\":0,\"byteOffset\":200,\"byteLength\":1},{\"buffer\":0,\"byteOffset\":204,\"byteLengt"
+    "h\":12},{\"buffer\":0,\"byteOffset\":216,\"byteLength\":16},{\"buffer\":0,\"byteOffset\":232,\"byteLength\":16},{\"buffer\":"
+    "0,\"byteOffset\":248,\"byteLength\":128}],\"accessors\":[{\"bufferView\":0,\"componentType\":5126,\"count\":4,\"type\":\"VEC"
+    "3\",\"sparse\":{\"count\":1,\"indices\":{\"bufferView\":7,\"componentType\":5121},\"values\":{\"bufferView\":8}}},{\"bufferV"
+    "iew\":1,\"componentType\":5123,\"count\":12,\"type\":\"SCALAR\"},{\"bufferView\":2,\"componentType\":5126,\"count\":2,\"type"
+    "\":\"VEC3\"},{\"bufferView\":3,\"componentType\":5122,\"count\":2,\"type\":\"VEC4\",\"normalized\":true},{\"bufferView\":4,\""
+    "componentType\":5126,\"count\":2,\"type\":\"VEC3\"},{\"bufferView\":5,\"componentType\":5126,\"count\":4,\"type\":\"VEC3\"},"
+    "{\"bufferView\":6,\"componentType\":5121,\"count\":4,\"type\":\"VEC3\",\"normalized\":true},{\"bufferView\":9,\"componentTyp"
+    "e\":5121,\"count\":4,\"type\":\"VEC4\"},{\"bufferView\":10,\"componentType\":5121,\"count\":4,\"type\":\"VEC4\",\"normalized"
+    "\":true},{\"bufferView\":11,\"componentType\":5126,\"count\":2,\"type\":\"MAT4\"}],\"meshes\":[{\"primitives\":[{\"attribute"
+    "s\":{\"POSITION\":0,\"COLOR_0\":6},\"indices\":1,\"targets\":[{\"POSITION\":5}]}],\"weights\":[0.5]},{\"primitives\":[{\"mod"
+    "e\":5,\"attributes\":{\"POSITION\":0,\"JOINTS_0\":7,\"WEIGHTS_0\":8}}]}],\"extensionsUsed\":[\"EXT_mesh_gpu_instancing\"],\""
+    "skins\":[{\"joints\":[2,3],\"inverseBindMatrices\":9}],\"buffers\":[{\"byteLength\":376,\"uri\":\"data:;base64,AAAAAAAAAAAAA"
+    "AAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAAAAAAAAAAAAAAAIA/AAACAAEAAAABAAMAAAADAAIAAQACAAMAAAAAAAAAAAAAAAAAAABAQAAAAAAAAAAAAAAAAAAA/"
+    "38AAAAAglqCWgAAgD8AAIA/AACAPwAAAEAAAABAAAAAQAAAAAAAAAAAAAAAAAAAAEAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAA/1UAAP9VAAD/V"
+    "QAA/1UBAAAAAABAQAAAAAAAAAAAAAEAAAABAAAAAQAAAAEAAP8AAAD/AAAA/wAAAP8AAAAAAIA/AAAAAAAAAAAAAAAAAAAAAAAAgD8AAAAAAAAAAAAAAAAAAAAAA"
+    "ACAPwAAAAAAAAAAAAAAAAAAAAAAAIA/AACAPwAAAAAAAAAAAAAAAAAAAAAAAIA/AAAAAAAAAAAAAAAAAAAAAAAAgD8AAAAAAAAAAAAAgL8AAAAAAACAPw==\"}]}";
+static const char lines_vtk[] = "# vtk DataFile Version 3.0\nx\nASCII\nDATASET POLYDATA\nPOINTS 5 float\n0 0 0\n1 0 0\n2 0 0\n0 1 0\n0 2 "
+                                "0\nLINES 3 9\n3 0 1 2\n2 0 3\n1 4\n";
+static const char lines_vtk5[] = "# vtk DataFile Version 5.1\nx\nASCII\nDATASET POLYDATA\nPOINTS 4 float\n0 0 0\n1 0 0\n2 0 0\n0 1 "
+                                 "0\nLINES 3 4\nOFFSETS vtktypeint64\n0 2 4\nCONNECTIVITY vtktypeint64\n0 1 2 3\n";
+static const char lines_vtp[] =
+    "<?xml version=\"1.0\"?>\n<VTKFile type=\"PolyData\" header_type=\"UInt64\"><PolyData><Piece NumberOfPoints=\"4\" "
+    "NumberOfLines=\"2\">\n"
+    "<PointData><DataArray type=\"Float32\" Name=\"a\" format=\"ascii\">1 2 3 4</DataArray></PointData>\n"
+    "<Points><DataArray type=\"Float32\" NumberOfComponents=\"3\" format=\"ascii\">0 0 0 1 0 0 2 0 0 0 1 0</DataArray></Points>\n"
+    "<Lines><DataArray type=\"Int64\" Name=\"connectivity\" format=\"ascii\">0 1 2 3</DataArray>\n"
+    "<DataArray type=\"Int64\" Name=\"offsets\" format=\"ascii\">2 4</DataArray></Lines></Piece></PolyData></VTKFile>\n";
+static const char lines_obj[] = "v 0 0 0\nv 1 0 0\nv 2 0 \\\n0\nv 0 1 0\nl 1 2\nl 3 2\nl -1/1 1/2 4\n";
+static const char lines_json[] =
+    "{\"fibers\":{\"polylines\":[{\"points\":[0,0,0,1,0,0],\"length\":1},{\"points\":[0,0,0,0,1,0,0,2,0]}]}}\n";
 static const char muscle_json[] =
     "{\"format\":\"sinew-muscle\",\"version\":1,\"name\":\"t\\u00e9st\",\"metersPerUnit\":0.001,\n"
     "\"mesh\":{\"vertices\":[0,0,0, 1,0,0, 0,1,0, 0,0,1.5],\"triangles\":[0,2,1, 0,1,3, 1,2,3, 0,3,2],\n"
@@ -312,10 +357,22 @@ static void add_field(void) {
     sn_blob_free(&blob);
 }
 
+/* The same with its JSON as the only chunk, and the numbers in that. */
+static void add_glb(void) {
+    char data[sizeof sink_gltf + 32];
+    size_t length = (sizeof sink_gltf - 1 + 3) / 4 * 4, size = 20 + length;
+    memset(data, ' ', sizeof data);
+    const uint32_t head[5] = {0x46546c67, 2, (uint32_t)size, (uint32_t)length, 0x4e4f534a};
+    for (int i = 0; i < 20; i++) data[i] = (char)(head[i / 4] >> 8 * (i % 4));
+    memcpy(data + 20, sink_gltf, sizeof sink_gltf - 1);
+    add_seed(GLTF, "sink-glb.gltf", data, size);
+}
+
 static void make_seeds(void) {
     add_text(MESH, "cube.obj", cube_obj);
     add_text(MESH, "notch.off", notch_off);
     add_text(MESH, "extra.ply", extra_ply);
+    add_text(MESH, "strips.ply", strips_ply);
     char path[512];
     sn_mesh cube;
     sn_error error = {0};
@@ -350,6 +407,13 @@ static void make_seeds(void) {
     add_text(STORAGE, "walk.mot", walk_mot);
     add_text(BODY, "arm.body.tsv", arm_tsv);
     add_text(ENVELOPE, "skin.envelope.json", skin_json);
+    add_text(LINES, "old-vtk.lines", lines_vtk);
+    add_text(LINES, "new-vtk.lines", lines_vtk5);
+    add_text(LINES, "vtp.lines", lines_vtp);
+    add_text(LINES, "obj.lines", lines_obj);
+    add_text(LINES, "json.lines", lines_json);
+    add_text(GLTF, "sink.gltf", sink_gltf);
+    add_glb();
     add_vtk_files();
     add_cache();
     add_field();
@@ -357,8 +421,9 @@ static void make_seeds(void) {
 
 /* Each good file in a folder of its format. */
 static void write_seeds(const char *target) {
-    static const char *const formats[] = {"obj", "ply",    "stl",  "off",  "vtk", "vtp",   "muscle",  "scene", "pc2",      "bvh",  "amc",
-                                          "asf", "motion", "osim", "mjcf", "mot", "nodes", "sensors", "body",  "envelope", "field"};
+    static const char *const formats[] = {"obj",   "ply",     "stl",  "off",      "vtk",    "vtp",   "muscle", "scene",
+                                          "pc2",   "bvh",     "amc",  "asf",      "motion", "osim",  "mjcf",   "mot",
+                                          "nodes", "sensors", "body", "envelope", "field",  "lines", "gltf"};
     mkdir(target, 0777);
     for (size_t k = 0; k < sizeof formats / sizeof *formats; k++) {
         char path[1024], part[16];
@@ -809,6 +874,41 @@ static const char *try_field(const sn_blob *blob, sn_status *status, sn_error *e
     return fault;
 }
 
+static const char *try_lines(const sn_blob *blob, sn_status *status, sn_error *error) {
+    sn_fibers fibers;
+    sn_polylines_detect(blob);
+    *status = sn_polylines_parse(blob, &fibers, error);
+    if (*status != SN_OK) return fibers.polylines == NULL ? NULL : "refused fibres are left behind";
+    const char *fault = fibers.polyline_count > 0 ? NULL : "no fibre is none";
+    for (sn_index i = 0; i < fibers.polyline_count; i++) {
+        if (fibers.polylines[i].count < 2) fault = "a fibre is a point";
+        for (sn_index k = 0; k < fibers.polylines[i].count; k++)
+            if (!sn_finite3(fibers.polylines[i].points[k])) fault = "a fibre goes through what is no place";
+    }
+    sn_fibers_free(&fibers);
+    return fault;
+}
+
+/* Corners in range; *context counts the parts. */
+static sn_status take_part(void *context, const sn_gltf_part *part, sn_error *error) {
+    *(long *)context += 1;
+    for (sn_index i = 0; i < part->corner_count; i++)
+        if (part->corners[i] < 0 || part->corners[i] >= part->vertex_count)
+            return sn_fail(error, SN_ERROR_INTERNAL, "a corner is out of range");
+    return SN_OK;
+}
+
+static const char *try_gltf(const sn_blob *blob, sn_status *status, sn_error *error) {
+    long parts = 0;
+    bool unbound;
+    const sn_gltf_source source = {.file = blob};
+    *status = sn_gltf_read(&source, take_part, &parts, error);
+    sn_error_set_file(error, blob->name);
+    sn_error ignored = {0};
+    if (*status == SN_OK && sn_gltf_check(blob, &unbound, &ignored) != SN_OK) return "what is read is refused by its extensions";
+    return sn_gltf_is_old(blob) && parts > 1000000 ? "too many parts" : NULL;
+}
+
 static const char *try_envelope(const sn_blob *blob, sn_status *status, sn_error *error) {
     sn_envelope envelope;
     sn_output *output;
@@ -883,6 +983,8 @@ static void try_file(kind k, const char *name, const char *data, size_t size, bo
                         : k == BODY     ? try_body(&blob, &status, &error)
                         : k == ENVELOPE ? try_envelope(&blob, &status, &error)
                         : k == FIELD    ? try_field(&blob, &status, &error)
+                        : k == LINES    ? try_lines(&blob, &status, &error)
+                        : k == GLTF     ? try_gltf(&blob, &status, &error)
                                         : try_cache(&blob, &status, &error);
     double taken = seconds() - start;
     setitimer(ITIMER_PROF, &NO_LIMIT, NULL);
@@ -1100,6 +1202,8 @@ static void try_kept_files(void) {
                      : strstr(name, ".body")     ? BODY
                      : strstr(name, ".envelope") ? ENVELOPE
                      : strstr(name, ".field")    ? FIELD
+                     : strstr(name, ".lines")    ? LINES
+                     : strstr(name, ".gltf")     ? GLTF
                                                  : MESH;
             try_file(k, name, blob.data, blob.size, false);
             sn_blob_free(&blob);

@@ -104,6 +104,7 @@ static int leave(void **state) {
     for (int i = 0; i < READERS; i++) unlink(readers[i].name);
     unlink("a");
     unlink("b.stl");
+    unlink("a.ply");
     return chdir("/") == 0 && rmdir(folder) == 0 ? 0 : -1;
 }
 
@@ -317,6 +318,109 @@ static void binary_counts_are_held_against_the_content(void **state) {
     refuse(&binary, ply, size + 17, 0, "counts 1 faces, but 4 more bytes");
 }
 
+/* ---- strips of triangles in PLY ------------------------------------------------------------------------------------------ */
+
+/* PLY with four points and these lists, in one of the three encodings; type: of the vertices' numbers. */
+static size_t strips_ply(char *out, size_t size, int encoding, const char *type, const int lists[][12], int list_count) {
+    static const char *const formats[] = {"ascii", "binary_little_endian", "binary_big_endian"};
+    size_t at = (size_t)snprintf(out, size,
+                                 "ply\nformat %s 1.0\nelement vertex 4\nproperty uchar x\nproperty uchar y\nproperty uchar z\n"
+                                 "element tristrips %d\nproperty list int %s vertex_indices\nend_header\n",
+                                 formats[encoding], list_count, type);
+    static const unsigned char points[4][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+    for (int i = 0; i < 4; i++)
+        for (int k = 0; k < 3; k++)
+            at += encoding == 0 ? (size_t)snprintf(out + at, size - at, "%d%c", points[i][k], k < 2 ? ' ' : '\n')
+                                : (size_t)((out[at] = (char)points[i][k]), 1);
+    for (int i = 0; i < list_count; i++) {
+        for (int k = 0; k <= lists[i][0]; k++) {
+            uint32_t bits = (uint32_t)lists[i][k];
+            if (encoding == 0) at += (size_t)snprintf(out + at, size - at, "%d ", lists[i][k]);
+            for (int b = 0; b < 4 && encoding > 0; b++) out[at++] = (char)(bits >> 8 * (encoding == 1 ? b : 3 - b));
+        }
+        if (encoding == 0) out[at++] = '\n';
+    }
+    return at;
+}
+
+static sn_mesh strips_mesh(int encoding, const char *type, const int lists[][12], int list_count) {
+    char text[1024];
+    sn_blob blob = {(char *)(uintptr_t) "a.ply", text, strips_ply(text, sizeof text, encoding, type, lists, list_count)};
+    sn_mesh mesh;
+    sn_error error = {0};
+    if (sn_mesh_parse(&blob, false, &mesh, &error) != SN_OK) fail_msg("%s", error.text);
+    return mesh;
+}
+
+/* Of the tetrahedron (0,0,0) (1,0,0) (0,1,0) (0,0,1), faces outward: as large as it is, so that every other triangle is turned over. */
+static double volume_of(const sn_mesh *mesh) {
+    double sum = 0.0;
+    for (sn_index i = 0; i < mesh->triangle_count; i++) {
+        const sn_index *v = mesh->triangles[i].v;
+        sum += sn_dot(mesh->positions[v[0]], sn_cross(mesh->positions[v[1]], mesh->positions[v[2]])) / 6.0;
+    }
+    return sum;
+}
+
+static void strips_of_a_ply_file_are_triangles(void **state) {
+    (void)state;
+    /* a count and the vertices */
+    static const int one[][12] = {{6, 3, 0, 1, 2, 3, 0}};
+    static const int ended[][12] = {{7, 3, 0, 1, 2, 3, 0, -1}};
+    static const int two[][12] = {{9, 0, 2, 1, 3, -1, 3, 2, 0, 1}}; /* two strips of two triangles */
+    static const int four[][12] = {{11, 0, 2, 1, -1, 0, 1, 3, -1, 0, 3, 2}, {3, 1, 2, 3}};
+    static const int lists[][12] = {{4, 0, 2, 1, 3}, {4, 3, 2, 0, 1}};
+    static const int sewn[][12] = {{10, 0, 2, 1, 3, 3, 3, 3, 2, 0, 1}}; /* by triangles of two equal corners */
+    static const int idle[][12] = {{9, -1, -1, 3, 0, 1, 2, 3, 0, -1}, {0}};
+    static const struct {
+        const int (*lists)[12];
+        int count;
+    } cases[] = {{one, 1}, {ended, 1}, {two, 1}, {four, 2}, {lists, 2}, {sewn, 1}, {idle, 2}};
+    for (size_t c = 0; c < sizeof cases / sizeof *cases; c++)
+        for (int encoding = 0; encoding < 3; encoding++)
+            for (int is_unsigned = 0; is_unsigned < 2; is_unsigned++) {
+                if (encoding == 0 && is_unsigned) continue; /* no -1 in text that is unsigned */
+                sn_mesh mesh = strips_mesh(encoding, is_unsigned ? "uint" : "int", cases[c].lists, cases[c].count);
+                assert_int_equal(mesh.vertex_count, 4);
+                assert_int_equal(mesh.triangle_count, 4);
+                if (fabs(volume_of(&mesh) - 1.0 / 6.0) > 1e-12) fail_msg("case %zu: volume %g", c, volume_of(&mesh));
+                assert_int_equal(sn_mesh_validate(&mesh, NULL), SN_OK);
+                sn_mesh_free(&mesh);
+            }
+}
+
+#define STRIPS_HEAD "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n"
+
+static void strips_and_faces_are_one_mesh(void **state) {
+    (void)state;
+    static const reader_case r = {"a.ply", NULL, 0, read_mesh};
+    static const char both[] =
+        STRIPS_HEAD "element face 2\nproperty list uchar int vertex_indices\nelement tristrips 1\nproperty uchar flags\n"
+                    "property list int int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n3 0 2 1\n3 0 1 3\n"
+                    "9 4 3 2 0 -1\n";
+    static const char broken[][160] = {
+        "element tristrips 1\nproperty list int int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n3 0 1 4\n",
+        "element tristrips 1\nproperty list int int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n3 0 -2 1\n",
+        "element tristrips 1\nproperty list int float vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n3 0 1 2\n",
+        "element tristrips 1\nproperty list int int other\nend_header\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n3 0 1 2\n",
+        "element tristrips 1\nproperty list int int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n9 0 1 2\n",
+        "element tristrips 1\nproperty list int int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n3 0 1 2\n3 1 2 3\n",
+        "element tristrips 0\nproperty list int int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n"};
+    static const char *const words[] = {
+        "vertex 4", "vertex -2", "whole numbers", "tristrips need a property list", "expected a number", "counts 1 faces, but 1 more lines",
+        "no faces"};
+    read_text(&r, both, sizeof both - 1);
+    for (size_t i = 0; i < sizeof broken / sizeof *broken; i++) {
+        char text[512];
+        int length = snprintf(text, sizeof text, STRIPS_HEAD "%s", broken[i]);
+        refuse(&r, text, (size_t)length, 0, words[i]);
+    }
+    const int cut[][12] = {{6, 3, 0, 1, 2, 3, 0}};
+    char binary[512];
+    size_t size = strips_ply(binary, sizeof binary, 1, "int", cut, 1);
+    refuse(&r, binary, size - 2, 0, "cut short");
+}
+
 /* ---- fibres -------------------------------------------------------------------------------------------------------------- */
 
 static sn_fibers fibers_of(const char *text) {
@@ -375,6 +479,8 @@ int main(void) {
         cmocka_unit_test(bytes_are_left_alone),
         cmocka_unit_test(counts_are_held_against_the_content),
         cmocka_unit_test(binary_counts_are_held_against_the_content),
+        cmocka_unit_test(strips_of_a_ply_file_are_triangles),
+        cmocka_unit_test(strips_and_faces_are_one_mesh),
         cmocka_unit_test(segments_are_joined_end_to_end),
         cmocka_unit_test(lines_go_on_behind_a_backslash),
     };

@@ -1,6 +1,7 @@
 /*
  * reader.c -- one reader under libFuzzer, coverage-guided: built once for each format, with -DTARGET_obj, _ply, _stl, _off, _vtk, _vtp,
- * _muscle, _scene, _pc2, _bvh, _amc, _asf, _motion, _osim, _mjcf, _mot, _nodes, _sensors, _body, _envelope or _field (make fuzz).
+ * _muscle, _scene, _pc2, _bvh, _amc, _asf, _motion, _osim, _mjcf, _mot, _nodes, _sensors, _body, _envelope, _field, _lines
+ * or _gltf (make fuzz).
  *
  * Whatever the bytes, the reader must give a valid result or one line that names the file; the sanitizers and libFuzzer's limits of time
  * and memory watch over the rest.
@@ -176,6 +177,36 @@ static int try_bytes(const sn_blob *blob, sn_error *error) {
     status = sn_activation_names_parse(blob, &names, error);
     judge(status, error);
     if (status == SN_OK) sn_muscle_names_free(&names);
+    return 0;
+}
+
+#elif defined(TARGET_lines)
+
+static int try_bytes(const sn_blob *blob, sn_error *error) {
+    sn_fibers fibers;
+    sn_polylines_detect(blob);
+    sn_status status = sn_polylines_parse(blob, &fibers, error);
+    judge(status, error);
+    if (status != SN_OK) return 0;
+    demand(fibers.polyline_count > 0, "no fibre is none");
+    sn_fibers_free(&fibers);
+    return 0;
+}
+
+#elif defined(TARGET_gltf)
+
+static sn_status take_part(void *context, const sn_gltf_part *part, sn_error *error) {
+    (void)context, (void)error;
+    for (sn_index i = 0; i < part->corner_count; i++)
+        demand(part->corners[i] >= 0 && part->corners[i] < part->vertex_count, "a corner is out of range");
+    return SN_OK;
+}
+
+static int try_bytes(const sn_blob *blob, sn_error *error) {
+    const sn_gltf_source source = {.file = blob};
+    sn_status status = sn_gltf_read(&source, take_part, NULL, error);
+    sn_error_set_file(error, blob->name);
+    judge(status, error);
     return 0;
 }
 
