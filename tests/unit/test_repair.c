@@ -304,7 +304,7 @@ static void decimation_reaches_its_target_and_keeps_the_shape(void **state) {
     sn_attribute *paint = sn_mesh_add_attribute(&sphere, "z", 1);
     for (sn_index i = 0; i < sphere.vertex_count; i++) paint->values[i] = sphere.positions[i].z;
     assert_ok(sn_mesh_copy(&sphere, &fine, NULL));
-    assert_ok(sn_decimate(&sphere, 1000, NULL));
+    assert_ok(sn_decimate(&sphere, 1000, NULL, NULL));
     assert_true(sphere.triangle_count <= 1000 && sphere.triangle_count >= 990);
     assert_true(shape_is_sound(&sphere));
     assert_near(sn_mesh_volume(&sphere) / sn_mesh_volume(&fine), 1.0, 0.01);
@@ -320,10 +320,10 @@ static void decimation_reaches_its_target_and_keeps_the_shape(void **state) {
 static void decimation_is_the_same_every_time(void **state) {
     (void)state;
     sn_mesh first = shape_sphere(30, 60), second = shape_sphere(30, 60);
-    assert_ok(sn_decimate(&first, 500, NULL));
-    assert_ok(sn_decimate(&second, 500, NULL));
+    assert_ok(sn_decimate(&first, 500, NULL, NULL));
+    assert_ok(sn_decimate(&second, 500, NULL, NULL));
     assert_true(shape_same(&first, &second));
-    assert_int_equal(sn_decimate(&first, 3, NULL), SN_ERROR_USAGE);
+    assert_int_equal(sn_decimate(&first, 3, NULL, NULL), SN_ERROR_USAGE);
     sn_mesh_free(&second);
     sn_mesh_free(&first);
 }
