@@ -77,12 +77,12 @@ SN_MUST_CHECK sn_status sn_find_new_triangles(const sn_mesh *old, const sn_mesh 
 
 typedef struct sn_undo_params {
     const sn_mesh *before; /* what the mesh was made of */
-    sn_index allowed;      /* so many crossings may stay */
-    double most_area;      /* of triangles of `before` that may be cut out */
+    double most_area;      /* of `before` that may be lost, by sn_lost_area with this reach */
+    double reach;
 } sn_undo_params;
 /* Cut triangles that `before` does not have out of a closed oriented manifold where they cross any, with what they cross, and fill the holes
- * anew, wider and wider, until no more than `allowed` pairs are left; no vertex that stays moves. A cut is taken only where it leaves fewer
- * crossings, as many components, and no more handles. *left is how many pairs there are. */
+ * anew, wider and wider, until none is left; no vertex that stays moves. A cut is taken only where it leaves fewer crossings, as many
+ * components, no more handles, and the volume within 5 %. *left is how many pairs there are. */
 SN_MUST_CHECK sn_status sn_undo_crossings(sn_mesh *mesh, const sn_undo_params *params, sn_index *left, sn_error *error);
 /* Replace triangles that cross in a closed oriented manifold (CGAL, experimental there): in a child process, ended after `seconds`.
  * The mesh is changed only where the result is a closed oriented manifold with fewer crossings; *left is what remains, *ended_early tells

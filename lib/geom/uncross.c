@@ -32,12 +32,15 @@ static sn_status join_by_place(const sn_mesh *old, const sn_mesh *mesh, sn_mesh 
     return status;
 }
 
-/* Of the triangles at one place, old ones come first: the sort is stable. */
+/* Of the triangles at one place, old ones come first (the sort is stable), and each of them stands for one of the others. */
 static void mark_new(const sn_index *order, const sn_triangle *triples, sn_index count, sn_index old_count, bool *is_new) {
-    bool known = false;
+    sn_index known = 0;
     for (sn_index i = 0; i < count; i++) {
-        if (i == 0 || !sn_same_triple(triples[order[i - 1]], triples[order[i]])) known = order[i] < old_count;
-        if (order[i] >= old_count) is_new[order[i] - old_count] = !known;
+        if (i == 0 || !sn_same_triple(triples[order[i - 1]], triples[order[i]])) known = 0;
+        if (order[i] < old_count)
+            known++;
+        else
+            is_new[order[i] - old_count] = known-- <= 0;
     }
 }
 
@@ -189,13 +192,16 @@ static sn_status fill_again(sn_mesh *mesh, sn_mesh_report *now, sn_error *error)
 
 #define MOST_ROUNDS 16
 #define MOST_RINGS 6
+/* Share of the volume that a cut may change: where more of it goes, a part of the body has. */
+#define MOST_VOLUME 0.05
 
 typedef struct undoing {
     const sn_undo_params *params;
     sn_mesh *mesh;
     sn_mesh_report found; /* of the mesh */
     sn_index pairs;
-    double gone; /* area of triangles of the input that were no longer there to start with */
+    double gone; /* area of the input that was lost to start with */
+    bool guilty;        /* some triangle is to be cut */
     bool *is_new, *cut; /* (triangle_count) */
 } undoing;
 
@@ -211,18 +217,7 @@ static sn_status find_guilty(undoing *u, sn_error *error) {
     if (u->is_new == NULL || u->cut == NULL) return sn_fail_memory(error, "taking back crossings");
     sn_status status = sn_find_new_triangles(u->params->before, u->mesh, u->is_new, error);
     if (status == SN_OK) status = sn_find_self_intersections(u->mesh, 0, u->is_new, u->cut, &u->pairs, error);
-    return status;
-}
-
-/* Area of the triangles of the input that the mesh does not have. */
-static sn_status measure_gone(const undoing *u, const sn_mesh *mesh, double *area, sn_error *error) {
-    const sn_mesh *input = u->params->before;
-    *area = 0.0;
-    bool *missing = SN_NEW(bool, input->triangle_count);
-    sn_status status =
-        missing != NULL ? sn_find_new_triangles(mesh, input, missing, error) : sn_fail_memory(error, "taking back crossings");
-    for (sn_index t = 0; status == SN_OK && t < input->triangle_count; t++) *area += missing[t] ? area_of(input, t) : 0.0;
-    free(missing);
+    u->guilty = status == SN_OK && memchr(u->cut, true, (size_t)count * sizeof *u->cut) != NULL;
     return status;
 }
 
@@ -231,13 +226,13 @@ static sn_status judge(const undoing *u, const sn_mesh *tried, const sn_mesh_rep
     double gone = 0.0;
     sn_index pairs = 0;
     *better = false;
-    if (!is_sound(now) || now->components != u->found.components || now->genus > u->found.genus || now->volume * u->found.volume < 0.0)
+    if (!is_sound(now) || now->components != u->found.components || now->genus > u->found.genus || fabs(now->volume - u->found.volume) > MOST_VOLUME * fabs(u->found.volume))
         return SN_OK;
-    sn_status status = measure_gone(u, tried, &gone, error);
+    sn_status status = sn_lost_area(u->params->before, tried, u->params->reach, &gone, error);
     if (status == SN_OK && gone - u->gone <= u->params->most_area) {
         status = sn_find_self_intersections(tried, 0, NULL, NULL, &pairs, error);
         *better = pairs < u->pairs;
-    }
+        }
     return status;
 }
 
@@ -263,10 +258,10 @@ static sn_status try_cut(undoing *u, int rings, bool *better, sn_error *error) {
 sn_status sn_undo_crossings(sn_mesh *mesh, const sn_undo_params *params, sn_index *left, sn_error *error) {
     undoing u = {.params = params, .mesh = mesh};
     sn_status status = sn_mesh_inspect(mesh, &u.found, error);
-    if (status == SN_OK) status = measure_gone(&u, mesh, &u.gone, error);
+    if (status == SN_OK) status = sn_lost_area(params->before, mesh, params->reach, &u.gone, error);
     if (status == SN_OK) status = find_guilty(&u, error);
     int rings = 0;
-    for (int round = 0; status == SN_OK && is_sound(&u.found) && u.pairs > params->allowed; round++) {
+    for (int round = 0; status == SN_OK && is_sound(&u.found) && u.guilty; round++) {
         bool better = false;
         if (round == MOST_ROUNDS || rings > MOST_RINGS) break;
         status = try_cut(&u, rings, &better, error);

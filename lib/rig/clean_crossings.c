@@ -41,9 +41,7 @@ static sn_status find_made(const sn_cleaning *c, bool *some, sn_error *error) {
 
 static sn_status undo(sn_cleaning *c) {
     sn_index made = c->found.self_intersections, left = made;
-    sn_undo_params params = {.before = c->input,
-                             .allowed = c->report->before.self_intersections,
-                             .most_area = c->params->most_lost * c->report->before.area};
+    sn_undo_params params = {c->input, c->params->most_lost * c->report->before.area, SN_LOST_REACH * c->report->before.diagonal};
     sn_status status = sn_undo_crossings(c->mesh, &params, &left, c->error);
     if (status == SN_OK && left < made) status = sn_cleaning_look(c);
     if (status != SN_OK) return status;

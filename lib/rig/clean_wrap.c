@@ -5,8 +5,6 @@
 
 #include <string.h>
 
-/* Nearer than this share of the diagonal a triangle counts as still there. */
-#define REACH 0.005
 /* What a wrap asks for where the user does not: its offset as a share of the diagonal. */
 #define USUAL_OFFSET 0.002
 /* Holes of up to ten offsets are bridged. */
@@ -22,7 +20,7 @@ sn_status sn_cleaning_measure_loss(sn_cleaning *c) {
     sn_clean_report *r = c->report;
     sn_status status = SN_OK;
     r->lost_area = 0.0;
-    if (takes_away(r)) status = sn_lost_area(c->input, c->mesh, REACH * r->before.diagonal, &r->lost_area, c->error);
+    if (takes_away(r)) status = sn_lost_area(c->input, c->mesh, SN_LOST_REACH * r->before.diagonal, &r->lost_area, c->error);
     r->lost_share = r->before.area > 0.0 ? r->lost_area / r->before.area : 0.0;
     return status;
 }

@@ -40,6 +40,8 @@ SN_MUST_CHECK sn_status sn_cleaning_wrap(sn_cleaning *c);
 /* Remesh, decimate, smooth and flip slivers on request, keeping the volume (clean_refine.c). */
 SN_MUST_CHECK sn_status sn_cleaning_refine(sn_cleaning *c);
 
+/* Nearer than this share of the diagonal a triangle of the input counts as still there. */
+#define SN_LOST_REACH 0.005
 /* A closed surface with less volume than this share of area x diagonal is a sheet, folded flat. */
 #define SN_TINY_VOLUME 1e-9
 bool sn_cleaning_is_flat(const sn_mesh_report *found);
