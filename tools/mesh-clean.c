@@ -272,14 +272,19 @@ static void warn_of_changes(const cli *c, const sn_clean_report *r) {
 }
 
 static void warn_of_crossings(const cli *c, const sn_clean_report *r) {
-    const char *help = r->wrapped || !params.full ? "--repair full wraps such a surface, --remove-intersections replaces triangles that cross"
-                                                  : "--wrap builds a new surface without any";
+    const char *help = r->wrapped || !params.full
+                           ? "--repair full wraps such a surface, --remove-intersections replaces triangles that cross"
+                           : "--wrap builds a new surface without any";
+    if (r->undone_crossings > 0) {
+        cli_say(c, "taken back: %d pairs of triangles that crossed after a step and not before it", r->undone_crossings);
+    }
     if (r->crossings_made > 0) {
         cli_warn(c, "%d pairs of triangles cross, %d more than the %d of the input; %s", r->after.self_intersections, r->crossings_made,
                  r->before.self_intersections, help);
     }
     if (r->crossings_uncounted) {
-        cli_warn(c, "too many triangles lie on one another to count how many cross, before or after; --self-intersections counts however long it takes");
+        cli_warn(c, "too many triangles lie on one another to count how many cross, before or after; --self-intersections counts however "
+                    "long it takes");
     }
 }
 

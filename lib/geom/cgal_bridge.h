@@ -39,13 +39,14 @@ sn_status sn_bridge_fill_holes(const sn_bridge_mesh *in, sn_index max_edges, sn_
                                sn_bridge_mesh *out, sn_error *error);
 
 /* Collapse edges in the order of the quadric error (Garland, Heckbert 1997) of an oriented manifold until it has at most
- * `target` triangles or no edge is left that may go. bounded: no collapse may turn a triangle over; with it, edges at vertices that are held
- * (vertex_count; nullable) stay. */
+ * `target` triangles or no edge is left that may go. bounded: no collapse may turn a triangle over; with it, edges at vertices that are
+ * held (vertex_count; nullable) stay. */
 sn_status sn_bridge_decimate(const sn_bridge_mesh *in, sn_index target, bool bounded, const bool *held, sn_bridge_mesh *out,
                              sn_error *error);
 
-/* Pairs of triangles that meet in more than the corners and edges that they share; exact predicates; any soup. SN_NONE: more than most_tests
- * (0 = any number) pairs lie near each other. crosses (triangle_count, nullable): set for both of a pair of which one is made (nullable: any). */
+/* Pairs of triangles that meet in more than the corners and edges that they share; exact predicates; any soup. SN_NONE: more than
+ * most_tests (0 = any number) pairs lie near each other. crosses (triangle_count, nullable): set for both of a pair of which one is made
+ * (nullable: any). */
 sn_status sn_bridge_find_intersections(const sn_bridge_mesh *in, int64_t most_tests, const bool *made, bool *crosses, sn_index *pairs,
                                        sn_error *error);
 

@@ -30,8 +30,7 @@ sn_status sn_bridge_remesh(const sn_bridge_mesh *in, double edge_length, unsigne
         if (held == nullptr) {
             PMP::isotropic_remeshing(surface.faces(), edge_length, surface, CGAL::parameters::number_of_iterations(iterations));
         } else {
-            PMP::isotropic_remeshing(free_faces(surface, held), edge_length, surface,
-                                     CGAL::parameters::number_of_iterations(iterations));
+            PMP::isotropic_remeshing(free_faces(surface, held), edge_length, surface, CGAL::parameters::number_of_iterations(iterations));
         }
         surface.collect_garbage();
         const sn_bridge_mesh nothing = {}; /* no vertex or triangle is where it was */

@@ -17,7 +17,8 @@ static sn_status to_exact(const sn_mesh *mesh, sn_bridge_mesh *out, sn_error *er
     sn_status status = sn_mesh_validate(mesh, error);
     if (status != SN_OK) return status;
     sn_index *place = SN_NEW(sn_index, vertices);
-    *out = (sn_bridge_mesh){mesh->vertex_count, mesh->triangle_count, SN_NEW(double, 3 * vertices), SN_NEW(sn_index, 3 * triangles), NULL, NULL};
+    *out = (sn_bridge_mesh){
+        mesh->vertex_count, mesh->triangle_count, SN_NEW(double, 3 * vertices), SN_NEW(sn_index, 3 * triangles), NULL, NULL};
     if (place == NULL || out->points == NULL || out->triangles == NULL) status = sn_fail_memory(error, "counting self-intersections");
     if (status == SN_OK) status = sn_find_representatives(mesh, 0.0, place, error);
     double greatest = 0.0;

@@ -118,7 +118,8 @@ static double area_of(const sn_mesh *mesh, sn_index t) {
 }
 
 /* Of the pieces into which a component falls (piece: component of what is left; whole: component before) the largest stays. */
-static sn_status keep_pieces(const sn_mesh *left, const sn_index *whole, const sn_index *piece, sn_index pieces, bool *keep, sn_error *error) {
+static sn_status keep_pieces(const sn_mesh *left, const sn_index *whole, const sn_index *piece, sn_index pieces, bool *keep,
+                             sn_error *error) {
     sn_index most = 0;
     for (sn_index t = 0; t < left->triangle_count; t++) most = whole[t] > most ? whole[t] : most;
     double *area = SN_NEW(double, pieces);
@@ -200,7 +201,7 @@ typedef struct undoing {
     sn_mesh *mesh;
     sn_mesh_report found; /* of the mesh */
     sn_index pairs;
-    double gone; /* area of the input that was lost to start with */
+    double gone;        /* area of the input that was lost to start with */
     bool guilty;        /* some triangle is to be cut */
     bool *is_new, *cut; /* (triangle_count) */
 } undoing;
@@ -226,13 +227,14 @@ static sn_status judge(const undoing *u, const sn_mesh *tried, const sn_mesh_rep
     double gone = 0.0;
     sn_index pairs = 0;
     *better = false;
-    if (!is_sound(now) || now->components != u->found.components || now->genus > u->found.genus || fabs(now->volume - u->found.volume) > MOST_VOLUME * fabs(u->found.volume))
+    if (!is_sound(now) || now->components != u->found.components || now->genus > u->found.genus ||
+        fabs(now->volume - u->found.volume) > MOST_VOLUME * fabs(u->found.volume))
         return SN_OK;
     sn_status status = sn_lost_area(u->params->before, tried, u->params->reach, &gone, error);
     if (status == SN_OK && gone - u->gone <= u->params->most_area) {
         status = sn_find_self_intersections(tried, 0, NULL, NULL, &pairs, error);
         *better = pairs < u->pairs;
-        }
+    }
     return status;
 }
 

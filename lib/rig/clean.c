@@ -216,7 +216,8 @@ typedef sn_status (*stage)(sn_cleaning *);
 
 /* Done again while they change something: a body that a cut has made may share a wall with another. */
 static const stage repairs[] = {weld, drop_bad, close_cracks, make_manifold, sn_cleaning_keep, fill_holes, sn_cleaning_outward};
-static const stage wishes[] = {sn_cleaning_undo_crossings, remove_intersections, sn_cleaning_measure_loss, sn_cleaning_wrap, sn_cleaning_refine};
+static const stage wishes[] = {sn_cleaning_undo_crossings, remove_intersections, sn_cleaning_measure_loss, sn_cleaning_wrap,
+                               sn_cleaning_refine};
 #define MOST_PASSES 4
 
 static double count_changes(const sn_clean_report *r) {

@@ -5,13 +5,18 @@
 
 #include <stdlib.h>
 
-/* Pairs of boxes that meet, for each triangle: a surface has about twenty, a heap of triangles at one place as many as there are. */
-#define MOST_TESTS_EACH 1000
+/* Pairs of boxes that meet, in all and for each triangle: a surface has about twenty for each, a heap of triangles at one place half as
+ * many as there are triangles, and nobody waits for those (three million take seconds). */
+#define MOST_TESTS 3000000
+#define MOST_TESTS_EACH 100
+/* Share of the area that may be cut out, whatever may be lost otherwise. */
+#define MOST_CUT 0.05
 
 /* -1 = not counted. */
 static sn_status count_crossings(const sn_cleaning *c, const sn_mesh *mesh, sn_index *pairs) {
     bool asked = c->params->count_intersections || c->params->remove_intersections;
-    return sn_find_self_intersections(mesh, asked ? 0 : (int64_t)MOST_TESTS_EACH * mesh->triangle_count, NULL, NULL, pairs, c->error);
+    int64_t most = MOST_TESTS + (int64_t)MOST_TESTS_EACH * mesh->triangle_count;
+    return sn_find_self_intersections(mesh, asked ? 0 : most, NULL, NULL, pairs, c->error);
 }
 
 sn_status sn_cleaning_count_crossings(sn_cleaning *c) {
@@ -32,7 +37,8 @@ bool sn_cleaning_has_more_crossings(const sn_cleaning *c) {
 /* Triangles of the input have no crossings but those that they had, wherever vertices were joined or cut. */
 static sn_status find_made(const sn_cleaning *c, bool *some, sn_error *error) {
     bool *is_new = SN_NEW(bool, c->mesh->triangle_count);
-    sn_status status = is_new != NULL ? sn_find_new_triangles(c->input, c->mesh, is_new, error) : sn_fail_memory(error, "comparing surfaces");
+    sn_status status =
+        is_new != NULL ? sn_find_new_triangles(c->input, c->mesh, is_new, error) : sn_fail_memory(error, "comparing surfaces");
     *some = false;
     for (sn_index t = 0; status == SN_OK && t < c->mesh->triangle_count; t++) *some = *some || is_new[t];
     free(is_new);
@@ -41,7 +47,8 @@ static sn_status find_made(const sn_cleaning *c, bool *some, sn_error *error) {
 
 static sn_status undo(sn_cleaning *c) {
     sn_index made = c->found.self_intersections, left = made;
-    sn_undo_params params = {c->input, c->params->most_lost * c->report->before.area, SN_LOST_REACH * c->report->before.diagonal};
+    sn_undo_params params = {c->input, fmin(c->params->most_lost, MOST_CUT) * c->report->before.area,
+                             SN_LOST_REACH * c->report->before.diagonal};
     sn_status status = sn_undo_crossings(c->mesh, &params, &left, c->error);
     if (status == SN_OK && left < made) status = sn_cleaning_look(c);
     if (status != SN_OK) return status;

@@ -114,6 +114,33 @@ static void smoothing_takes_noise_and_leaves_size(void **state) {
 }
 
 /* Borders stay, and an open surface has no volume to restore. */
+/* What is held keeps its place and its triangles; the rest is worked on. */
+static void what_is_held_is_left_alone(void **state) {
+    (void)state;
+    for (int step = 0; step < 3; step++) {
+        sn_mesh sphere = shape_sphere(20, 40), mesh = shape_sphere(20, 40);
+        bool *held = SN_NEW(bool, mesh.vertex_count), *is_new = SN_NEW(bool, mesh.triangle_count);
+        for (sn_index v = 0; v < mesh.vertex_count; v++) held[v] = mesh.positions[v].z > 0.3;
+        if (step == 0) assert_ok(sn_smooth(&mesh, 3, held, NULL));
+        if (step == 1) assert_ok(sn_decimate(&mesh, 1200, held, NULL));
+        if (step == 2) assert_ok(sn_remesh(&mesh, 0.3, held, NULL));
+        assert_ok(sn_find_new_triangles(&mesh, &sphere, is_new, NULL));
+        sn_index gone = 0;
+        for (sn_index t = 0; t < sphere.triangle_count; t++) {
+            const sn_index *v = sphere.triangles[t].v;
+            bool inside = true;
+            for (int k = 0; k < 3; k++) inside = inside && sphere.positions[v[k]].z > 0.5;
+            if (inside) assert_false(is_new[t]);
+            gone += is_new[t];
+        }
+        assert_true(gone > 100);
+        free(is_new);
+        free(held);
+        sn_mesh_free(&mesh);
+        sn_mesh_free(&sphere);
+    }
+}
+
 static void smoothing_leaves_borders(void **state) {
     (void)state;
     sn_mesh cube = shape_cube();
@@ -279,6 +306,7 @@ int main(void) {
         cmocka_unit_test(remeshing_gives_edges_of_one_length),
         cmocka_unit_test(smoothing_takes_noise_and_leaves_size),
         cmocka_unit_test(smoothing_leaves_borders),
+        cmocka_unit_test(what_is_held_is_left_alone),
         cmocka_unit_test(a_flat_sliver_is_flipped_away),
         cmocka_unit_test(what_is_inside_is_not_lost_what_sticks_out_is),
         cmocka_unit_test(labels_are_carried_unmixed),
