@@ -70,8 +70,8 @@ SN_MUST_CHECK sn_status sn_orient_outward(sn_mesh *mesh, sn_index *flipped, sn_e
 SN_MUST_CHECK sn_status sn_count_self_intersections(const sn_mesh *mesh, sn_index *pairs, sn_error *error);
 /* The same, given up with *pairs = SN_NONE after looking at most_tests pairs whose boxes meet (0 = any number); and, in crosses
  * (triangle_count, nullable, set to false before), the triangles of pairs of which one is `made` (triangle_count; nullable = any). */
-SN_MUST_CHECK sn_status sn_find_self_intersections(const sn_mesh *mesh, int64_t most_tests, const bool *made, bool *crosses, sn_index *pairs,
-                                                   sn_error *error);
+SN_MUST_CHECK sn_status sn_find_self_intersections(const sn_mesh *mesh, int64_t most_tests, const bool *made, bool *crosses,
+                                                   sn_index *pairs, sn_error *error);
 /* Triangles that `old` has none of: is_new (triangle_count of mesh). Corners are compared by place, in any order. */
 SN_MUST_CHECK sn_status sn_find_new_triangles(const sn_mesh *old, const sn_mesh *mesh, bool *is_new, sn_error *error);
 
@@ -80,8 +80,8 @@ typedef struct sn_undo_params {
     double most_area;      /* of `before` that may be lost, by sn_lost_area with this reach */
     double reach;
 } sn_undo_params;
-/* Cut triangles that `before` does not have out of a closed oriented manifold where they cross any, with what they cross, and fill the holes
- * anew, wider and wider, until none is left; no vertex that stays moves. A cut is taken only where it leaves fewer crossings, as many
+/* Cut triangles that `before` does not have out of a closed oriented manifold where they cross any, with what they cross, and fill the
+ * holes anew, wider and wider, until none is left; no vertex that stays moves. A cut is taken only where it leaves fewer crossings, as many
  * components, no more handles, and the volume within 5 %. *left is how many pairs there are. */
 SN_MUST_CHECK sn_status sn_undo_crossings(sn_mesh *mesh, const sn_undo_params *params, sn_index *left, sn_error *error);
 /* Replace triangles that cross in a closed oriented manifold (CGAL, experimental there): in a child process, ended after `seconds`.

@@ -59,11 +59,12 @@ typedef struct sn_clean_report {
     double wrap_offset, wrap_alpha; /* document units; 0 = not wrapped */
     sn_index crossings_made;        /* pairs that cross in the output beyond those of the input; 0 = no more than there were */
     bool crossings_uncounted;       /* too many triangles lie on one another to count how many cross */
-    sn_index undone_crossings;      /* pairs that a step had made and that were taken back: cut out and filled anew, or the step was held there */
-    bool intersections_late;        /* the time was up before all were removed */
-    double volume_change;           /* relative, by remeshing, decimation and smoothing, after volume was put back; NaN = open */
-    double moved;                   /* greatest distance of the output from the input's surface; document units */
-    double hausdorff;               /* the same both ways: what was dropped counts too */
+    sn_index
+        undone_crossings;    /* pairs that a step had made and that were taken back: cut out and filled anew, or the step was held there */
+    bool intersections_late; /* the time was up before all were removed */
+    double volume_change;    /* relative, by remeshing, decimation and smoothing, after volume was put back; NaN = open */
+    double moved;            /* greatest distance of the output from the input's surface; document units */
+    double hausdorff;        /* the same both ways: what was dropped counts too */
 } sn_clean_report;
 
 sn_clean_params sn_clean_defaults(void);
