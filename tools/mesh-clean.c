@@ -182,6 +182,9 @@ static void write_counts(sn_json *json, const sn_clean_report *r) {
     sn_json_integer(json, "flippedComponents", r->flipped_components);
     sn_json_integer(json, "decimatedTriangles", r->decimated_triangles);
     sn_json_integer(json, "flippedSlivers", r->flipped_slivers);
+    sn_json_integer(json, "crossingsMade", r->crossings_made);
+    sn_json_bool(json, "crossingsUncounted", r->crossings_uncounted);
+    sn_json_integer(json, "undoneCrossings", r->undone_crossings);
     sn_json_number(json, "lostArea", r->lost_area);
     sn_json_number(json, "lostShare", r->lost_share);
     sn_json_bool(json, "wrapped", r->wrapped);
@@ -269,6 +272,23 @@ static void warn_of_changes(const cli *c, const sn_clean_report *r) {
     if (fabs(r->volume_change) > 0.01) cli_warn(c, "the volume has changed by %.2g %%", 100.0 * r->volume_change);
 }
 
+static void warn_of_crossings(const cli *c, const sn_clean_report *r) {
+    const char *help = r->wrapped || !params.full
+                           ? "--repair full wraps such a surface, --remove-intersections replaces triangles that cross"
+                           : "--wrap builds a new surface without any";
+    if (r->undone_crossings > 0) {
+        cli_say(c, "taken back: %d pairs of triangles that crossed after a step and not before it", r->undone_crossings);
+    }
+    if (r->crossings_made > 0) {
+        cli_warn(c, "%d pairs of triangles cross, %d more than the %d of the input; %s", r->after.self_intersections, r->crossings_made,
+                 r->before.self_intersections, help);
+    }
+    if (r->crossings_uncounted) {
+        cli_warn(c, "too many triangles lie on one another to count how many cross, before or after; --self-intersections counts however "
+                    "long it takes");
+    }
+}
+
 static void judge(cli *c, const sn_clean_report *r) {
     sn_mesh_report after = r->after;
     if (!params.remove_intersections) after.self_intersections = 0; /* counted on request, not asked to be none */
@@ -305,6 +325,7 @@ static sn_status clean(cli *c, cli_muscle *muscle, sn_error *error) {
     say_table(c, &report.before, &report.after);
     warn_of_losses(c, &report);
     warn_of_changes(c, &report);
+    warn_of_crossings(c, &report);
     sn_status saved = cli_save(c, muscle, report.unchanged ? 0 : SN_SECTION_MESH, error);
     result all = {&report, &watch, muscle->muscle.meters_per_unit};
     if (saved == SN_OK) saved = cli_report(c, write_report, &all, error);

@@ -47,24 +47,43 @@ SN_MUST_CHECK sn_status sn_fill_holes(sn_mesh *mesh, sn_index max_edges, sn_trac
  * the soup, to a quarter of the offset from it, or as far as no triangles cross. Without attributes: sn_carry_attributes. Deterministic. */
 SN_MUST_CHECK sn_status sn_wrap(const sn_mesh *mesh, double alpha, double offset, sn_mesh *out, sn_error *error);
 /* Edges of about edge_length all over an oriented manifold (Botsch, Kobbelt 2004); attributes follow by closest point. SN_ERROR_USAGE
- * where that would take more than ten million triangles, or so few that no surface would be left. */
-SN_MUST_CHECK sn_status sn_remesh(sn_mesh *mesh, double edge_length, sn_error *error);
-/* Rounds of smoothing by uniform weights, a step in and a step out (Taubin 1995, lambda 0.5, mu -0.53). Borders stay where they are. */
-SN_MUST_CHECK sn_status sn_smooth(sn_mesh *mesh, sn_index rounds, sn_error *error);
+ * where that would take more than ten million triangles, or so few that no surface would be left. Triangles at vertices that are held
+ * (vertex_count; NULL = none) are left as they are, here and in the steps below; only their outer edges are split or shortened here. */
+SN_MUST_CHECK sn_status sn_remesh(sn_mesh *mesh, double edge_length, const bool *held, sn_error *error);
+/* Rounds of smoothing by uniform weights, a step in and a step out (Taubin 1995, lambda 0.5, mu -0.53). Borders, and
+ * vertices that are held, stay where they are. */
+SN_MUST_CHECK sn_status sn_smooth(sn_mesh *mesh, sn_index rounds, const bool *held, sn_error *error);
 /* Move a closed surface along its normals until it encloses `volume` again, by a tenth of the mean edge at most. */
 SN_MUST_CHECK sn_status sn_restore_volume(sn_mesh *mesh, double volume, sn_error *error);
 /* Slivers, triangles with a quality (sn_mesh_report) below SN_SLIVER_QUALITY, are flipped away where the surface stays what it is: the
  * normals of the two triangles on their longest edge turn by less than 5 degrees. Vertices stay. */
-SN_MUST_CHECK sn_status sn_flip_slivers(sn_mesh *mesh, sn_index *flipped, sn_error *error);
+SN_MUST_CHECK sn_status sn_flip_slivers(sn_mesh *mesh, const bool *held, sn_index *flipped, sn_error *error);
 /* Values painted on vertices and groups of triangles of `from` to `to`, which lies near it, by closest point: numbers are interpolated,
  * integers (labels, colours) taken from the nearest corner. `to` has none yet, or those of `from` in their order. */
 SN_MUST_CHECK sn_status sn_carry_attributes(const sn_mesh *from, sn_mesh *to, sn_error *error);
 /* Quadric edge collapse to at most target_triangles; attributes follow by closest point. */
-SN_MUST_CHECK sn_status sn_decimate(sn_mesh *mesh, sn_index target_triangles, sn_error *error);
+SN_MUST_CHECK sn_status sn_decimate(sn_mesh *mesh, sn_index target_triangles, const bool *held, sn_error *error);
 /* Flip components so that each encloses positive volume (a closed component inside another stays as it is if it is a cavity). */
 SN_MUST_CHECK sn_status sn_orient_outward(sn_mesh *mesh, sn_index *flipped, sn_error *error);
-/* Number of pairs of triangles that cross (CGAL; shared vertices and edges do not count). */
+/* Number of pairs of triangles that cross (CGAL; exact predicates on the coordinates as they are): that meet in more than the corners and
+ * edges that they share. Vertices at one place are one corner here: where a surface touches itself it does not cross itself. */
 SN_MUST_CHECK sn_status sn_count_self_intersections(const sn_mesh *mesh, sn_index *pairs, sn_error *error);
+/* The same, given up with *pairs = SN_NONE after looking at most_tests pairs whose boxes meet (0 = any number); and, in crosses
+ * (triangle_count, nullable, set to false before), the triangles of pairs of which one is `made` (triangle_count; nullable = any). */
+SN_MUST_CHECK sn_status sn_find_self_intersections(const sn_mesh *mesh, int64_t most_tests, const bool *made, bool *crosses,
+                                                   sn_index *pairs, sn_error *error);
+/* Triangles that `old` has none of: is_new (triangle_count of mesh). Corners are compared by place, in any order. */
+SN_MUST_CHECK sn_status sn_find_new_triangles(const sn_mesh *old, const sn_mesh *mesh, bool *is_new, sn_error *error);
+
+typedef struct sn_undo_params {
+    const sn_mesh *before; /* what the mesh was made of */
+    double most_area;      /* of `before` that may be lost, by sn_lost_area with this reach */
+    double reach;
+} sn_undo_params;
+/* Cut triangles that `before` does not have out of a closed oriented manifold where they cross any, with what they cross, and fill the
+ * holes anew, wider and wider, until none is left; no vertex that stays moves. A cut is taken only where it leaves fewer crossings, as many
+ * components, no more handles, and the volume within 5 %. *left is how many pairs there are. */
+SN_MUST_CHECK sn_status sn_undo_crossings(sn_mesh *mesh, const sn_undo_params *params, sn_index *left, sn_error *error);
 /* Replace triangles that cross in a closed oriented manifold (CGAL, experimental there): in a child process, ended after `seconds`.
  * The mesh is changed only where the result is a closed oriented manifold with fewer crossings; *left is what remains, *ended_early tells
  * that the time was up. Attributes follow by closest point. */

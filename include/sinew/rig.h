@@ -23,6 +23,7 @@ typedef struct sn_clean_params {
     sn_index max_hole;         /* fill holes of up to this many edges; 0 = none; default SN_INDEX_MAX = any */
     bool outward;              /* turn the outside outside; default true */
     bool count_intersections;  /* count self-intersections for the report; default false: it costs more than all the rest */
+    bool watch_crossings;      /* default true: where a step makes triangles, count crossings and undo what makes more than there were */
     bool remove_intersections; /* replace triangles that cross, in a child process */
     double seconds;            /* that it may take; default 30 */
     double most_lost;          /* share of the area whose loss is too much; default 0.05 */
@@ -56,10 +57,14 @@ typedef struct sn_clean_report {
     double lost_share;             /* of the input's area */
     bool wrapped;
     double wrap_offset, wrap_alpha; /* document units; 0 = not wrapped */
-    bool intersections_late;        /* the time was up before all were removed */
-    double volume_change;           /* relative, by remeshing, decimation and smoothing, after volume was put back; NaN = open */
-    double moved;                   /* greatest distance of the output from the input's surface; document units */
-    double hausdorff;               /* the same both ways: what was dropped counts too */
+    sn_index crossings_made;        /* pairs that cross in the output beyond those of the input; 0 = no more than there were */
+    bool crossings_uncounted;       /* too many triangles lie on one another to count how many cross */
+    sn_index
+        undone_crossings;    /* pairs that a step had made and that were taken back: cut out and filled anew, or the step was held there */
+    bool intersections_late; /* the time was up before all were removed */
+    double volume_change;    /* relative, by remeshing, decimation and smoothing, after volume was put back; NaN = open */
+    double moved;            /* greatest distance of the output from the input's surface; document units */
+    double hausdorff;        /* the same both ways: what was dropped counts too */
 } sn_clean_report;
 
 sn_clean_params sn_clean_defaults(void);

@@ -39,17 +39,24 @@ sn_status sn_bridge_fill_holes(const sn_bridge_mesh *in, sn_index max_edges, sn_
                                sn_bridge_mesh *out, sn_error *error);
 
 /* Collapse edges in the order of the quadric error (Garland, Heckbert 1997) of an oriented manifold until it has at most
- * `target` triangles or no edge is left that may go. bounded: no collapse may turn a triangle over. */
-sn_status sn_bridge_decimate(const sn_bridge_mesh *in, sn_index target, bool bounded, sn_bridge_mesh *out, sn_error *error);
+ * `target` triangles or no edge is left that may go. bounded: no collapse may turn a triangle over; with it, edges at vertices that are
+ * held (vertex_count; nullable) stay. */
+sn_status sn_bridge_decimate(const sn_bridge_mesh *in, sn_index target, bool bounded, const bool *held, sn_bridge_mesh *out,
+                             sn_error *error);
 
-/* Pairs of triangles that meet in more than the corners and edges that they share; exact predicates; any soup. */
-sn_status sn_bridge_count_intersections(const sn_bridge_mesh *in, sn_index *pairs, sn_error *error);
+/* Pairs of triangles that meet in more than the corners and edges that they share; exact predicates; any soup. SN_NONE: more than
+ * most_tests (0 = any number) pairs lie near each other. crosses (triangle_count, nullable): set for both of a pair of which one is made
+ * (nullable: any). */
+sn_status sn_bridge_find_intersections(const sn_bridge_mesh *in, int64_t most_tests, const bool *made, bool *crosses, sn_index *pairs,
+                                       sn_error *error);
 
 /* A closed oriented manifold around any soup: `offset` away from it, reaching only where a ball of radius `alpha` can come from outside. */
 sn_status sn_bridge_wrap(const sn_bridge_mesh *in, double alpha, double offset, sn_bridge_mesh *out, sn_error *error);
 
-/* Triangles with edges of about edge_length in place of those of an oriented manifold. */
-sn_status sn_bridge_remesh(const sn_bridge_mesh *in, double edge_length, unsigned iterations, sn_bridge_mesh *out, sn_error *error);
+/* Triangles with edges of about edge_length in place of those of an oriented manifold; triangles at vertices that are held
+ * (vertex_count; nullable) are left out: no more than their outer edges may be split or shortened. */
+sn_status sn_bridge_remesh(const sn_bridge_mesh *in, double edge_length, unsigned iterations, const bool *held, sn_bridge_mesh *out,
+                           sn_error *error);
 
 /* A closed oriented manifold without the triangles that cross, new ones in their place where that works. It may take for ever. */
 sn_status sn_bridge_remove_intersections(const sn_bridge_mesh *in, sn_bridge_mesh *out, sn_error *error);

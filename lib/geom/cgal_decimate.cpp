@@ -7,6 +7,7 @@
 #include "cgal_surface.hpp"
 
 #include <CGAL/Surface_mesh_simplification/Policies/Edge_collapse/Bounded_normal_change_placement.h>
+#include <CGAL/Surface_mesh_simplification/Policies/Edge_collapse/Constrained_placement.h>
 #include <CGAL/Surface_mesh_simplification/Policies/Edge_collapse/GarlandHeckbert_plane_policies.h>
 #include <CGAL/Surface_mesh_simplification/edge_collapse.h>
 
@@ -25,17 +26,29 @@ struct Face_stop {
 
 using Policies = SMS::GarlandHeckbert_plane_policies<Surface, Kernel>;
 using Bounded = SMS::Bounded_normal_change_placement<Policies::Get_placement>;
+using Is_held = Surface::Property_map<Surface::Edge_index, bool>;
+
+void collapse_free(Surface &surface, const bool *held, const Face_stop &stop, Policies &policies) {
+    Is_held kept = surface.add_property_map<Surface::Edge_index, bool>("e:held", false).first;
+    for (Surface::Edge_index e : surface.edges()) kept[e] = held[surface.vertex(e, 0).idx()] || held[surface.vertex(e, 1).idx()];
+    SMS::Constrained_placement<Bounded, Is_held> placement(kept, Bounded(policies.get_placement()));
+    SMS::edge_collapse(surface, stop,
+                       CGAL::parameters::edge_is_constrained_map(kept).get_cost(policies.get_cost()).get_placement(placement));
+}
 
 } // namespace
 
-sn_status sn_bridge_decimate(const sn_bridge_mesh *in, sn_index target, bool bounded, sn_bridge_mesh *out, sn_error *error) {
+sn_status sn_bridge_decimate(const sn_bridge_mesh *in, sn_index target, bool bounded, const bool *held, sn_bridge_mesh *out,
+                             sn_error *error) {
     return guarded("decimation", error, [&] {
         Surface surface;
         to_surface(in, surface);
         Policies policies(surface);
         Face_stop stop{std::size_t(target)};
         auto cost = CGAL::parameters::get_cost(policies.get_cost());
-        if (bounded)
+        if (bounded && held != nullptr)
+            collapse_free(surface, held, stop, policies);
+        else if (bounded)
             SMS::edge_collapse(surface, stop, cost.get_placement(Bounded(policies.get_placement())));
         else
             SMS::edge_collapse(surface, stop, cost.get_placement(policies.get_placement()));

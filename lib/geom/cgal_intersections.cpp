@@ -78,18 +78,30 @@ std::vector<Box> boxes_of(const Soup &soup) {
     return boxes;
 }
 
+/* Thrown to end a search that takes too long. */
+struct Too_many {};
+
 } // namespace
 
-sn_status sn_bridge_count_intersections(const sn_bridge_mesh *in, sn_index *pairs, sn_error *error) {
+sn_status sn_bridge_find_intersections(const sn_bridge_mesh *in, int64_t most_tests, const bool *made, bool *crosses_other, sn_index *pairs,
+                                       sn_error *error) {
     return guarded("counting self-intersections", error, [&] {
         Soup soup{in};
         std::vector<Box> boxes = boxes_of(soup);
         std::vector<const Box *> pointers;
         for (const Box &box : boxes) pointers.push_back(&box);
-        int64_t count = 0;
-        auto test = [&](const Box *a, const Box *b) { count += crosses(soup, a->info(), b->info()); };
-        CGAL::box_self_intersection_d(pointers.begin(), pointers.end(), test, std::ptrdiff_t(2000));
-        *pairs = count > SN_INDEX_MAX ? SN_INDEX_MAX : sn_index(count);
+        int64_t count = 0, tests = 0;
+        auto test = [&](const Box *a, const Box *b) {
+            if (most_tests > 0 && ++tests > most_tests) throw Too_many();
+            if (!crosses(soup, a->info(), b->info())) return;
+            count++;
+            if (crosses_other != nullptr && (made == nullptr || made[a->info()] || made[b->info()]))
+                crosses_other[a->info()] = crosses_other[b->info()] = true;
+        };
+        try {
+            CGAL::box_self_intersection_d(pointers.begin(), pointers.end(), test, std::ptrdiff_t(2000));
+            *pairs = count > SN_INDEX_MAX ? SN_INDEX_MAX : sn_index(count);
+        } catch (const Too_many &) { *pairs = SN_NONE; }
         return SN_OK;
     });
 }

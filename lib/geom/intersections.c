@@ -8,15 +8,46 @@
 
 #include "bridge.h"
 #include "child.h"
+#include "edit.h"
 
-sn_status sn_count_self_intersections(const sn_mesh *mesh, sn_index *pairs, sn_error *error) {
+/* The mesh as exact predicates see it: scaled by a power of two, so that no coordinate is rounded, and with one vertex for each place. Else
+ * the count would change with the box, and with cuts and joins that move nothing. */
+static sn_status to_exact(const sn_mesh *mesh, sn_bridge_mesh *out, sn_error *error) {
+    size_t vertices = (size_t)mesh->vertex_count, triangles = (size_t)mesh->triangle_count;
+    sn_status status = sn_mesh_validate(mesh, error);
+    if (status != SN_OK) return status;
+    sn_index *place = SN_NEW(sn_index, vertices);
+    *out = (sn_bridge_mesh){
+        mesh->vertex_count, mesh->triangle_count, SN_NEW(double, 3 * vertices), SN_NEW(sn_index, 3 * triangles), NULL, NULL};
+    if (place == NULL || out->points == NULL || out->triangles == NULL) status = sn_fail_memory(error, "counting self-intersections");
+    if (status == SN_OK) status = sn_find_representatives(mesh, 0.0, place, error);
+    double greatest = 0.0;
+    for (size_t i = 0; status == SN_OK && i < vertices; i++) {
+        sn_vec3 p = mesh->positions[i];
+        greatest = fmax(greatest, fmax(fabs(p.x), fmax(fabs(p.y), fabs(p.z))));
+    }
+    int exponent = greatest > 0.0 ? -ilogb(greatest) : 0;
+    for (size_t i = 0; status == SN_OK && i < vertices; i++) {
+        sn_vec3 p = mesh->positions[i];
+        memcpy(out->points + 3 * i, (double[]){ldexp(p.x, exponent), ldexp(p.y, exponent), ldexp(p.z, exponent)}, 3 * sizeof(double));
+    }
+    for (size_t i = 0; status == SN_OK && i < 3 * triangles; i++) out->triangles[i] = place[mesh->triangles[i / 3].v[i % 3]];
+    free(place);
+    return status;
+}
+
+sn_status sn_find_self_intersections(const sn_mesh *mesh, int64_t most_tests, const bool *made, bool *crosses, sn_index *pairs,
+                                     sn_error *error) {
     *pairs = 0;
     sn_bridge_mesh in = {0};
-    sn_bridge_frame where;
-    sn_status status = sn_to_bridge(mesh, &in, &where, error);
-    if (status == SN_OK) status = sn_bridge_count_intersections(&in, pairs, error);
+    sn_status status = to_exact(mesh, &in, error);
+    if (status == SN_OK) status = sn_bridge_find_intersections(&in, most_tests, made, crosses, pairs, error);
     sn_bridge_free(&in);
     return status;
+}
+
+sn_status sn_count_self_intersections(const sn_mesh *mesh, sn_index *pairs, sn_error *error) {
+    return sn_find_self_intersections(mesh, 0, NULL, NULL, pairs, error);
 }
 
 /* ---- removal, in a child ------------------------------------------------------------------------------------------------ */

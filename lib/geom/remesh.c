@@ -29,7 +29,7 @@ static sn_status check_result(const sn_mesh *after, const sn_mesh_report *found,
     return sn_fail(error, SN_ERROR_INTERNAL, "remeshing broke the surface; another edge length may do, or decimation");
 }
 
-sn_status sn_remesh(sn_mesh *mesh, double edge_length, sn_error *error) {
+sn_status sn_remesh(sn_mesh *mesh, double edge_length, const bool *held, sn_error *error) {
     sn_mesh_report found;
     sn_status status = sn_mesh_inspect(mesh, &found, error);
     if (status == SN_OK) status = check_length(&found, edge_length, error);
@@ -41,7 +41,7 @@ sn_status sn_remesh(sn_mesh *mesh, double edge_length, sn_error *error) {
     sn_mesh after = {0};
     sn_bridge_frame where;
     status = sn_to_bridge(mesh, &in, &where, error);
-    if (status == SN_OK) status = sn_bridge_remesh(&in, edge_length / where.size, ITERATIONS, &out, error);
+    if (status == SN_OK) status = sn_bridge_remesh(&in, edge_length / where.size, ITERATIONS, held, &out, error);
     if (status == SN_OK) status = sn_from_bridge(mesh, &in, &out, where, &after, error);
     if (status == SN_OK) status = check_result(&after, &found, error);
     if (status == SN_OK) status = sn_carry_attributes(mesh, &after, error);

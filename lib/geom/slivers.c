@@ -4,6 +4,7 @@
 #include "sinew/geom.h"
 
 #include <stdlib.h>
+#include <string.h>
 
 #include "edit.h"
 
@@ -46,12 +47,13 @@ static bool flip_longest(sn_mesh *mesh, const sn_topology *topology, sn_index t,
     return true;
 }
 
-static sn_status flip_round(sn_mesh *mesh, sn_index *flipped, sn_error *error) {
+static sn_status flip_round(sn_mesh *mesh, const bool *held, sn_index *flipped, sn_error *error) {
     sn_topology topology;
     *flipped = 0;
     sn_status status = sn_topology_build(mesh, &topology, error);
     if (status != SN_OK) return status;
     bool *touched = SN_NEW(bool, mesh->vertex_count);
+    if (touched != NULL && held != NULL) memcpy(touched, held, (size_t)mesh->vertex_count * sizeof *touched);
     for (sn_index t = 0; touched != NULL && t < mesh->triangle_count; t++) {
         bool thin = !sn_triangle_repeats_index(mesh->triangles[t]) && quality_of(mesh, mesh->triangles[t]) < SN_SLIVER_QUALITY;
         if (thin) *flipped += flip_longest(mesh, &topology, t, touched);
@@ -62,12 +64,12 @@ static sn_status flip_round(sn_mesh *mesh, sn_index *flipped, sn_error *error) {
     return SN_OK;
 }
 
-sn_status sn_flip_slivers(sn_mesh *mesh, sn_index *flipped, sn_error *error) {
+sn_status sn_flip_slivers(sn_mesh *mesh, const bool *held, sn_index *flipped, sn_error *error) {
     *flipped = 0;
     sn_index now = 1;
     sn_status status = sn_mesh_validate(mesh, error);
     for (int round = 0; status == SN_OK && now > 0 && round < MOST_ROUNDS; round++) {
-        status = flip_round(mesh, &now, error);
+        status = flip_round(mesh, held, &now, error);
         *flipped += now;
     }
     return status;

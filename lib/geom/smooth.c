@@ -28,7 +28,7 @@ static void diffuse(sn_mesh *mesh, const sn_topology *topology, const bool *fixe
     memcpy(mesh->positions, next, (size_t)mesh->vertex_count * sizeof *next);
 }
 
-sn_status sn_smooth(sn_mesh *mesh, sn_index rounds, sn_error *error) {
+sn_status sn_smooth(sn_mesh *mesh, sn_index rounds, const bool *held, sn_error *error) {
     sn_topology topology;
     sn_status status = sn_mesh_validate(mesh, error);
     if (status == SN_OK) status = sn_topology_build(mesh, &topology, error);
@@ -36,6 +36,7 @@ sn_status sn_smooth(sn_mesh *mesh, sn_index rounds, sn_error *error) {
     bool *fixed = SN_NEW(bool, mesh->vertex_count);
     sn_vec3 *next = SN_NEW(sn_vec3, mesh->vertex_count);
     if (fixed != NULL && next != NULL) {
+        if (held != NULL) memcpy(fixed, held, (size_t)mesh->vertex_count * sizeof *fixed);
         mark_borders(&topology, fixed);
         for (sn_index i = 0; i < rounds; i++) {
             diffuse(mesh, &topology, fixed, LAMBDA, next);

@@ -13,6 +13,7 @@ sn_clean_params sn_clean_defaults(void) {
                              .keep = 1,
                              .max_hole = SN_INDEX_MAX,
                              .outward = true,
+                             .watch_crossings = true,
                              .seconds = 30.0,
                              .most_lost = 0.05};
 }
@@ -215,7 +216,8 @@ typedef sn_status (*stage)(sn_cleaning *);
 
 /* Done again while they change something: a body that a cut has made may share a wall with another. */
 static const stage repairs[] = {weld, drop_bad, close_cracks, make_manifold, sn_cleaning_keep, fill_holes, sn_cleaning_outward};
-static const stage wishes[] = {remove_intersections, sn_cleaning_measure_loss, sn_cleaning_wrap, sn_cleaning_refine};
+static const stage wishes[] = {sn_cleaning_undo_crossings, remove_intersections, sn_cleaning_measure_loss, sn_cleaning_wrap,
+                               sn_cleaning_refine};
 #define MOST_PASSES 4
 
 static double count_changes(const sn_clean_report *r) {
@@ -278,7 +280,7 @@ static bool report_input(const sn_cleaning *c) {
                     sn_trace_number("nonfinite", c->report->nonfinite_vertices));
 }
 
-static bool is_same(const sn_mesh *a, const sn_mesh *b) {
+bool sn_cleaning_is_same(const sn_mesh *a, const sn_mesh *b) {
     return a->vertex_count == b->vertex_count && a->triangle_count == b->triangle_count &&
            memcmp(a->positions, b->positions, (size_t)a->vertex_count * sizeof *a->positions) == 0 &&
            memcmp(a->triangles, b->triangles, (size_t)a->triangle_count * sizeof *a->triangles) == 0;
@@ -294,13 +296,9 @@ static sn_status compare(sn_cleaning *c) {
 
 /* A stage that was stopped in the middle has not looked at what it did. */
 static sn_status conclude(sn_cleaning *c, const sn_mesh *mesh, bool stopped) {
-    bool count = c->params->count_intersections || c->params->remove_intersections;
-    c->report->unchanged = is_same(mesh, c->mesh);
+    c->report->unchanged = sn_cleaning_is_same(mesh, c->mesh);
     sn_status status = stopped ? sn_cleaning_look(c) : SN_OK;
-    c->found.self_intersections = c->report->before.self_intersections;
-    if (status == SN_OK && count && !c->report->unchanged) {
-        status = sn_count_self_intersections(c->mesh, &c->found.self_intersections, c->error);
-    }
+    if (status == SN_OK) status = sn_cleaning_report_crossings(c);
     if (status == SN_OK && !c->report->unchanged) status = compare(c);
     c->report->after = c->found;
     c->report->flat = sn_cleaning_is_flat(&c->found);

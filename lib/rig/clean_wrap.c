@@ -5,8 +5,6 @@
 
 #include <string.h>
 
-/* Nearer than this share of the diagonal a triangle counts as still there. */
-#define REACH 0.005
 /* What a wrap asks for where the user does not: its offset as a share of the diagonal. */
 #define USUAL_OFFSET 0.002
 /* Holes of up to ten offsets are bridged. */
@@ -15,14 +13,14 @@
 
 /* Nothing is lost where nothing was taken away. */
 static bool takes_away(const sn_clean_report *r) {
-    return r->dropped_count > 0 || r->wall_triangles > 0 || r->duplicate > 0 || r->degenerate > 0 || r->wrapped;
+    return r->dropped_count > 0 || r->wall_triangles > 0 || r->duplicate > 0 || r->degenerate > 0 || r->undone_crossings > 0 || r->wrapped;
 }
 
 sn_status sn_cleaning_measure_loss(sn_cleaning *c) {
     sn_clean_report *r = c->report;
     sn_status status = SN_OK;
     r->lost_area = 0.0;
-    if (takes_away(r)) status = sn_lost_area(c->input, c->mesh, REACH * r->before.diagonal, &r->lost_area, c->error);
+    if (takes_away(r)) status = sn_lost_area(c->input, c->mesh, SN_LOST_REACH * r->before.diagonal, &r->lost_area, c->error);
     r->lost_share = r->before.area > 0.0 ? r->lost_area / r->before.area : 0.0;
     return status;
 }
@@ -33,7 +31,7 @@ static bool is_whole(const sn_mesh_report *found) { return found->closed && foun
 
 /* Is the surface as it is now less than what was asked for? */
 static bool falls_short(const sn_cleaning *c) {
-    bool crossed = c->params->remove_intersections && c->found.self_intersections > 0;
+    bool crossed = sn_cleaning_has_more_crossings(c) || (c->params->remove_intersections && c->found.self_intersections > 0);
     bool whole = is_whole(&c->found) && c->report->orientable && !sn_cleaning_is_flat(&c->found) && !crossed;
     return !whole || c->report->lost_share > c->params->most_lost;
 }
@@ -60,7 +58,7 @@ static sn_status join_soups(const sn_mesh *a, const sn_mesh *b, sn_mesh *out, sn
 static sn_status gather_soup(sn_cleaning *c, sn_mesh *soup) {
     sn_clean_params all = *c->params;
     all.keep = 0;
-    all.full = all.remove_intersections = all.count_intersections = all.flip_slivers = false;
+    all.full = all.watch_crossings = all.remove_intersections = all.count_intersections = all.flip_slivers = false;
     all.wrap = all.edge_length = 0.0;
     all.triangles = all.smooth = 0;
     sn_mesh repaired = {0};
@@ -80,6 +78,7 @@ static sn_status finish_wrap(sn_cleaning *w) {
     if (status == SN_OK) status = sn_cleaning_keep(w);
     if (status == SN_OK) status = sn_cleaning_outward(w);
     if (status == SN_OK) status = sn_cleaning_measure_loss(w);
+    if (status == SN_OK && w->report->before.self_intersections >= 0) status = sn_cleaning_count_crossings(w);
     if (status != SN_OK) return status;
     return sn_stop_if(SN_TRACE(w->trace, "wrap", sn_trace_number("offset", w->report->wrap_offset),
                                sn_trace_number("alpha", w->report->wrap_alpha), sn_trace_number("lost", w->report->lost_share)));

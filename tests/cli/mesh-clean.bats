@@ -495,3 +495,86 @@ END
         [ ! -e x.json ]
     done
 }
+
+# ugly KIND SEED: a crumpled sphere with holes, two bodies in one another with holes, or a sheet that goes through itself
+ugly() {
+    python3 - "$@" <<'END'
+import math, random, sys
+kind, seed = sys.argv[1], int(sys.argv[2])
+random.seed(seed)
+points, faces = [], []
+def sphere(rows, columns, x, size):
+    first = len(points)
+    for r in range(rows + 1):
+        for c in range(columns):
+            polar, turn = math.pi * (r + 0.5) / (rows + 1), 2 * math.pi * c / columns
+            points.append((x + size * math.sin(polar) * math.cos(turn), size * math.sin(polar) * math.sin(turn), size * math.cos(polar)))
+    for r in range(rows):
+        for c in range(columns):
+            a, b = first + r * columns + c, first + r * columns + (c + 1) % columns
+            faces.extend([(a, a + columns, b + columns), (a, b + columns, b)])
+if kind == "crumpled":
+    sphere(14, 28, 0, 1)
+    points = [tuple(x + 0.25 * (random.random() - 0.5) for x in p) for p in points]
+elif kind == "interpenetrating":
+    sphere(12, 24, 0, 1)
+    sphere(12, 24, 0.7, 0.8)
+else:
+    for r in range(7):
+        for c in range(25):
+            t = 3 * c / 24 - 1.5 + 0.02 * random.random()
+            points.append((t * t, t ** 3 - t, 0.3 * r))
+    for r in range(6):
+        for c in range(24):
+            a, b = 25 * r + c, 25 * (r + 1) + c
+            faces.extend([(a, a + 1, b + 1), (a, b + 1, b)])
+if kind != "folded":
+    faces = [f for f in faces if random.random() > 0.04]
+print("OFF\n%d %d 0" % (len(points), len(faces)))
+for p in points: print("%.17g %.17g %.17g" % p)
+for f in faces: print("3 %d %d %d" % f)
+END
+}
+
+@test "no more triangles cross than before, or it is said; never with --repair full" {
+    for kind in crumpled interpenetrating folded; do
+        for seed in 1 2 3; do
+            ugly $kind $seed > ugly.off
+            for options in "" "--repair full" "--keep all" "--keep all --repair full" "--weld 0.02" "--max-hole 8" "--triangles 300" \
+                "--smooth 3" "--flip-slivers" "--edge-length 0.2"; do
+                status=0
+                "$BIN/mesh-clean" $options ugly.off -o out.off --report report.json 2> err || status=$?
+                [ "$status" -eq 0 ] || [ "$status" -eq 3 ]
+                for file in ugly.off out.off; do # counted independently of the report
+                    "$BIN/mesh-clean" -q --check --self-intersections "$file" --report "$file.json" 2> /dev/null || [ $? -eq 3 ]
+                done
+                python3 - report.json ugly.off.json out.off.json err "$options" <<'END'
+import json, sys
+report, before, after = (json.load(open(f)) for f in sys.argv[1:4])
+before, after = before["before"]["selfIntersections"], after["before"]["selfIntersections"]
+said = [line for line in open(sys.argv[4]) if "pairs of triangles cross" in line]
+case = sys.argv[5:], before, after, said
+assert report["before"].get("selfIntersections", before) == before, case # not counted where nothing is new
+assert report["after"].get("selfIntersections", after) == after, case
+more = after - before
+assert report["crossingsMade"] == max(more, 0), case
+assert len(said) == (more > 0), case
+assert not said or "%d pairs of triangles cross, %d more than the %d" % (before + more, more, before) in said[0], case
+assert more <= 0 or "full" not in sys.argv[5], case
+END
+            done
+        done
+    done
+}
+
+@test "a clean surface is not counted for, a cut that moves nothing is no crossing" {
+    "$BIN/mesh-clean" -q "$ARM/biceps.ply" -o out.ply --report report.json
+    [ -z "$(value report.json before selfIntersections)" ]
+    # two cubes on a common corner, which is cut in two
+    awk '{ print } $1 == "v" { v[++n] = sprintf("v %g %g %g", $2 + 1, $3 + 1, $4 + 1) } $1 == "f" { f[++m] = $0 }
+         END { for (i = 1; i <= n; i++) print v[i]
+               for (i = 1; i <= m; i++) { split(f[i], k, " "); print "f", k[2] + n, k[3] + n, k[4] + n } }' cube.obj > two.obj
+    "$BIN/mesh-clean" --self-intersections --keep all two.obj -o out.ply --report report.json 2> err
+    [ "$(value report.json after selfIntersections)" -eq 0 ]
+    ! grep -q "triangles cross" err
+}

@@ -122,7 +122,7 @@ static sn_index leaves_at(const char *path, const sn_muscle *whole, int density,
     sn_roots_report roots;
     sn_structure_report structure;
     sn_status status = density == 1 ? subdivide(mesh, &m.mesh, error) : sn_mesh_read(path, &m.mesh, NULL, error);
-    if (!status && density > 1) status = sn_decimate(&m.mesh, mesh->triangle_count / (density == 2 ? 2 : 4), error);
+    if (!status && density > 1) status = sn_decimate(&m.mesh, mesh->triangle_count / (density == 2 ? 2 : 4), NULL, error);
     if (!status) status = grow(&m, &roots, &structure, error);
     if (!status) *apart = structure_distance(&m.structure, &whole->structure);
     sn_muscle_free(&m);

@@ -80,9 +80,9 @@ static void remeshing_gives_edges_of_one_length(void **state) {
     (void)state;
     sn_mesh sphere = shape_sphere(20, 40);
     double volume = sn_mesh_volume(&sphere);
-    assert_int_equal(sn_remesh(&sphere, 5.0, NULL), SN_ERROR_USAGE);
-    assert_int_equal(sn_remesh(&sphere, 1e-5, NULL), SN_ERROR_USAGE);
-    assert_ok(sn_remesh(&sphere, 0.1, NULL));
+    assert_int_equal(sn_remesh(&sphere, 5.0, NULL, NULL), SN_ERROR_USAGE);
+    assert_int_equal(sn_remesh(&sphere, 1e-5, NULL, NULL), SN_ERROR_USAGE);
+    assert_ok(sn_remesh(&sphere, 0.1, NULL, NULL));
     assert_ok(sn_restore_volume(&sphere, volume, NULL));
     sn_mesh_report found = shape_inspect(&sphere);
     assert_true(shape_is_sound(&sphere));
@@ -98,13 +98,13 @@ static void smoothing_takes_noise_and_leaves_size(void **state) {
     sn_mesh sphere = shape_sphere(30, 60);
     double volume = sn_mesh_volume(&sphere), before = 0.0, after = 0.0;
     uint64_t seed = 5;
-    assert_ok(sn_remesh(&sphere, 0.1, NULL));
+    assert_ok(sn_remesh(&sphere, 0.1, NULL, NULL));
     for (sn_index v = 0; v < sphere.vertex_count; v++) {
         double noise = 1.0 + 0.02 * (sn_random(&seed) - 0.5);
         sphere.positions[v] = sn_scale(sphere.positions[v], noise);
         before += pow(sn_norm(sphere.positions[v]) - 1.0, 2.0);
     }
-    assert_ok(sn_smooth(&sphere, 10, NULL));
+    assert_ok(sn_smooth(&sphere, 10, NULL, NULL));
     assert_ok(sn_restore_volume(&sphere, volume, NULL));
     for (sn_index v = 0; v < sphere.vertex_count; v++) after += pow(sn_norm(sphere.positions[v]) - 1.0, 2.0);
     assert_true(after < 0.3 * before);
@@ -114,12 +114,41 @@ static void smoothing_takes_noise_and_leaves_size(void **state) {
 }
 
 /* Borders stay, and an open surface has no volume to restore. */
+static double nearest_vertex(const sn_mesh *mesh, sn_vec3 p) {
+    double nearest = INFINITY;
+    for (sn_index v = 0; v < mesh->vertex_count; v++) nearest = fmin(nearest, sn_distance(mesh->positions[v], p));
+    return nearest;
+}
+
+/* What is held keeps its vertices, to rounding; the rest is worked on. */
+static void what_is_held_is_left_alone(void **state) {
+    (void)state;
+    for (int step = 0; step < 3; step++) {
+        sn_mesh sphere = shape_sphere(20, 40), mesh = shape_sphere(20, 40);
+        bool *held = SN_NEW(bool, mesh.vertex_count);
+        for (sn_index v = 0; v < mesh.vertex_count; v++) held[v] = mesh.positions[v].z > 0.3;
+        if (step == 0) assert_ok(sn_smooth(&mesh, 3, held, NULL));
+        if (step == 1) assert_ok(sn_decimate(&mesh, 1200, held, NULL));
+        if (step == 2) assert_ok(sn_remesh(&mesh, 0.3, held, NULL));
+        sn_index gone = 0;
+        for (sn_index v = 0; v < sphere.vertex_count; v++) {
+            bool stays = nearest_vertex(&mesh, sphere.positions[v]) < 1e-12;
+            if (sphere.positions[v].z > 0.5) assert_true(stays);
+            gone += !stays;
+        }
+        assert_true(gone > 100);
+        free(held);
+        sn_mesh_free(&mesh);
+        sn_mesh_free(&sphere);
+    }
+}
+
 static void smoothing_leaves_borders(void **state) {
     (void)state;
     sn_mesh cube = shape_cube();
     shape_drop(&cube, 0);
     sn_vec3 corners[3] = {cube.positions[0], cube.positions[2], cube.positions[1]}, other = cube.positions[7];
-    assert_ok(sn_smooth(&cube, 3, NULL));
+    assert_ok(sn_smooth(&cube, 3, NULL, NULL));
     assert_ok(sn_restore_volume(&cube, 5.0, NULL));
     assert_near(sn_distance(corners[0], cube.positions[0]) + sn_distance(corners[1], cube.positions[2]), 0.0, 0.0);
     assert_near(sn_distance(corners[2], cube.positions[1]), 0.0, 0.0);
@@ -135,7 +164,7 @@ static void a_flat_sliver_is_flipped_away(void **state) {
     sn_mesh mesh = shape_of(4, positions, 2, triangles);
     sn_index flipped = 0;
     assert_int_equal(shape_inspect(&mesh).sliver_triangles, 1);
-    assert_ok(sn_flip_slivers(&mesh, &flipped, NULL));
+    assert_ok(sn_flip_slivers(&mesh, NULL, &flipped, NULL));
     assert_int_equal(flipped, 1);
     sn_mesh_report found = shape_inspect(&mesh);
     assert_int_equal(found.sliver_triangles, 0);
@@ -143,7 +172,7 @@ static void a_flat_sliver_is_flipped_away(void **state) {
     mesh.positions[3].z = -1.0; /* folded: a ridge is no sliver to flip */
     mesh.triangles[0] = triangles[0];
     mesh.triangles[1] = triangles[1];
-    assert_ok(sn_flip_slivers(&mesh, &flipped, NULL));
+    assert_ok(sn_flip_slivers(&mesh, NULL, &flipped, NULL));
     assert_int_equal(flipped, 0);
     sn_mesh_free(&mesh);
 }
@@ -252,7 +281,7 @@ static void a_child_that_fails_dies_or_never_ends_is_an_error(void **state) {
 static void crossings_are_removed_or_left_but_never_made_worse(void **state) {
     (void)state;
     sn_mesh sphere = shape_sphere(10, 20);
-    assert_ok(sn_remesh(&sphere, 0.15, NULL));
+    assert_ok(sn_remesh(&sphere, 0.15, NULL, NULL));
     for (sn_index v = 0; v < sphere.vertex_count; v++) { /* a dent that comes out below */
         sn_vec3 *p = &sphere.positions[v];
         if (p->z > 0.0 && p->x * p->x + p->y * p->y < 0.02) p->z -= 2.3;
@@ -279,6 +308,7 @@ int main(void) {
         cmocka_unit_test(remeshing_gives_edges_of_one_length),
         cmocka_unit_test(smoothing_takes_noise_and_leaves_size),
         cmocka_unit_test(smoothing_leaves_borders),
+        cmocka_unit_test(what_is_held_is_left_alone),
         cmocka_unit_test(a_flat_sliver_is_flipped_away),
         cmocka_unit_test(what_is_inside_is_not_lost_what_sticks_out_is),
         cmocka_unit_test(labels_are_carried_unmixed),

@@ -304,7 +304,7 @@ static void decimation_reaches_its_target_and_keeps_the_shape(void **state) {
     sn_attribute *paint = sn_mesh_add_attribute(&sphere, "z", 1);
     for (sn_index i = 0; i < sphere.vertex_count; i++) paint->values[i] = sphere.positions[i].z;
     assert_ok(sn_mesh_copy(&sphere, &fine, NULL));
-    assert_ok(sn_decimate(&sphere, 1000, NULL));
+    assert_ok(sn_decimate(&sphere, 1000, NULL, NULL));
     assert_true(sphere.triangle_count <= 1000 && sphere.triangle_count >= 990);
     assert_true(shape_is_sound(&sphere));
     assert_near(sn_mesh_volume(&sphere) / sn_mesh_volume(&fine), 1.0, 0.01);
@@ -320,10 +320,10 @@ static void decimation_reaches_its_target_and_keeps_the_shape(void **state) {
 static void decimation_is_the_same_every_time(void **state) {
     (void)state;
     sn_mesh first = shape_sphere(30, 60), second = shape_sphere(30, 60);
-    assert_ok(sn_decimate(&first, 500, NULL));
-    assert_ok(sn_decimate(&second, 500, NULL));
+    assert_ok(sn_decimate(&first, 500, NULL, NULL));
+    assert_ok(sn_decimate(&second, 500, NULL, NULL));
     assert_true(shape_same(&first, &second));
-    assert_int_equal(sn_decimate(&first, 3, NULL), SN_ERROR_USAGE);
+    assert_int_equal(sn_decimate(&first, 3, NULL, NULL), SN_ERROR_USAGE);
     sn_mesh_free(&second);
     sn_mesh_free(&first);
 }
@@ -368,6 +368,65 @@ static void neighbours_do_not_cross_unless_folded(void **state) {
     sn_mesh_free(&sphere);
 }
 
+/* Two cubes on a common corner touch; with their own vertices there they still do no more. */
+static void touching_is_not_crossing(void **state) {
+    (void)state;
+    sn_mesh cube = shape_cube(), two = shape_join(&cube, &cube, 1.0, sn_v3(1, 1, 1));
+    sn_index pairs = -1;
+    assert_ok(sn_count_self_intersections(&two, &pairs, NULL));
+    assert_int_equal(pairs, 0);
+    for (sn_index i = 0; i < two.vertex_count; i++) two.positions[i] = sn_add(two.positions[i], sn_v3(1e3, -0.1, 1.0 / 3.0));
+    assert_ok(sn_count_self_intersections(&two, &pairs, NULL));
+    assert_int_equal(pairs, 0);
+    sn_mesh_free(&two);
+    two = shape_join(&cube, &cube, 1.0, sn_v3(0.5, 0.5, 0.5));
+    bool made[24] = {false}, crosses[24] = {false};
+    made[0] = true; /* at z = 0, where the second cube is not */
+    assert_ok(sn_find_self_intersections(&two, 0, made, crosses, &pairs, NULL));
+    assert_true(pairs > 6);
+    for (int t = 0; t < 24; t++) assert_false(crosses[t]);
+    assert_ok(sn_find_self_intersections(&two, 0, NULL, crosses, &pairs, NULL));
+    assert_true(crosses[2] && !crosses[0]);
+    assert_ok(sn_find_self_intersections(&two, 5, NULL, NULL, &pairs, NULL)); /* given up */
+    assert_int_equal(pairs, SN_NONE);
+    sn_mesh_free(&two);
+    sn_mesh_free(&cube);
+}
+
+static void new_triangles_are_told_from_old_ones(void **state) {
+    (void)state;
+    sn_mesh old = shape_cube(), mesh = shape_join(&old, &old, 1.0, sn_v3(0, 0, 0));
+    bool is_new[24];
+    shape_flip(&mesh, 3); /* turned round, or on other vertices at its place: the same */
+    assert_ok(sn_find_new_triangles(&old, &mesh, is_new, NULL));
+    for (int t = 0; t < 24; t++) assert_int_equal(is_new[t], t >= 12); /* one stands for one */
+    mesh.positions[0].x -= 0.5;
+    assert_ok(sn_find_new_triangles(&old, &mesh, is_new, NULL));
+    for (int t = 0; t < 12; t++) {
+        const sn_index *v = mesh.triangles[t].v;
+        assert_int_equal(is_new[t], v[0] == 0 || v[1] == 0 || v[2] == 0);
+    }
+    sn_mesh_free(&mesh);
+    sn_mesh_free(&old);
+}
+
+/* A spike pushed through the other side of a sphere is new: it is cut off, and the sphere is whole again. */
+static void a_spike_that_repair_has_made_is_taken_back(void **state) {
+    (void)state;
+    sn_mesh before = shape_sphere(20, 40), mesh = shape_sphere(20, 40);
+    mesh.positions[200] = sn_scale(mesh.positions[200], -1.5);
+    sn_index pairs = 0, left = -1;
+    assert_ok(sn_count_self_intersections(&mesh, &pairs, NULL));
+    assert_true(pairs > 0);
+    sn_undo_params params = {&before, 0.1 * sn_mesh_area(&before), 0.05};
+    assert_ok(sn_undo_crossings(&mesh, &params, &left, NULL));
+    assert_int_equal(left, 0);
+    assert_true(shape_is_sound(&mesh));
+    assert_near(sn_mesh_volume(&mesh), sn_mesh_volume(&before), 0.02 * sn_mesh_volume(&before));
+    sn_mesh_free(&mesh);
+    sn_mesh_free(&before);
+}
+
 static void the_distance_of_a_moved_cube_is_the_move(void **state) {
     (void)state;
     sn_mesh cube = shape_cube(), moved = shape_cube();
@@ -403,6 +462,9 @@ int main(void) {
         cmocka_unit_test(decimation_is_the_same_every_time),
         cmocka_unit_test(crossings_are_counted_exactly),
         cmocka_unit_test(neighbours_do_not_cross_unless_folded),
+        cmocka_unit_test(touching_is_not_crossing),
+        cmocka_unit_test(new_triangles_are_told_from_old_ones),
+        cmocka_unit_test(a_spike_that_repair_has_made_is_taken_back),
         cmocka_unit_test(the_distance_of_a_moved_cube_is_the_move),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
