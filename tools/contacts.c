@@ -61,13 +61,14 @@ void contacts_apply(const cli *c, const contact_choices *given, sn_scene *scene)
     if (cli_given(c, "margin")) contact->margin = sn_length_meters(given->margin, 1.0);
     if (cli_given(c, "grid-cell")) contact->cell = sn_length_meters(given->cell, 1.0);
     if (cli_given(c, "friction")) contact->friction = given->friction;
-    if (cli_given(c, "resolve")) contact->resolve = given->resolve;
+    if (cli_given(c, "resolve")) contact->resolve = scene->externals.resolve = given->resolve;
     if (cli_given(c, "contact-samples")) contact->samples = (sn_index)given->samples;
     if (cli_given(c, "collision")) contact->collision = (sn_collision)given->collision;
     if (cli_given(c, "bone-hits")) contact->bone_hits = (sn_bone_hits)given->bone_hits;
     apply_voxels(c, given, contact);
     for (int i = 0; !contact->enabled && i < OF_CONTACT_COUNT; i++)
-        if (cli_given(c, OF_CONTACT[i])) cli_warn(c, "--%s has no effect: contact is off (--contact turns it on)", OF_CONTACT[i]);
+        if (cli_given(c, OF_CONTACT[i]) && !(scene->externals.enabled && strcmp(OF_CONTACT[i], "resolve") == 0))
+            cli_warn(c, "--%s has no effect: contact is off (--contact turns it on)", OF_CONTACT[i]);
     for (sn_index i = 0; !contact->enabled && !given->off && i < scene->surface_count; i++)
         if (scene->surfaces[i].solid)
             cli_warn(c, "surface \"%s\" is not felt: contact is off (--contact turns it on)", scene->surfaces[i].name);
@@ -134,6 +135,20 @@ void contacts_log(const sn_model *model, const sn_statistics *s, const sn_plan_m
     sn_json_text(json, "penetration_bone", sn_scene_touched_name(model->scene, s->penetration_bone));
 }
 
+/* Muscles in what they are tied to. */
+static void say_ties(const cli *c, const sn_model *model) {
+    sn_index inside = 0, muscles = 0;
+    double deepest = 0.0;
+    for (sn_index i = 0; i < model->plan.muscle_count; i++) {
+        const sn_plan_muscle *plan = &model->plan.muscles[i];
+        inside += plan->ties_inside, muscles += plan->ties_inside > 0;
+        deepest = fmax(deepest, plan->deepest_tie);
+    }
+    if (inside > 0)
+        cli_tell(c, "at rest %d vertices of %d muscle%s lie in what they are tied to, %.3g mm deep at most%s", (int)inside, (int)muscles,
+                 muscles == 1 ? "" : "s", 1e3 * deepest, model->scene->externals.resolve > 0.0 ? "" : " (--resolve takes them out)");
+}
+
 void contacts_say(const cli *c, const sn_model *model, const sn_state *state) {
     sn_index overlaps = 0, muscles = 0;
     double before = 0.0, left = 0.0;
@@ -148,6 +163,7 @@ void contacts_say(const cli *c, const sn_model *model, const sn_state *state) {
         cli_tell(c, "at rest %d vertices of %d muscle%s lie in bones, %.3g mm deep at most; now %.3g mm%s", (int)overlaps, (int)muscles,
                  muscles == 1 ? "" : "s", 1e3 * before, 1e3 * left,
                  model->scene->contact.resolve > 0.0 ? "" : " (--resolve takes them out)");
+    say_ties(c, model);
 }
 
 /* In reach; surfaces are counted after the bones. */

@@ -221,8 +221,8 @@ static void apply_options(job *j) {
     if (cli_given(&j->c, "hinges")) scene->solver.hinges = (sn_hinge_rule)given.hinges;
     if (cli_given(&j->c, "precision")) scene->solver.precision = (sn_precision)given.precision;
     if (j->c.threads > 0) scene->solver.threads = j->c.threads;
-    contacts_apply(&j->c, &given.contact, scene);
     apply_externals(j);
+    contacts_apply(&j->c, &given.contact, scene);
 }
 
 static void parse_stop(job *j) {
@@ -743,6 +743,19 @@ static void write_muscle_plan(const job *j, sn_json *json, const sn_plan_muscle 
     sn_json_close(json);
 }
 
+/* Of a group: what lies in its target at rest. */
+static void write_ties_inside(const job *j, sn_json *json, sn_index group) {
+    sn_index inside = 0;
+    double deepest = 0.0;
+    for (sn_index i = 0; i < j->model->muscle_count; i++) {
+        if (j->model->muscles[i].group != group) continue;
+        inside += plan_of(j, i)->ties_inside;
+        deepest = fmax(deepest, plan_of(j, i)->deepest_tie);
+    }
+    sn_json_integer(json, "overlapsAtRest", inside);
+    sn_json_number(json, "deepestAtRest", deepest);
+}
+
 /* Muscles that are solved together. */
 static void write_coupled(const job *j, sn_json *json, bool costs) {
     const sn_model *model = j->model;
@@ -759,6 +772,7 @@ static void write_coupled(const job *j, sn_json *json, bool costs) {
             if (model->muscles[i].group == g) sn_json_text(json, NULL, model->muscles[i].source->name);
         sn_json_close(json);
         sn_json_integer(json, "rows", rows);
+        write_ties_inside(j, json, g);
         if (costs) write_matrix(j, json, g);
         sn_json_close(json);
     }

@@ -65,6 +65,7 @@ typedef struct sn_external_settings {
     bool enabled;
     double stiffness;                            /* over that of the muscle's edges; 0 to 1e12; default SN_EXTERNAL_STIFFNESS */
     bool no_slide, no_soft, no_hard, no_minimum; /* such rows are left out */
+    double resolve;                              /* s, in which what lies in its target at rest comes out; default 0: it stays */
 } sn_external_settings;
 
 /* How a fibre shortens its edges with activation: the goal lengths of sn_goal_length (sim.h). */

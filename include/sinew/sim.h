@@ -88,6 +88,8 @@ typedef struct sn_plan_muscle {
     sn_index *bones;                       /* (bone_count) as sn_scene_touched_name counts them; owned */
     sn_index overlaps;                     /* contact: rows whose points are inside of a bone at rest */
     double overlap;                        /* m: the deepest of them */
+    sn_index ties_inside;                  /* external: vertices that lie in what they slide on at rest */
+    double deepest_tie;                    /* m: the deepest of them */
     size_t model_bytes, state_bytes;       /* of its arrays and its struct; without the curves' knots and the back end's own scratch */
 } sn_plan_muscle;
 

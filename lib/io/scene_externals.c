@@ -1,6 +1,6 @@
 /*
- * scene_externals.c -- the external constraints of a scene document: true, or { "stiffness", "slide", "soft", "hard", "minimum" }; false of
- * a muscle leaves out its own, and those of others to it.
+ * scene_externals.c -- the external constraints of a scene document: true, or { "stiffness", "slide", "soft", "hard", "minimum", "resolve"
+ * }; false of a muscle leaves out its own, and those of others to it.
  */
 #include "scene_externals.h"
 
@@ -14,14 +14,16 @@ static sn_status parse_type(const sn_json_value *object, const char *name, bool 
 }
 
 sn_status sn_scene_externals_parse(const sn_json_value *value, sn_external_settings *out, sn_error *error) {
-    static const char *const known[] = {"enabled", "stiffness", "slide", "soft", "hard", "minimum", NULL};
+    static const char *const known[] = {"enabled", "stiffness", "slide", "soft", "hard", "minimum", "resolve", NULL};
     if (!sn_json_has(value)) return SN_OK;
     if (sn_json_is_bool(value)) return sn_json_get_bool(value, &out->enabled, error);
-    sn_json_value enabled = sn_json_member(value, "enabled"), stiffness = sn_json_member(value, "stiffness");
+    sn_json_value enabled = sn_json_member(value, "enabled"), stiffness = sn_json_member(value, "stiffness"),
+                  resolve = sn_json_member(value, "resolve");
     out->enabled = true;
     sn_status status = sn_json_expect_object(value, error);
     if (status == SN_OK) status = sn_json_get_bool(&enabled, &out->enabled, error);
     if (status == SN_OK) status = sn_json_get_number(&stiffness, 0.0, 1e12, &out->stiffness, error);
+    if (status == SN_OK) status = sn_json_get_number(&resolve, 0.0, 1e6, &out->resolve, error);
     if (status == SN_OK) status = parse_type(value, "slide", &out->no_slide, error);
     if (status == SN_OK) status = parse_type(value, "soft", &out->no_soft, error);
     if (status == SN_OK) status = parse_type(value, "hard", &out->no_hard, error);
@@ -46,5 +48,6 @@ void sn_scene_externals_write(const sn_scene *scene, sn_json *json) {
     sn_json_bool(json, "soft", !externals->no_soft);
     sn_json_bool(json, "hard", !externals->no_hard);
     sn_json_bool(json, "minimum", !externals->no_minimum);
+    sn_json_number(json, "resolve", externals->resolve);
     sn_json_close(json);
 }

@@ -397,6 +397,8 @@ static sn_status check_contact(const sn_scene *scene, sn_error *error) {
 static sn_status check_externals(const sn_scene *scene, sn_error *error) {
     if (!within(scene->externals.stiffness, 0.0, 1e12))
         return sn_fail(error, SN_ERROR_INPUT, "externals: stiffness is %g; it must be within 0 and 1e12", scene->externals.stiffness);
+    if (!within(scene->externals.resolve, 0.0, 1e6))
+        return sn_fail(error, SN_ERROR_INPUT, "externals: resolve is %g; it must be within 0 and 1e6", scene->externals.resolve);
     return SN_OK;
 }
 

@@ -30,9 +30,11 @@ static void pull(const sn_external_foot *foot, sn_index point, sn_vec3 gradient,
     }
 }
 
-static double slide_energy(const sn_external_row *row, const sn_external_hold *hold, const sn_point *points, double k, sn_forces out) {
+static double slide_energy(const sn_external_row *row, const sn_external_hold *hold, const sn_point *points, double parted, double k,
+                           sn_forces out) {
     sn_vec3 u = away_from(&hold->slide, sn_point_position(&points[row->point]), points);
-    double along = sn_dot(hold->normal, u), c = along - row->distance, below = fmin(0.0, along - row->least);
+    double along = sn_dot(hold->normal, u), c = along - sn_external_kept(row->distance, parted),
+           below = fmin(0.0, along - sn_external_kept(row->least, parted));
     k *= hold->slide.share;
     double slide = k * row->weights[SN_EXTERNAL_SLIDE], least = row->least > -INFINITY ? k - slide : 0.0;
     if (slide * c != 0.0 || least * below != 0.0) pull(&hold->slide, row->point, sn_scale(hold->normal, slide * c + least * below), out);
@@ -59,7 +61,7 @@ static double energy(const sn_model_muscle *m, const sn_muscle_state *s, sn_row_
     for (sn_index r = 0; r < m->external_count; r++) {
         const sn_external_row *row = &all->rows[r];
         if (holds[r].normal.x != 0.0 || holds[r].normal.y != 0.0 || holds[r].normal.z != 0.0)
-            sum += slide_energy(row, &holds[r], points, stiffness, gradient);
+            sum += slide_energy(row, &holds[r], points, s->inputs->parted, stiffness, gradient);
         if (is_bound(row)) sum += bound_energy(row, &holds[r], points, stiffness, gradient);
     }
     return sum;
@@ -95,13 +97,14 @@ static void correct(const sn_external_foot *foot, sn_index point, sn_vec3 direct
     shift(foot, point, sn_scale(direction, -c / (mobility + compliance / foot->share)), points);
 }
 
-static void project_row(const sn_external_row *row, const sn_external_hold *hold, double compliance, sn_point *points) {
+static void project_row(const sn_external_row *row, const sn_external_hold *hold, double parted, double compliance, sn_point *points) {
     const double *w = row->weights;
     sn_vec3 n = hold->normal;
     if (n.x != 0.0 || n.y != 0.0 || n.z != 0.0) {
-        double c = sn_dot(n, away_from(&hold->slide, sn_point_position(&points[row->point]), points)) - row->distance;
+        double c =
+            sn_dot(n, away_from(&hold->slide, sn_point_position(&points[row->point]), points)) - sn_external_kept(row->distance, parted);
         if (w[SN_EXTERNAL_SLIDE] > 0.0) correct(&hold->slide, row->point, n, c, compliance / w[SN_EXTERNAL_SLIDE], points);
-        c = sn_dot(n, away_from(&hold->slide, sn_point_position(&points[row->point]), points)) - row->least;
+        c = sn_dot(n, away_from(&hold->slide, sn_point_position(&points[row->point]), points)) - sn_external_kept(row->least, parted);
         if (c < 0.0) correct(&hold->slide, row->point, n, c, compliance / (1.0 - w[SN_EXTERNAL_SLIDE]), points);
     }
     if (w[SN_EXTERNAL_SOFT] > 0.0) {
@@ -118,20 +121,20 @@ static void project_row(const sn_external_row *row, const sn_external_hold *hold
 }
 
 /* [R18] eq. 14: of the vertex alone, the mean of what each type would move it by; none nearer than its minimum. */
-static void project_one_way(const sn_external_row *row, const sn_external_hold *hold, double compliance, sn_point *points) {
+static void project_one_way(const sn_external_row *row, const sn_external_hold *hold, double parted, double compliance, sn_point *points) {
     const double *w = row->weights;
     sn_point *p = &points[row->point];
     sn_vec3 at = sn_point_position(p), n = hold->normal, move = {0, 0, 0};
     bool slides = sn_norm2(n) > 0.0;
     double along = slides ? sn_dot(n, away_from(&hold->slide, at, points)) : 0.0;
-    if (slides) move = sn_scale(n, w[SN_EXTERNAL_SLIDE] * (row->distance - along));
+    if (slides) move = sn_scale(n, w[SN_EXTERNAL_SLIDE] * (sn_external_kept(row->distance, parted) - along));
     if (is_bound(row)) {
         sn_vec3 u = away_from(&hold->bound, at, points);
         double length = sn_norm(u);
         if (length > LEAST_LENGTH) move = sn_add_scaled(move, u, w[SN_EXTERNAL_SOFT] * (row->bound - length) / length);
         move = sn_add_scaled(move, sn_sub(hold->offset, u), w[SN_EXTERNAL_HARD]);
     }
-    if (slides) move = sn_add_scaled(move, n, fmax(0.0, row->least - along - sn_dot(n, move)));
+    if (slides) move = sn_add_scaled(move, n, fmax(0.0, sn_external_kept(row->least, parted) - along - sn_dot(n, move)));
     sn_put(p, sn_add_scaled(at, move, p->w > 0.0 ? p->w / (p->w + compliance) : 0.0));
 }
 
@@ -140,7 +143,7 @@ static void sweep(const sn_model_muscle *m, sn_muscle_state *s, sn_row_kind kind
     const sn_external_hold *holds = sn_external_holds_of(s);
     double compliance = all->factor > 0.0 ? how->compliance / all->factor : INFINITY;
     for (sn_index r = 0; r < m->external_count && isfinite(compliance); r++)
-        (how->one_way ? project_one_way : project_row)(&all->rows[r], &holds[r], compliance, s->points);
+        (how->one_way ? project_one_way : project_row)(&all->rows[r], &holds[r], s->inputs->parted, compliance, s->points);
 }
 
 /* ---- back end `qn`: the matrix --------------------------------------------------------------------------------------------------------
@@ -195,10 +198,11 @@ static void errors(const sn_model_muscle *m, const sn_muscle_state *s, sn_row_ki
         const sn_external_row *row = &all->rows[r];
         sn_vec3 at = sn_point_position(&s->points[row->point]), u = away_from(&holds[r].slide, at, s->points),
                 b = away_from(&holds[r].bound, at, s->points);
-        double along = sn_dot(holds[r].normal, u), error = fmax(0.0, row->least - along);
+        double along = sn_dot(holds[r].normal, u), parted = s->inputs->parted;
+        double error = fmax(0.0, sn_external_kept(row->least, parted) - along);
         bool held = sn_norm2(holds[r].normal) > 0.0;
         if (!held) error = 0.0;
-        if (held && row->weights[SN_EXTERNAL_SLIDE] > 0.0) error = fmax(error, fabs(along - row->distance));
+        if (held && row->weights[SN_EXTERNAL_SLIDE] > 0.0) error = fmax(error, fabs(along - sn_external_kept(row->distance, parted)));
         if (row->weights[SN_EXTERNAL_SOFT] > 0.0) error = fmax(error, fabs(sn_norm(b) - row->bound));
         if (row->weights[SN_EXTERNAL_HARD] > 0.0) error = fmax(error, sn_distance(b, holds[r].offset));
         out[r - begin] = error / m->mean_edge;

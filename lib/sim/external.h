@@ -72,6 +72,9 @@ static inline sn_external_hold *sn_external_holds_of(const sn_muscle_state *s) {
 
 /* ---- external_build.c ---- */
 
+/* What a distance at rest is to be by now: of what lies in its target less and less. parted: sn_inputs. */
+static inline double sn_external_kept(double distance, double parted) { return distance < 0.0 ? (1.0 - parted) * distance : distance; }
+
 /* Disjoint sets of muscles, each named by its lowest one: parents[i] = i at first. */
 static inline sn_index sn_set_of(sn_index *parents, sn_index i) {
     while (parents[i] != i) i = parents[i] = parents[parents[i]];

@@ -376,6 +376,11 @@ static void tell_plan(const work *w, sn_model_muscle *m) {
     sn_plan_group *group = &plan->groups[SN_ROWS_EXTERNAL];
     group->rows = m->external_count;
     group->bytes = (size_t)m->external_count * sn_rows_external.bytes(m);
+    const sn_externals *all = sn_externals_of(m);
+    for (sn_index r = 0; r < m->external_count; r++) {
+        plan->ties_inside += all->rows[r].distance < 0.0;
+        plan->deepest_tie = fmax(plan->deepest_tie, -all->rows[r].distance);
+    }
     plan->model_bytes += sn_rows_external.own_bytes(m, SN_ROWS_EXTERNAL);
     if (group->reason == SN_RUNS && group->rows == 0) group->reason = SN_OUT_NO_TARGET;
 }

@@ -19,7 +19,17 @@ static sn_vec3 place_of(const sn_scene *scene, const sn_external_target *t, cons
     return bone->joint == SN_NONE ? rest : sn_rigid_apply(at->poses[bone->joint], rest);
 }
 
+/* How far members have come apart at a time of the scene's, in [0,1]. */
+static void part_members(const sn_group *g, sn_group_state *s, const sn_scene *scene, double time) {
+    double resolve = scene->externals.resolve;
+    for (sn_index i = 0; i < g->count && resolve > 0.0; i++) {
+        sn_inputs *in = s->members[i]->inputs;
+        in->parted = fmin(fmax((time - in->resolve_begin) / resolve, 0.0), 1.0);
+    }
+}
+
 void sn_externals_aim(const sn_group *g, sn_group_state *s, const sn_scene *scene, const sn_surface_moment *at) {
+    if (g->row_count > 0) part_members(g, s, scene, at->time);
     if (g->target_points == 0) return;
     sn_surface_moment all = sn_kinematics_moment(s->members[0], scene, at);
     for (sn_index i = 0; i < g->target_count; i++) {
@@ -33,7 +43,13 @@ void sn_externals_keep(const sn_group *g, sn_group_state *s) {
     if (g->target_points > 0) memcpy(s->target_points_placed, s->target_points, (size_t)g->target_points * sizeof *s->target_points);
 }
 
+static bool parts(const sn_group *g, const sn_group_state *s) {
+    double parted = s->members[0]->inputs->parted;
+    return g->row_count > 0 && parted > 0.0 && parted < 1.0;
+}
+
 bool sn_externals_moved(const sn_group *g, const sn_group_state *s) {
+    if (parts(g, s)) return true;
     return g->target_points > 0 &&
            memcmp(s->target_points, s->target_points_placed, (size_t)g->target_points * sizeof *s->target_points) != 0;
 }

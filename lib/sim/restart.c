@@ -65,7 +65,8 @@ static bool is_motion(const sn_bone_motion *b) {
     X(stiffness, part->stiffness >= 0.0 && isfinite(part->stiffness))                                                                      \
     X(volume_goal, isfinite(part->volume_goal))                                                                                            \
     X(bones, is_motion(&part->bones))                                                                                                      \
-    X(resolve_begin, isfinite(part->resolve_begin))
+    X(resolve_begin, isfinite(part->resolve_begin))                                                                                        \
+    X(parted, part->parted >= 0.0 && part->parted <= 1.0)
 
 static void pass_member_numbers(sn_cursor *c, sn_muscle_state *s) {
     {

@@ -139,6 +139,7 @@ static void reset_muscle(const sn_model_muscle *m, sn_muscle_state *s, const sn_
 /* What ties its members to each other and to what moves by itself. */
 static void reset_externals(const sn_group *g, sn_group_state *s, const sn_scene *scene, const sn_surface_moment *at) {
     if (g->row_count == 0) return;
+    for (sn_index i = 0; i < g->count; i++) s->members[i]->inputs->resolve_begin = scene->first_frame / scene->rate;
     sn_externals_aim(g, s, scene, at);
     sn_externals_keep(g, s);
     for (sn_index i = 0; i < g->point_count; i++) s->previous[i] = sn_point_position(&s->points[i]);

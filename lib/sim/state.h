@@ -56,6 +56,7 @@ typedef struct sn_inputs {
     sn_index near_count;            /* rows of contact that may act */
     double resolved;                /* how far margins have grown to what is asked, in [0,1] */
     double resolve_begin;           /* s: since when they grow; the first frame of the run that this state comes from */
+    double parted;                  /* how far what lies in its target at rest is to have come out, in [0,1] */
     double activation, contraction; /* the input in [0,1]; a = contraction x activation */
     double stiffness, volume_goal;  /* k, N/m; g(a) / g(a0) */
     double goal_contraction, goal_ratio; /* what the goals were made for; NaN = not made yet */

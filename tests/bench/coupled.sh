@@ -1,8 +1,9 @@
 #!/bin/sh
-# Twelve muscles of a dog's hind leg, tied to each other: share/examples/dog/hind-leg.sh, and what faces each other within 6 mm, two targets a
-# vertex, on hip and knee that bend by 25 and 30 degrees in a second and hold for half of one, at 60 frames a second, without contact.
-# Prints rows, then for each setting ms a frame, and the greatest distance of each muscle in any frame from the converged solve of the same
-# steps, over the muscle's size: median and worst of the muscles; and for one core. Usage: BIN=... DATA=... tests/bench/coupled.sh [OUT]
+# Twelve muscles of a dog's hind leg and of its fore leg, tied to each other: share/examples/dog/hind-leg.sh and fore-leg.sh, and what faces each
+# other within 6 mm, two targets a vertex, on two joints that bend by 25 and 30 degrees in a second and hold for half of one, at 60 frames a
+# second. Prints of each leg rows, then for each setting ms a frame, and the greatest distance of each muscle in any frame from the converged solve of the same
+# steps, over the muscle's size: median and worst of the muscles; all of that without contact; and the elastic energy at the end with contact of the
+# bones, beside that of the converged solve. Usage: BIN=... DATA=... tests/bench/coupled.sh [OUT]
 set -eu
 export LC_ALL=C
 here=$(cd "$(dirname "$0")/../.." && pwd)
@@ -16,12 +17,18 @@ else
     trap 'rm -rf "$work"' EXIT
     cd "$work"
 fi
-"$here/share/examples/dog/hind-leg.sh" "$bin" "$dog" . 2> said
-mkdir -p tied
-for rig in rigs/*.muscle.json; do
-    "$bin/attach-detect" -q "$rig" --muscles rigs --reach 6mm -o "tied/${rig#rigs/}"
-done
-"$bin/scene-build" -q tied --motion hip.motion.json --rate 60 --frames 0:90 -o tied.scene.json 2>> said
+make_leg() { # LEG MOTION
+    "$here/share/examples/dog/$1-leg.sh" "$bin" "$dog" "$1" 2> said
+    cd "$1"
+    mkdir -p tied
+    for rig in rigs/*.muscle.json; do
+        "$bin/attach-detect" -q "$rig" --muscles rigs --reach 6mm -o "tied/${rig#rigs/}"
+    done
+    "$bin/scene-build" -q tied --motion "$2.motion.json" --rate 60 --frames 0:90 -o tied.scene.json 2>> ../said
+    cd ..
+}
+make_leg hind hip
+make_leg fore shoulder
 
 /usr/bin/python3 - "$bin" <<'END'
 import json, math, os, shutil, statistics, struct, subprocess, sys
@@ -50,19 +57,36 @@ def distance(a, b):
     squares = (sum((p - q) ** 2 for p, q in zip(x[at:at + 3 * points], y[at:at + 3 * points])) for at in range(0, 3 * points * samples, 3 * points))
     return math.sqrt(max(squares) / points) / size
 
-run("converged", ["--iterations", "500", "--tolerance", "1e-9"])
-rows = [json.loads(line) for line in open("converged.jsonl")]
-plan = json.loads(subprocess.run([simulate, "-q", "tied.scene.json", "--externals", "--plan"], stdout=subprocess.PIPE, check=True).stdout)["plan"]
-count = sum(g["rows"] for m in plan["muscles"] for g in m["groups"] if g["kind"] == "external")
-print("%d muscles, %d rows; converged: %d of %d steps by tolerance" % (
-    len(plan["muscles"]), count, sum(r["stopped_by"] == "tolerance" for r in rows), len(rows)))
-deep = sorted(r["entered"] for r in rows)
-print("converged: deeper in a neighbour than at rest by %.2f mm at most, %.2f in 99 of 100 frames of muscles" % (1e3 * deep[-1], 1e3 * deep[len(deep) * 99 // 100]))
-print("tied to nothing, default: %.1f ms a frame" % run("apart", [], False))
-print("%-34s%8s%10s%10s  %s" % ("", "ms", "median", "worst", "of"))
-for name, options in settings:
-    milliseconds = min(run("now", options) for _ in range(3))
-    off = {m: distance("now/" + m, "converged/" + m) for m in sorted(os.listdir("converged"))}
-    worst = max(off, key=off.get)
-    print("%-34s%8.1f%10.1e%10.1e  %s" % (name, milliseconds, statistics.median(off.values()), off[worst], worst[:-4]))
+converged = ["--iterations", "500", "--tolerance", "1e-9"]
+
+def energy(name):
+    rows = [json.loads(line) for line in open(name + ".jsonl")]
+    return sum(r["elastic_energy"] for r in rows if r["frame"] == rows[-1]["frame"])
+
+def measure():
+    run("converged", converged)
+    rows = [json.loads(line) for line in open("converged.jsonl")]
+    plan = json.loads(subprocess.run([simulate, "-q", "tied.scene.json", "--externals", "--plan"], stdout=subprocess.PIPE, check=True).stdout)["plan"]
+    count = sum(g["rows"] for m in plan["muscles"] for g in m["groups"] if g["kind"] == "external")
+    print("%d muscles, %d rows; converged: %d of %d steps by tolerance" % (
+        len(plan["muscles"]), count, sum(r["stopped_by"] == "tolerance" for r in rows), len(rows)))
+    deep = sorted(r["entered"] for r in rows)
+    print("converged: deeper in a neighbour than at rest by %.2f mm at most, %.2f in 99 of 100 frames of muscles" % (1e3 * deep[-1], 1e3 * deep[len(deep) * 99 // 100]))
+    print("tied to nothing, default: %.1f ms a frame" % run("apart", [], False))
+    print("%-34s%8s%10s%10s  %s" % ("", "ms", "median", "worst", "of"))
+    for name, options in settings:
+        milliseconds = min(run("now", options) for _ in range(3))
+        off = {m: distance("now/" + m, "converged/" + m) for m in sorted(os.listdir("converged"))}
+        worst = max(off, key=off.get)
+        print("%-34s%8.1f%10.1e%10.1e  %s" % (name, milliseconds, statistics.median(off.values()), off[worst], worst[:-4]))
+    run("touching", ["--contact"] + converged)
+    least = energy("touching")
+    run("now", ["--contact"])
+    print("with contact, default: energy at the end %+.2f %% from the converged solve's" % (100.0 * (energy("now") / least - 1.0)))
+
+for leg in ("hind", "fore"):
+    os.chdir(leg)
+    print("-- %s leg" % leg)
+    measure()
+    os.chdir("..")
 END

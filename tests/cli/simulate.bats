@@ -805,7 +805,7 @@ m = d["plan"]["coupled"][0]["matrix"]
 assert m["entries"] > 1000 and m["solveMilliseconds"] > 0 and m["factorMilliseconds"] > 0, m
 tied = d["plan"]["coupled"][0]["muscles"]
 assert all(("matrix" in m) == (m["name"] not in tied) for m in d["plan"]["muscles"]), d["plan"]["muscles"]
-assert d["scene"]["externals"] == {"stiffness": 10, "slide": True, "soft": True, "hard": True, "minimum": True}'
+assert d["scene"]["externals"] == {"stiffness": 10, "slide": True, "soft": True, "hard": True, "minimum": True, "resolve": 0}'
     "$BIN/simulate" -q tied.scene.json --externals --frames 0:30 -o a --log a.jsonl --threads 1
     "$BIN/simulate" -q turned.scene.json --externals --frames 0:30 -o b --log b.jsonl --threads 4
     for m in biceps brachialis triceps; do cmp a/$m.pc2 b/$m.pc2; done

@@ -534,6 +534,60 @@ static void what_enters_a_neighbour_is_measured_and_named(void **state) {
     finish(&s);
 }
 
+/* The deepest of two muscles in each other, against what they slide on where they are now, m. */
+static double deepest_inside(simulation *s) {
+    const sn_group *g = &s->model->groups[0];
+    sn_group_state *points = &s->state->groups[0];
+    double deepest = 0.0;
+    for (sn_index v = 0; v < g->point_count; v++) points->previous[v] = sn_point_position(&points->points[v]);
+    sn_externals_find(g, points);
+    for (sn_index k = 0; k < 2; k++) {
+        const sn_model_muscle *m = &s->model->muscles[k];
+        const sn_external_hold *holds = sn_external_holds_of(&s->state->muscles[k]);
+        for (sn_index r = 0; r < m->external_count; r++) {
+            sn_vec3 u = sn_point_position(&s->state->muscles[k].points[sn_externals_of(m)->rows[r].point]);
+            for (int c = 0; c < 3; c++)
+                u = sn_add_scaled(u, sn_point_position(&s->state->muscles[k].points[holds[r].slide.point[c]]), -holds[r].slide.weight[c]);
+            deepest = fmax(deepest, -sn_dot(holds[r].normal, u));
+        }
+    }
+    return deepest;
+}
+
+/* Two spindles that are 4 mm deep in each other stay so, or come apart in the time that is asked for, and no sooner. */
+static void what_overlaps_at_rest_stays_or_comes_apart_in_time(void **state) {
+    (void)state;
+    for (int i = 0; i < 4; i++) {
+        sn_scene scene;
+        fusiform small = FUSIFORM, other;
+        small.rings = 15, small.sectors = 10, small.structure = false;
+        other = small;
+        other.offset.x += 0.056;
+        make_scene(&scene, &small);
+        add_muscle(&scene, "neighbour", &other);
+        scene.solver = sn_solver_defaults(METHODS[i % 2]);
+        scene.last_frame = 60;
+        for (int k = 0; k < 2; k++) scene.muscles[k].stiffness_relaxed = scene.muscles[k].stiffness_active = 500.0;
+        tie_all(TIED_REACH, &scene, SLIDE);
+        if (i >= 2) scene.externals.resolve = 1.0;
+        simulation s = start(&scene);
+        assert_true(s.model->plan.muscles[0].ties_inside > 0);
+        double at_rest = deepest_inside(&s);
+        assert_true(at_rest > 0.001 &&
+                    fabs(at_rest - fmax(s.model->plan.muscles[0].deepest_tie, s.model->plan.muscles[1].deepest_tie)) < 1e-9);
+        step_frames(&s, 12, NULL);
+        double half = deepest_inside(&s);
+        step_frames(&s, 36, NULL);
+        double end = deepest_inside(&s);
+        if (i < 2) assert_true(fabs(half - at_rest) < 0.05 * at_rest && fabs(end - at_rest) < 0.05 * at_rest);
+        if (i >= 2)
+            assert_true(half > 0.3 * at_rest && half < 0.8 * at_rest &&
+                        end < 0.25 * at_rest); /* as far as rows of ten times their stiffness press them */
+        for (int k = 0; k < 2; k++) assert_false(s.state->muscles[k].statistics.torn);
+        finish(&s);
+    }
+}
+
 static void a_group_sleeps_and_wakes_as_one(void **state) {
     (void)state;
     for (int i = 0; i < 2; i++) {
@@ -568,6 +622,7 @@ int main(void) {
         cmocka_unit_test(what_is_hard_goes_along_with_a_bone),
         cmocka_unit_test(rigid_motion_costs_nothing),
         cmocka_unit_test(what_enters_a_neighbour_is_measured_and_named),
+        cmocka_unit_test(what_overlaps_at_rest_stays_or_comes_apart_in_time),
         cmocka_unit_test(a_group_sleeps_and_wakes_as_one),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
