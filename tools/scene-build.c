@@ -17,7 +17,7 @@ static const char *motion_file, *model_file, *bones_dir, *activation_file, *fram
 static cli_list bone_texts, bone_lists, envelopes, solids, bone_paths, bindings, settings;
 static double rate, preroll, run_in;
 static int units, method = SN_SOLVER_QN;
-static bool skip_unattached, list;
+static bool skip_unattached, list, contact, externals;
 
 static const cli_option options[] = {
     {0, "motion", "FILE", CLI_TEXT, &motion_file, CLI_RESULT | CLI_FILE, 0, 0, NULL,
@@ -51,6 +51,8 @@ static const cli_option options[] = {
     {0, "run-in", "S", CLI_NUMBER, &run_in, CLI_RESULT, 0, 1e6, NULL,
      "in S seconds of the preroll the bones go from rest to the first frame (default: half of the preroll where that is away from rest)"},
     {0, "solver", "METHOD", CLI_CHOICE, &method, CLI_RESULT, 0, 0, sn_solver_method_names, "xpbd or qn (default)"},
+    {0, "contact", NULL, CLI_FLAG, &contact, CLI_RESULT, 0, 0, NULL, "in the scene muscles keep out of bones"},
+    {0, "externals", NULL, CLI_FLAG, &externals, CLI_RESULT, 0, 0, NULL, "in the scene the external constraints of the rigs act"},
     {0, "name", "TEXT", CLI_TEXT, &name, CLI_RESULT, 0, 0, NULL, "the scene's name (default: its file's)"},
     {0, "skip-unattached", NULL, CLI_FLAG, &skip_unattached, CLI_RESULT, 0, 0, NULL,
      "leave out muscles that are attached to bones which the scene has not got, with a warning (otherwise an error names them all)"},
@@ -639,6 +641,7 @@ static void check_output(const job *j) {
 static sn_status name_scene(job *j, sn_error *error) {
     bool standard = strcmp(j->c.output, "-") == 0;
     sn_draft_defaults(&j->draft);
+    j->draft.contact = contact, j->draft.externals = externals;
     j->draft.place = j->c.output;
     j->draft.method = (sn_solver_method)method;
     if (model_file == NULL && (bones_dir != NULL || bone_paths.count > 0))

@@ -34,7 +34,8 @@ typedef struct sn_scene_draft {
     sn_index first_frame, last_frame; /* inclusive; of the motion, once that is taken */
     double preroll, run_in;           /* s */
     sn_solver_method method;
-    char *motion_path; /* owned; NULL = nothing moves */
+    bool contact, externals; /* the scene has them, by their defaults */
+    char *motion_path;       /* owned; NULL = nothing moves */
     sn_motion motion;
     sn_index bone_count;
     size_t bone_capacity;

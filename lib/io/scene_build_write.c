@@ -149,6 +149,8 @@ static sn_status write_document(const sn_scene_draft *draft, const sn_history_en
     sn_json_number(json, "preroll", draft->preroll);
     sn_json_number(json, "runIn", draft->run_in);
     write_solver(draft, json);
+    if (draft->contact) sn_json_bool(json, "contact", true);
+    if (draft->externals) sn_json_bool(json, "externals", true);
     if (draft->motion_path != NULL) {
         sn_json_object(json, "motion");
         status = write_path(draft, "uri", draft->motion_path, json, error);

@@ -60,7 +60,7 @@ $(STAMPS)/install: tests/install $(EVERYTHING) $(B)/libsinew.a
 
 # ---- the solver's instruments: none of them runs in check ----------------------------------------------------------------------
 # what it takes to start a tool, and to rig a muscle
-.PHONY: start-up rig-time motion-time body-walk coupled
+.PHONY: start-up rig-time motion-time body-walk coupled dog-trot
 start-up: $(BUILT_TOOLS)
 	@BIN=$(B)/bin tests/bench/start-up.sh
 rig-time: $(BUILT_TOOLS)
@@ -73,9 +73,12 @@ motion-time: $(BUILT_TOOLS) $(B)/tests/bench/envelope_deform
 # 148 muscles of a body, from surfaces to 120 frames of a walk: what they lack, and what they take
 body-walk: $(BUILT_TOOLS)
 	@BIN=$(B)/bin DATA=$(DATA) tests/bench/body-walk.sh $(B)/body-walk
-# twelve muscles of a dog's hind leg that are tied to each other: time and error by iterations
+# twelve muscles of a dog's hind leg and of its fore leg that are tied to each other: time and error by iterations
 coupled: $(BUILT_TOOLS)
 	@BIN=$(B)/bin DATA=$(DATA) tests/bench/coupled.sh $(B)/coupled
+# all 253 muscles of a dog, tied to each other, through a second of its trot, on one thread and on two: ten minutes or more
+dog-trot: $(BUILT_TOOLS)
+	@BIN=$(B)/bin DATA=$(DATA) tests/bench/dog-trot.sh $(B)/dog-trot
 # what it takes to build the distance fields of the leg's bones, and to ask them; and 25 bones against brute force, ten minutes or more
 .PHONY: field-time field-anatomy
 field-time: $(B)/tests/bench/distance_field

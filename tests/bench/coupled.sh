@@ -19,13 +19,7 @@ else
 fi
 make_leg() { # LEG MOTION
     "$here/share/examples/dog/$1-leg.sh" "$bin" "$dog" "$1" 2> said
-    cd "$1"
-    mkdir -p tied
-    for rig in rigs/*.muscle.json; do
-        "$bin/attach-detect" -q "$rig" --muscles rigs --reach 6mm -o "tied/${rig#rigs/}"
-    done
-    "$bin/scene-build" -q tied --motion "$2.motion.json" --rate 60 --frames 0:90 -o tied.scene.json 2>> ../said
-    cd ..
+    "$here/share/examples/dog/tie.sh" "$bin" "$1" "$2" 2>> said
 }
 make_leg hind hip
 make_leg fore shoulder
@@ -41,7 +35,7 @@ settings += [("qn, default, one thread", ["--threads", "1"]), ("xpbd, 10 iterati
 def run(folder, options, tied=True):
     shutil.rmtree(folder, ignore_errors=True)
     words = [simulate, "-q", "tied.scene.json", "-o", folder, "--log", folder + ".jsonl", "--report", folder + ".json"]
-    code = subprocess.run(words + (["--externals"] if tied else []) + options, stderr=subprocess.DEVNULL).returncode
+    code = subprocess.run(words + ([] if tied else ["--no-externals"]) + options, stderr=subprocess.DEVNULL).returncode
     if code not in (0, 3): sys.exit("simulate %s: status %d" % (" ".join(options), code))
     return 1e3 * json.load(open(folder + ".json"))["medianFrameSeconds"]
 
@@ -66,7 +60,7 @@ def energy(name):
 def measure():
     run("converged", converged)
     rows = [json.loads(line) for line in open("converged.jsonl")]
-    plan = json.loads(subprocess.run([simulate, "-q", "tied.scene.json", "--externals", "--plan"], stdout=subprocess.PIPE, check=True).stdout)["plan"]
+    plan = json.loads(subprocess.run([simulate, "-q", "tied.scene.json", "--plan"], stdout=subprocess.PIPE, check=True).stdout)["plan"]
     count = sum(g["rows"] for m in plan["muscles"] for g in m["groups"] if g["kind"] == "external")
     print("%d muscles, %d rows; converged: %d of %d steps by tolerance" % (
         len(plan["muscles"]), count, sum(r["stopped_by"] == "tolerance" for r in rows), len(rows)))

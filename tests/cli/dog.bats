@@ -44,6 +44,22 @@ setup() {
     printf 'MUSCa\tattach-detect\t--method none --pin L_1=sphere:1,2,3,0.01 --pin Ribcage=sphere:4,5,6,0.022\n' | cmp - options.tsv
 }
 
+@test "the muscles of the fore leg hold on to each other: nothing is torn, none enters another by a millimetre" {
+    [ -f "$dog" ] || skip "no dog-dmcontrol in DATA"
+    share=$BATS_TEST_DIRNAME/../../share/examples/dog
+    "$share/fore-leg.sh" "$BIN" "$DATA/dog-dmcontrol" leg 2> err
+    "$share/tie.sh" "$BIN" leg shoulder
+    "$BIN/simulate" -q leg/tied.scene.json -o frames --log tied.jsonl --fail-on 'entered>0.001' --fail-on 'torn>0'
+    "$BIN/simulate" -q leg/tied.scene.json --no-externals --log apart.jsonl
+    python3 -c 'import json
+def moments(name): return [json.loads(line) for line in open(name)]
+tied, apart = moments("tied.jsonl"), moments("apart.jsonl")
+assert len(tied) == 12 * 91 and sum("external" in r["errors"] for r in tied if r["frame"] == 0) == 12
+worst = {r["errors"]["external"]["rms"] for r in tied if r["frame"] == 60}
+assert max(worst) < 0.05, worst # mean edges
+assert all("entered" not in r for r in apart)'
+}
+
 @test "all of the dog's muscles have rigs, candidates and a scene whose targets are there" {
     [ -f "$dog" ] || skip "no dog-dmcontrol in DATA"
     [ -n "${ALL_OF_THE_DOG:-}" ] || skip "takes minutes; set ALL_OF_THE_DOG"

@@ -53,6 +53,18 @@ for name in sys.argv[2:]: jsonschema.Draft202012Validator(schema).validate(json.
     for muscle in biceps brachialis triceps; do cmp hand/$muscle.pc2 machine/$muscle.pc2; done
 }
 
+@test "contact and external constraints are in the scene where they are asked for" {
+    # shellcheck disable=SC2086
+    "$build" *.muscle.json $arm --contact --externals -o both.scene.json
+    # shellcheck disable=SC2086
+    "$build" *.muscle.json $arm -o none.scene.json
+    ask both.scene.json 's["contact"] is True and s["externals"] is True'
+    ask none.scene.json '"contact" not in s and "externals" not in s'
+    valid both.scene.json
+    "$BIN/simulate" -q both.scene.json --plan > plan.json
+    ask plan.json 's["scene"]["contact"] and s["scene"]["externals"]["stiffness"] == 10'
+}
+
 @test "paths are from the scene, wherever it is; the same bytes each time, and from a folder as from its files" {
     mkdir -p deep/er
     "$build" . $arm -o deep/er/a.scene.json

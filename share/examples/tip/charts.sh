@@ -1,12 +1,14 @@
 #!/bin/sh
-# Every chart of error against run time: the moving tip at 1k, 4k and 17k triangles, moving, fast, at rest and with a bone in its way, and
-# the tibialis anterior.
+# Every chart of error against run time: the moving tip at 1k, 4k and 17k triangles, moving, fast, at rest and with a bone in its way, the
+# tibialis anterior, and twelve muscles each of a dog's hind and fore leg, tied to each other.
 # Usage: charts.sh BIN TIP DATA OUT [CASE...]: the tools, the generator, the real anatomy ("" = leave it out), and a folder for the results;
-# without CASE all of them: tip-1000 tip-4000 tip-17000 contact-1000 contact-4000 static-1000 static-4000 static-17000 fast-1000 fast-4000 tibialis tibialis-static.
+# without CASE all of them: tip-1000 tip-4000 tip-17000 contact-1000 contact-4000 static-1000 static-4000 static-17000 fast-1000 fast-4000 tibialis tibialis-static
+# hind-leg fore-leg.
 # The bigger the muscle, the fewer settings, and the coarser the reference.
 # OUT/CASE gets what error-time writes, OUT/CASE.png the chart. A setting is measured RUNS (3) times. Run it on a machine that does
 # nothing else.
 set -eu
+here=$(cd "$(dirname "$0")" && pwd)
 bin=$(cd "$1" && pwd) tip=$(cd "$(dirname "$2")" && pwd)/$(basename "$2") data=$3 out=$4
 shift 4
 mkdir -p "$out"
@@ -14,7 +16,7 @@ out=$(cd "$out" && pwd)
 [ -z "$data" ] || data=$(cd "$data" && pwd)
 PATH=$bin:$PATH
 runs=${RUNS:-3}
-[ $# -gt 0 ] || set -- tip-1000 contact-1000 contact-4000 static-1000 fast-1000 tip-4000 static-4000 fast-4000 tip-17000 static-17000 tibialis tibialis-static
+[ $# -gt 0 ] || set -- tip-1000 contact-1000 contact-4000 static-1000 fast-1000 tip-4000 static-4000 fast-4000 tip-17000 static-17000 tibialis tibialis-static hind-leg fore-leg
 
 measure() { # NAME SCENE TITLE OPTION...
     name=$1 scene=$2 title=$3
@@ -46,6 +48,13 @@ tibialis() {
  "bones": [{"name": "tibia", "mesh": "tibia.ply"}, {"name": "talus", "mesh": "talus.ply", "joint": "ankle"}],
  "muscles": [{"name": "tibialis", "rig": "tibialis.muscle.json"}]}
 END
+}
+
+# Rigs, candidates and a scene of a leg of the dog; its first 40 frames, in which it moves.
+tied_leg() { # CASE MOTION
+    "$here/../dog/$1.sh" "$bin" "$data/dog-dmcontrol" "$out/$1.scene" 2> "$out/$1.said"
+    "$here/../dog/tie.sh" "$bin" "$out/$1.scene" "$2" 2>> "$out/$1.said"
+    measure "$1" "$out/$1.scene/tied.scene.json" "twelve muscles of a dog's ${1%-leg} leg, tied to each other" --frames 0:40 --reference 8 --most-seconds 30
 }
 
 for case in "$@"; do
@@ -88,6 +97,14 @@ for case in "$@"; do
         [ -n "$data" ] || continue
         tibialis
         measure "$case" "$out/rig/tibialis.scene.json" "tibialis anterior at rest, 12,420 triangles" --static --most-seconds 30
+        ;;
+    hind-leg)
+        [ -n "$data" ] || continue
+        tied_leg "$case" hip
+        ;;
+    fore-leg)
+        [ -n "$data" ] || continue
+        tied_leg "$case" shoulder
         ;;
     *)
         echo "there is no case $case" >&2
