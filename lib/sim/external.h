@@ -25,7 +25,7 @@ enum { SN_EXTERNAL_SLIDE, SN_EXTERNAL_SOFT, SN_EXTERNAL_HARD, SN_EXTERNAL_TYPES 
 typedef struct sn_external_target {
     sn_index member;      /* of the group; SN_NONE: it moves by itself */
     sn_index touched;     /* else: a bone or a surface, as sn_scene_touched_name counts them */
-    sn_moving moving;     /* of its triangles; by itself: of those near to the group */
+    sn_moving moving;     /* of its triangles; of a surface: of those near to the group */
     sn_index *vertices;   /* (moving.vertex_count) by itself: of the scene's mesh; NULL of a member */
     sn_index first_point; /* by itself: of the group's target points */
     sn_index first_box;   /* of the group's target boxes */
@@ -105,8 +105,9 @@ bool sn_externals_moved(const sn_group *g, const sn_group_state *s);
 void sn_externals_reset(const sn_group *g, sn_group_state *s);
 /* Does each slide on one of its targets? Not in a state that is damaged. */
 bool sn_externals_sound(const sn_group *g, const sn_group_state *s);
-/* What each row holds on to in the step, whose `previous` points are set. Asked again it says the same. */
-void sn_externals_find(const sn_group *g, sn_group_state *s);
+/* What each row holds on to in a step of h s, whose `previous` points are set, and velocities those before it, or predicted. Asked again it
+ * says the same. */
+void sn_externals_find(const sn_group *g, sn_group_state *s, double h);
 /* Of a group that goes one way: where points and targets are as an iteration begins; what the rows of a member hold on to now; that member
  * has been moved. */
 void sn_externals_begin(const sn_group *g, sn_group_state *s);

@@ -423,6 +423,75 @@ static void sliding_along_a_plane_is_free(void **state) {
     }
 }
 
+/* Beside a ball that spins about its middle: it is where it was, to its facets, and nobody is dragged along. */
+static void what_slides_on_a_ball_does_not_feel_it_spin(void **state) {
+    (void)state;
+    for (int i = 0; i < 2; i++) {
+        sn_scene scene;
+        fusiform small = FUSIFORM;
+        small.rings = 15, small.sectors = 10, small.structure = false, small.pinned = 0.0;
+        make_scene(&scene, &small);
+        scene.solver = sn_solver_defaults(METHODS[i]);
+        scene.muscles[0].stiffness_relaxed = scene.muscles[0].stiffness_active = 2000.0;
+        const sn_vec3 middle = {0.082, 0.0, 0.1};
+        sn_pose_key *keys = SN_NEW(sn_pose_key, 241); /* so many that it stays where it is between them, too */
+        for (int k = 0; k <= 240; k++) {
+            sn_quat turn = sn_quat_axis_angle(sn_normalize(sn_v3(1, 2, 3)), 2.0 * k / 240.0);
+            keys[k] = (sn_pose_key){k / 240.0, {turn, sn_sub(middle, sn_quat_rotate(turn, middle))}};
+        }
+        capsule round = {{middle, middle}, 0.05};
+        sn_mesh *ball = add_solid(&scene, "ball", keys, 241);
+        make_capsule(&round, 24, ball);
+        const sn_neighbour target = {"ball", ball, false};
+        tie(&scene.muscles[0], 1, &target, SLIDE);
+        scene.externals.enabled = true;
+        simulation s = start(&scene);
+        const sn_model_muscle *m = &s.model->muscles[0];
+        const sn_externals *all = sn_externals_of(m);
+        assert_true(m->external_count > 4);
+        step_frames(&s, 24, NULL);
+        for (sn_index r = 0; r < m->external_count; r++) {
+            sn_vec3 at = sn_point_position(&s.state->muscles[0].points[all->rows[r].point]);
+            assert_true(fabs(sn_distance(at, middle) - 0.05 - all->rows[r].distance) < 4e-4); /* facets are 0.05 mm off, at a slant more */
+            assert_true(sn_distance(at, m->rest[all->rows[r].point]) < 2e-4);                 /* the ball's surface has come by 0.1 m */
+        }
+        finish(&s);
+    }
+}
+
+/* Past the end of a plate the nearest point is its rim: a vertex that comes so far keeps its distance to that, and nothing jumps. */
+static void past_the_border_of_a_target_the_rim_is_nearest(void **state) {
+    (void)state;
+    for (int i = 0; i < 2; i++) {
+        sn_scene scene;
+        fusiform small = FUSIFORM;
+        small.rings = 15, small.sectors = 10, small.structure = false, small.pinned = 0.0;
+        make_scene(&scene, &small);
+        scene.solver = sn_solver_defaults(METHODS[i]);
+        scene.muscles[0].stiffness_relaxed = scene.muscles[0].stiffness_active = 2000.0;
+        scene.muscles[0].damping = 0.0;
+        scene.last_frame = 48;
+        sn_mesh *plate = add_solid(&scene, "plate", NULL, 0);
+        make_box(sn_v3(0.032, -0.4, -0.3), sn_v3(0.06, 0.4, 0.13), plate);
+        const sn_neighbour target = {"plate", plate, false};
+        tie(&scene.muscles[0], 1, &target, SLIDE);
+        scene.externals.enabled = true;
+        simulation s = start(&scene);
+        const sn_model_muscle *m = &s.model->muscles[0];
+        for (sn_index v = 0; v < m->point_count; v++) s.state->muscles[0].velocities[v] = sn_v3(0.0, 0.0, 0.06);
+        double fastest = 0.0, highest = 0.0;
+        for (int frame = 0; frame < 36; frame++) {
+            step_frames(&s, 1, NULL);
+            for (sn_index v = 0; v < m->point_count; v++) fastest = fmax(fastest, sn_norm(s.state->muscles[0].velocities[v]));
+        }
+        for (sn_index r = 0; r < m->external_count; r++)
+            highest = fmax(highest, s.state->muscles[0].points[sn_externals_of(m)->rows[r].point].z);
+        assert_true(highest > 0.132 && fastest < 0.2); /* some are past the plate's end */
+        assert_true(greatest_error(&s, 0) * m->mean_edge < 2e-3 && !s.state->muscles[0].statistics.torn);
+        finish(&s);
+    }
+}
+
 /* Two plates that go on from each other at z = 0.1, a muscle beside both. */
 static void make_beside_two(sn_scene *scene) {
     fusiform small = FUSIFORM;
@@ -459,11 +528,11 @@ static void targets_switch_where_one_is_much_nearer(void **state) {
     static const int is_high[] = {0, 0, 0, 1, 1, 1, 0};
     for (int i = 0; i < 7; i++) {
         s.state->groups[0].previous[v] = sn_v3(0.03, 0.0, 0.1 + over[i]);
-        sn_externals_find(&s.model->groups[0], &s.state->groups[0]);
+        sn_externals_find(&s.model->groups[0], &s.state->groups[0], 0.0);
         const sn_index *slides_on = &s.state->muscles[0].inputs->slides_on[r];
         const sn_external_target *on = &s.model->groups[0].targets[*slides_on];
         assert_int_equal(on->touched == scene.bone_count - 1, is_high[i]);
-        sn_externals_find(&s.model->groups[0], &s.state->groups[0]); /* asked again, as where a run goes on, it says the same */
+        sn_externals_find(&s.model->groups[0], &s.state->groups[0], 0.0); /* asked again, as where a run goes on, it says the same */
         assert_ptr_equal(&s.model->groups[0].targets[*slides_on], on);
     }
     finish(&s);
@@ -502,7 +571,7 @@ static void rigid_motion_costs_nothing(void **state) {
         g->previous[v] = sn_rigid_apply(by, sn_point_position(&g->points[v]));
         sn_put(&g->points[v], g->previous[v]);
     }
-    sn_externals_find(&s.model->groups[0], g);
+    sn_externals_find(&s.model->groups[0], g, 0.0);
     for (sn_index k = 0; k < 2; k++) assert_true(greatest_error(&s, k) * s.model->muscles[k].mean_edge < 1e-10);
     finish(&s);
 }
@@ -517,7 +586,7 @@ static void what_enters_a_neighbour_is_measured_and_named(void **state) {
     sn_group_state *points = &s.state->groups[0];
     sn_index pushed = g->muscles[0] == 0 ? 0 : 1; /* which member the fusiform is */
     for (sn_index v = 0; v < g->point_count; v++) points->previous[v] = sn_point_position(&points->points[v]);
-    sn_externals_find(g, points);
+    sn_externals_find(g, points, 0.0);
     for (int k = 0; k < 2; k++) {
         sn_statistics at_rest;
         sn_externals_measure(&s.model->muscles[k], &s.state->muscles[k], &at_rest);
@@ -540,7 +609,7 @@ static double deepest_inside(simulation *s) {
     sn_group_state *points = &s->state->groups[0];
     double deepest = 0.0;
     for (sn_index v = 0; v < g->point_count; v++) points->previous[v] = sn_point_position(&points->points[v]);
-    sn_externals_find(g, points);
+    sn_externals_find(g, points, 0.0);
     for (sn_index k = 0; k < 2; k++) {
         const sn_model_muscle *m = &s->model->muscles[k];
         const sn_external_hold *holds = sn_external_holds_of(&s->state->muscles[k]);
@@ -618,6 +687,8 @@ int main(void) {
         cmocka_unit_test(off_is_absent),
         cmocka_unit_test(what_is_not_there_is_named),
         cmocka_unit_test(sliding_along_a_plane_is_free),
+        cmocka_unit_test(what_slides_on_a_ball_does_not_feel_it_spin),
+        cmocka_unit_test(past_the_border_of_a_target_the_rim_is_nearest),
         cmocka_unit_test(targets_switch_where_one_is_much_nearer),
         cmocka_unit_test(what_is_hard_goes_along_with_a_bone),
         cmocka_unit_test(rigid_motion_costs_nothing),
