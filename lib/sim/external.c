@@ -209,26 +209,6 @@ static void errors(const sn_model_muscle *m, const sn_muscle_state *s, sn_row_ki
     }
 }
 
-/* Beside this share of the diagonal a vertex is as deep as at rest. */
-static const double DEPTH_NOISE = 1e-7;
-
-void sn_externals_measure(const sn_model_muscle *m, const sn_muscle_state *s, sn_statistics *out) {
-    const sn_externals *all = sn_externals_of(m);
-    const sn_external_hold *holds = sn_external_holds_of(s);
-    out->entered = 0.0;
-    out->entered_vertex = out->entered_target = SN_NONE;
-    for (sn_index r = 0; r < m->external_count; r++) {
-        const sn_external_row *row = &all->rows[r];
-        if (!(sn_norm2(holds[r].normal) > 0.0)) continue;
-        double along = sn_dot(holds[r].normal, away_from(&holds[r].slide, sn_point_position(&s->points[row->point]), s->points));
-        double depth = fmin(0.0, row->distance) - along;
-        if (!(depth > out->entered) || !(depth > DEPTH_NOISE * m->diagonal)) continue;
-        out->entered = depth;
-        out->entered_vertex = row->point;
-        out->entered_target = s->inputs->slides_on[r];
-    }
-}
-
 const char *sn_model_target_name(const sn_model *model, sn_index muscle, sn_index target) {
     const sn_group *g = &model->groups[model->muscles[muscle].group];
     const sn_external_target *t = &g->targets[target];

@@ -113,11 +113,12 @@ void sn_externals_find(const sn_group *g, sn_group_state *s, double h);
 void sn_externals_begin(const sn_group *g, sn_group_state *s);
 void sn_externals_update(const sn_group *g, sn_group_state *s, sn_index member);
 void sn_externals_went(const sn_group *g, sn_group_state *s, sn_index member);
+/* How deep the vertices of each member are in what they slide on, where points and targets are now: into its statistics. What a step began
+ * with is of no use here: a bone that is fast takes a vertex far from the plane that it held on to. */
+void sn_externals_measure(const sn_group *g, sn_group_state *s);
 
 /* ---- external.c ---- */
 
-/* How deep the vertices of a muscle are in what they slide on, beside where the step found that. */
-void sn_externals_measure(const sn_model_muscle *m, const sn_muscle_state *s, sn_statistics *out);
 /* What a row of the matrix is: a visit for each row that ties free points, with weights over the group's points from the muscle's first,
  * and a scale over the muscle's k. false: visit returned false. */
 bool sn_externals_at_bind(const sn_group *g, sn_index member, sn_rest_visit visit, void *user);

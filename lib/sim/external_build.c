@@ -150,8 +150,8 @@ static sn_status lend_mesh(const sn_scene *scene, sn_index touched, sn_mesh *out
     return SN_OK;
 }
 
-/* A bone may turn any of its sides to the muscle. Of a surface, which goes along with the body, what is near to the group: within the box
- * of each member and a quarter of its diagonal around it. */
+/* Of a surface, what is near to the group: within the box of each member and a quarter of its diagonal around it. Of a bone all: muscles go
+ * along it as far as others take them, and where it ended they would slide on its rim. */
 static const double ROOM = 0.25;
 
 static sn_status keep_near(const work *w, const sn_mesh *mesh, const sn_moving *whole, sn_external_target *t, sn_error *error) {
@@ -162,10 +162,10 @@ static sn_status keep_near(const work *w, const sn_mesh *mesh, const sn_moving *
         status = sn_fail_memory(error, "external constraints");
         goto cleanup;
     }
+    if (t->touched < w->model->scene->bone_count)
+        for (sn_index i = 0; i < whole->triangle_count; i++) any = keep[i] = true;
     sn_moving_fit(whole, mesh->positions, boxes);
-    bool turns = t->touched < w->model->scene->bone_count;
-    for (sn_index i = 0; i < whole->triangle_count && turns; i++) keep[i] = any = true;
-    for (sn_index i = 0; i < w->g->count && !turns; i++) {
+    for (sn_index i = 0; i < w->g->count && !any; i++) {
         const sn_model_muscle *m = w->g->members[i];
         sn_box box = SN_EMPTY_BOX;
         double room = ROOM * m->diagonal;
@@ -173,7 +173,7 @@ static sn_status keep_near(const work *w, const sn_mesh *mesh, const sn_moving *
         box = (sn_box){sn_sub(box.low, sn_v3(room, room, room)), sn_add(box.high, sn_v3(room, room, room))};
         sn_moving_touch(whole, boxes, &box, touched);
     }
-    for (sn_index i = 0; i < whole->triangle_count && !turns; i++) any = (keep[i] = touched[sn_moving_leaf(whole, i)]) || any;
+    for (sn_index i = 0; i < whole->triangle_count; i++) any = (keep[i] = keep[i] || touched[sn_moving_leaf(whole, i)]) || any;
     if (!any) keep[0] = true;
     status = sn_moving_part(whole, keep, &t->moving, t->vertices, error);
 cleanup:

@@ -9,6 +9,8 @@
 
 #include <string.h>
 
+#include "sinew/geom.h"
+
 /* ---- what moves by itself ------------------------------------------------------------------------------------------------------------ */
 
 static sn_vec3 place_of(const sn_scene *scene, const sn_external_target *t, const sn_surface_moment *at, sn_index v) {
@@ -136,8 +138,8 @@ static sn_vec3 place_ahead(const look *from, sn_index member, sn_index point, sn
     return sn_add(at, apart <= from->g->members[member]->mean_edge ? moves : surface_moves);
 }
 
-/* Where a vertex slides: on the nearest of its targets. */
-static void find_slide(const look *from, const sn_externals *all, const sn_external_row *row, sn_index member, sliding seat,
+/* Where a vertex slides: on the nearest of its targets, at that signed distance. */
+static void find_slide(const look *from, const sn_externals *all, const sn_external_row *row, sn_index member, sliding seat, double *side,
                        sn_external_hold *hold) {
     sn_vec3 at = from->points[from->g->first[member] + row->point], normal = {0, 0, 0};
     sn_closest best = {.triangle = SN_NONE};
@@ -151,7 +153,7 @@ static void find_slide(const look *from, const sn_externals *all, const sn_exter
         double distance = known ? foot.distance / from->much_nearer : foot.distance;
         if (!(distance < least)) continue;
         best = foot, on = t, least = distance;
-        sn_moving_side(&shape, &foot, at, &normal);
+        *side = sn_moving_side(&shape, &foot, at, &normal);
     }
     if (on == NULL) return;
     *seat.on = (sn_index)(on - from->g->targets), *seat.at = best.triangle;
@@ -219,8 +221,9 @@ static void find_member(const look *from, sn_index member) {
     for (sn_index r = 0; r < m->external_count; r++) {
         const sn_external_row *row = &all->rows[r];
         bool slides = row->weights[SN_EXTERNAL_SLIDE] > 0.0 || row->least > -INFINITY;
+        double side;
         holds[r].normal = sn_v3(0, 0, 0);
-        if (slides) find_slide(from, all, row, member, seat_of(s, r), &holds[r]);
+        if (slides) find_slide(from, all, row, member, seat_of(s, r), &side, &holds[r]);
         if (row->weights[SN_EXTERNAL_SOFT] > 0.0 || row->weights[SN_EXTERNAL_HARD] > 0.0) find_bound(from, all, row, member, &holds[r]);
     }
 }
@@ -270,4 +273,66 @@ void sn_externals_went(const sn_group *g, sn_group_state *s, sn_index member) {
     take_points(s, g->first[member], g->first[member + 1]);
     for (sn_index i = 0; i < g->target_count; i++)
         if (g->targets[i].member == member) fit(&from, &g->targets[i]);
+}
+
+/* ---- where a frame ends ---------------------------------------------------------------------------------------------------------------
+ */
+
+/* Beside this share of the diagonal a vertex is as deep as at rest. */
+static const double DEPTH_NOISE = 1e-7;
+
+static bool is_finite(const sn_group *g, const sn_group_state *s) {
+    for (sn_index i = 0; i < g->point_count; i++)
+        if (!sn_finite3(s->here[i])) return false;
+    return true;
+}
+
+/* The nearest point tells the side of a surface that does not cross itself. Where a muscle has folded over, a vertex outside may see the
+ * back of a fold; no turns around it tell so, of a closed surface to the last digits. O(triangles). */
+static const double NO_TURN = 1e-3;
+
+static bool is_outside(const look *from, sn_index target, sn_vec3 at) {
+    const sn_external_target *t = &from->g->targets[target];
+    if (t->member == SN_NONE) return false;
+    const sn_model_muscle *m = from->g->members[t->member];
+    sn_mesh mesh = {.vertex_count = m->vertex_count,
+                    .triangle_count = m->triangle_count,
+                    .positions = from->s->here + from->g->first[t->member],
+                    .triangles = m->triangles};
+    return fabs(sn_winding_number(&mesh, at)) < NO_TURN;
+}
+
+static void measure_row(const look *from, sn_index member, sn_index r, sn_statistics *out) {
+    const sn_model_muscle *m = from->g->members[member];
+    const sn_externals *all = sn_externals_of(m);
+    const sn_external_row *row = &all->rows[r];
+    sn_index on = *seat_of(from->s->members[member], r).on, at = *seat_of(from->s->members[member], r).at; /* as they are */
+    sn_external_hold hold = {.normal = {0, 0, 0}};
+    double side = 0.0;
+    find_slide(from, all, row, member, (sliding){&on, &at}, &side, &hold);
+    double depth = fmin(0.0, row->distance) - side;
+    if (!(sn_norm2(hold.normal) > 0.0) || !(depth > out->entered) || !(depth > DEPTH_NOISE * m->diagonal)) return;
+    if (is_outside(from, on, from->points[from->g->first[member] + row->point])) return;
+    out->entered = depth;
+    out->entered_vertex = row->point;
+    out->entered_target = on;
+}
+
+void sn_externals_measure(const sn_group *g, sn_group_state *s) {
+    for (sn_index i = 0; i < g->count; i++) {
+        sn_statistics *out = &s->members[i]->statistics;
+        out->entered = 0.0;
+        out->entered_vertex = out->entered_target = SN_NONE;
+    }
+    if (g->row_count == 0) return;
+    const look from = look_here(g, s);
+    take_points(s, 0, g->point_count);
+    if (!is_finite(g, s)) return;
+    fit_all(&from);
+    for (sn_index i = 0; i < g->count; i++) {
+        const sn_externals *all = sn_externals_of(g->members[i]);
+        const sn_external_hold *holds = sn_external_holds_of(s->members[i]);
+        for (sn_index r = 0; all != NULL && r < g->members[i]->external_count; r++)
+            if (sn_norm2(holds[r].normal) > 0.0) measure_row(&from, i, r, &s->members[i]->statistics);
+    }
 }

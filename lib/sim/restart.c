@@ -322,6 +322,7 @@ static void take_state(const sn_model *model, const sn_state *read, sn_state *st
         make_inputs(&model->muscles[i], &state->muscles[i]);
         sn_statistics_measure(&model->muscles[i], &state->muscles[i]);
     }
+    for (sn_index i = 0; i < model->group_count; i++) sn_externals_measure(&model->groups[i], &state->groups[i]);
 }
 
 sn_status sn_state_unpack(const sn_model *model, const char *bytes, size_t size, sn_state *state, sn_error *error) {

@@ -162,6 +162,7 @@ void sn_state_reset(const sn_model *model, sn_state *state) {
         backend->reset(&model->groups[i], &state->groups[i]);
     }
     for (sn_index i = 0; i < model->muscle_count; i++) sn_statistics_measure(&model->muscles[i], &state->muscles[i]);
+    for (sn_index i = 0; i < model->group_count; i++) sn_externals_measure(&model->groups[i], &state->groups[i]);
 }
 
 void sn_state_positions(const sn_model *model, const sn_state *state, sn_index muscle, sn_vec3 *positions) {

@@ -81,10 +81,10 @@ typedef struct sn_progress {
     X(sn_point, points, g->point_count, SN_KEPT)                                                                                           \
     X(sn_vec3, velocities, g->point_count, SN_KEPT)                                                                                        \
     X(sn_vec3, previous, g->point_count, SN_KEPT)                                                                                          \
-    X(sn_vec3, target_points, g->target_points, SN_KEPT)        /* of targets that move by themselves, at the end of the step, m */        \
-    X(sn_vec3, target_points_placed, g->target_points, SN_KEPT) /* and at its beginning */                                                 \
-    X(sn_box, target_boxes, g->target_boxes, SN_LEFT)           /* room for those around targets where they are looked for */              \
-    X(sn_vec3, here, g->one_way ? g->point_count : 0, SN_LEFT)  /* where points are in an iteration */
+    X(sn_vec3, target_points, g->target_points, SN_KEPT)             /* of targets that move by themselves, at the end of the step, m */   \
+    X(sn_vec3, target_points_placed, g->target_points, SN_KEPT)      /* and at its beginning */                                            \
+    X(sn_box, target_boxes, g->target_boxes, SN_LEFT)                /* room for those around targets where they are looked for */         \
+    X(sn_vec3, here, g->row_count > 0 ? g->point_count : 0, SN_LEFT) /* where points are in an iteration, or at a frame's end */
 
 /* The points of a group, how far it has come, and its members. */
 typedef struct sn_group_state {

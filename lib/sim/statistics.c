@@ -2,7 +2,6 @@
  * statistics.c -- how far a muscle is from what its constraints ask for.   numerics.md 4
  */
 #include "contact.h"
-#include "external.h"
 
 static void measure_volume(const sn_model_muscle *m, const sn_muscle_state *s, sn_statistics *out) {
     double ratio = sn_volume_ratio(m, s), error = ratio - s->inputs->volume_goal;
@@ -91,6 +90,5 @@ void sn_statistics_measure(const sn_model_muscle *m, sn_muscle_state *s) {
     measure_volume(m, s, out);
     measure_rows(m, s, out);
     sn_contacts_measure(m, s, out);
-    sn_externals_measure(m, s, out);
     out->elastic_energy = elastic_energy(m, s, (sn_forces){NULL, 3});
 }

@@ -283,6 +283,7 @@ static void do_groups(void *user, sn_index begin, sn_index end, sn_index chunk) 
         const sn_group *g = &r->model->groups[group];
         if (!do_group(r, group) || !r->measure) continue;
         for (sn_index i = 0; i < g->count; i++) sn_statistics_measure(g->members[i], r->state->groups[group].members[i]);
+        sn_externals_measure(g, &r->state->groups[group]);
     }
 }
 

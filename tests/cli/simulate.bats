@@ -876,3 +876,50 @@ a.b.pc2" ]
     [[ "$output" == *"--stop-after 3: the run ends with frame 2"* ]]
     "$BIN/simulate" -q tip/tip.scene.json --frames 0:2 --stop-after 2 --log log
 }
+
+@test "external constraints: a muscle slides along a bone farther than it was at rest" {
+    python3 - <<'PY'
+import json
+
+def box(name, low, high, counts):
+    n, points, faces = counts, {}, []
+    def at(*i):
+        return points.setdefault(i, len(points) + 1)
+    for axis in range(3):
+        u, v = (axis + 1) % 3, (axis + 2) % 3
+        for end in (0, n[axis]):
+            for a in range(n[u]):
+                for b in range(n[v]):
+                    corners = []
+                    for da, db in ((0, 0), (1, 0), (1, 1), (0, 1)) if end else ((0, 0), (0, 1), (1, 1), (1, 0)):
+                        i = [0, 0, 0]
+                        i[axis], i[u], i[v] = end, a + da, b + db
+                        corners.append(at(*i))
+                    faces.append(corners)
+    with open(name, "w") as out:
+        for i in points:
+            out.write("v %.9g %.9g %.9g\n" % tuple(low[k] + (high[k] - low[k]) * i[k] / n[k] for k in range(3)))
+        for f in faces:
+            out.write("f %d %d %d\nf %d %d %d\n" % (f[0], f[1], f[2], f[0], f[2], f[3]))
+
+box("strap.obj", (-.05, -.01, .001), (.05, .01, .007), (20, 4, 2))
+box("plate.obj", (-.8, -.6, -.02), (.8, .2, 0), (80, 40, 1))
+json.dump({"format": "sinew-scene", "version": 1, "rate": 24, "frames": [0, 48], "externals": {},
+           "motion": {"joints": [{"name": "car", "type": "hinge", "axis": [0, 0, 1], "point": [0, -1, 0],
+                                  "keys": [[0, 0], [1, 4]], "interpolation": "smooth"}]},
+           "bones": [{"name": "plate", "mesh": "plate.obj"}],
+           "muscles": [{"name": "strap", "rig": "strap.muscle.json"}]}, open("slide.scene.json", "w"))
+PY
+    mesh-clean -q strap.obj | root-select -q | build-structure -q | fiber-flow -q |
+        attach-detect -q --method none --pin car=half:-.045,0,0,-1,0,0 --pin car=half:.045,0,0,1,0,0 |
+        attach-detect -q --glue plate.obj --reach 5mm -o strap.muscle.json
+    simulate -q slide.scene.json -o slid --format ply > slide.jsonl
+    # 70 mm along the plate it lies on it as at rest: z from 1 to 7 mm
+    python3 -c 'import struct
+lines = open("slid/strap.0048.ply", "rb").read()
+head, body = lines.split(b"end_header\n", 1)
+count = int(head.split(b"element vertex ")[1].split()[0])
+size = {b"float": 4, b"double": 8}[head.split(b"property ")[1].split()[0]]
+z = [struct.unpack_from("<d" if size == 8 else "<f", body, size * (3 * i + 2))[0] for i in range(count)]
+assert abs(min(z) - 0.001) < 2e-5 and abs(max(z) - 0.007) < 2e-5, (min(z), max(z))'
+}
