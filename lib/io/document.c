@@ -361,6 +361,27 @@ static sn_status parse_external(const sn_json_value *value, sn_index vertex_coun
     return status == SN_OK ? sn_json_check_passed(value, known, error) : status;
 }
 
+static int compare_externals(const void *a, const void *b) {
+    const sn_external *const *p = a, *const *q = b;
+    int order = strcmp((*p)->target, (*q)->target);
+    return order != 0 ? order : strcmp((*p)->fascia != NULL ? (*p)->fascia : "", (*q)->fascia != NULL ? (*q)->fascia : "");
+}
+
+/* One for each target and fascia: of two for one vertex it would be a toss which acts. */
+static sn_status refuse_twins(const sn_json_value *value, const sn_muscle *muscle, sn_error *error) {
+    sn_index count = muscle->external_count;
+    const sn_external **sorted = sn_alloc((size_t)count, sizeof *sorted);
+    if (sorted == NULL) return sn_fail_memory(error, "externals");
+    for (sn_index i = 0; i < count; i++) sorted[i] = &muscle->externals[i];
+    if (count > 1) qsort(sorted, (size_t)count, sizeof *sorted, compare_externals);
+    sn_status status = SN_OK;
+    for (sn_index i = 1; i < count && status == SN_OK; i++)
+        if (compare_externals(&sorted[i - 1], &sorted[i]) == 0)
+            status = sn_json_complain(value, error, "has the target \"%s\" twice; put its vertices in one list", sorted[i]->target);
+    free(sorted);
+    return status;
+}
+
 static sn_status parse_externals(const sn_json_value *value, sn_muscle *muscle, sn_error *error) {
     if (!sn_json_has(value)) return SN_OK;
     sn_index count;
@@ -373,7 +394,7 @@ static sn_status parse_externals(const sn_json_value *value, sn_muscle *muscle, 
         sn_json_value external = sn_json_element(value, i);
         status = parse_external(&external, muscle->mesh.vertex_count, &muscle->externals[i], error);
     }
-    return status;
+    return status == SN_OK ? refuse_twins(value, muscle, error) : status;
 }
 
 /* ---- reading: the document -------------------------------------------------------------------------------------------- */

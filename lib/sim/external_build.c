@@ -99,6 +99,7 @@ sn_status sn_externals_join(const sn_model *model, sn_index *parents, sn_error *
 typedef struct found {
     sn_index vertex, target, triangle; /* of the target's mesh as the document has it */
     double barycentric[3], weights[3], distance, minimum;
+    sn_index order; /* in which the document has it */
 } found;
 
 /* Where the triangles (count) of a target's mesh are in the moving one; SN_NONE = left out. */
@@ -281,7 +282,8 @@ static sn_status add_candidates(work *w, const sn_model_muscle *m, const sn_exte
                    .target = target,
                    .triangle = e->triangles[k],
                    .distance = unit * e->distances[k],
-                   .minimum = unit * e->minimum[k]};
+                   .minimum = unit * e->minimum[k],
+                   .order = w->found_count};
         memcpy(f.barycentric, e->barycentric + 3 * k, sizeof f.barycentric);
         memcpy(f.weights, e->weights + 3 * k, sizeof f.weights);
         status = check_found(w, m, e, &f, error);
@@ -296,7 +298,8 @@ static int compare_found(const void *a, const void *b) {
     if (p->vertex != q->vertex) return p->vertex < q->vertex ? -1 : 1;
     double near = fabs(p->distance), far = fabs(q->distance);
     if (near != far) return near < far ? -1 : 1;
-    return (p->target > q->target) - (p->target < q->target);
+    if (p->target != q->target) return p->target < q->target ? -1 : 1;
+    return (p->order > q->order) - (p->order < q->order); /* deep and superficial fascia to one target */
 }
 
 static sn_status find_candidates(work *w, const sn_model_muscle *m, sn_error *error) {

@@ -840,6 +840,22 @@ assert rms("a.jsonl") < 0.3 * rms("loose.jsonl"), (rms("a.jsonl"), rms("loose.js
     run -2 "$BIN/simulate" tied.scene.json --externals --no-externals
 }
 
+@test "a target that is listed twice is refused, but for another fascia" {
+    glue
+    /usr/bin/python3 - << 'END'
+import json
+d = json.load(open("glued/biceps.muscle.json"))
+d["externals"].append(dict(d["externals"][0]))
+json.dump(d, open("glued/biceps.muscle.json", "w"))
+d["externals"][-1] = dict(d["externals"][0], fascia="superficial", weights=[0, 0, 1] * len(d["externals"][0]["vertices"]))
+json.dump(d, open("other.json", "w"))
+END
+    run -1 "$BIN/simulate" -q tied.scene.json --externals --frames 0:1
+    [[ $output == *'externals: has the target '*' twice'* ]]
+    mv other.json glued/biceps.muscle.json
+    "$BIN/simulate" -q tied.scene.json --externals --frames 0:1
+}
+
 @test "muscles whose frames would be one file are refused before any work, and none becomes a hidden file" {
     "$EXAMPLES/tip/tip" --triangles 200 tip > /dev/null
     name_two() {
