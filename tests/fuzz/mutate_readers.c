@@ -815,6 +815,7 @@ static const char *try_model(const sn_blob *blob, sn_status *status, sn_error *e
     *status = sn_mjcf_detect(blob) ? sn_mjcf_parse(blob, &skeleton, error) : sn_osim_parse(blob, &skeleton, error);
     if (*status != SN_OK) return skeleton.bodies == NULL ? NULL : "a refused model is left behind";
     *status = sn_skeleton_animate(&skeleton, NULL, &clip, error);
+    if (*status != SN_OK) sn_error_set_file(error, blob->name); /* it knows bodies, not files: who reads the file names it */
     const char *fault = *status == SN_OK && blob->size < 65536 ? use_clip(&clip, error) : NULL;
     sn_clip_free(&clip);
     sn_skeleton_free(&skeleton);
@@ -835,6 +836,7 @@ static const char *try_storage(const sn_blob *blob, sn_status *status, sn_error 
     if (*status != SN_OK) return columns.values == NULL ? NULL : "a refused motion is left behind";
     if (sn_osim_parse(&model, &skeleton, error) != SN_OK) give_up(error->text);
     *status = sn_skeleton_animate(&skeleton, &columns, &clip, error);
+    if (*status != SN_OK) sn_error_set_file(error, blob->name);
     const char *fault = *status == SN_OK ? use_clip(&clip, error) : NULL;
     sn_clip_free(&clip);
     sn_skeleton_free(&skeleton);

@@ -514,7 +514,7 @@ static void edges_of_glass_are_seen(void **state) {
         sn_image_free(&image);
         sn_view_free(&view);
     }
-    assert_true(darkest[1] < darkest[0] - 50);
+    assert_true(darkest[1] < darkest[0] - 30);
 }
 
 static void the_camera_aims_at_what_is_in_focus(void **state) {
