@@ -32,7 +32,7 @@ static const cli_option options[] = {
     {0, "wrap", "OFFSET", CLI_NUMBER, &params.wrap, CLI_RESULT, 1e-4, 0.1, NULL,
      "build a new surface around the old, this share of the diagonal away (--repair full: 0.002 where it must)"},
     {0, "remove-intersections", NULL, CLI_FLAG, &params.remove_intersections, CLI_RESULT, 0, 0, NULL,
-     "replace triangles that cross, within 30 s"},
+     "replace triangles that cross, within 30 s of processor time"},
     {0, "edge-length", "LENGTH", CLI_LENGTH, &edge_length, CLI_RESULT, 0, 0, NULL, "remesh to edges of about this length"},
     {0, "triangles", "N", CLI_INTEGER, &triangles, CLI_RESULT, 4, SN_INDEX_MAX, NULL, "decimate to at most N triangles (default: leave)"},
     {0, "smooth", "N", CLI_INTEGER, &smooth, CLI_RESULT, 0, 1000, NULL, "N rounds of smoothing that keep the volume"},

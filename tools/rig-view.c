@@ -19,10 +19,10 @@ static struct {
     int64_t samples, columns, substeps, frame_count;
     int law, scheme, solver, precision, stretch, preconditioner;
     int64_t contact_samples;
-    bool legend, contact, no_contact, externals, no_externals;
+    bool legend, all_bones, contact, no_contact, externals, no_externals;
     const char *cut;
     sn_length cut_depth;
-    cli_list bones, bone_lists, states, neighbours;
+    cli_list bones, bone_lists, states, neighbours, focus;
 } given = {.cut_depth = {-1.0, 0.0}, .camera = "auto", .zoom = 1.0, .samples = 9, .legend = true};
 
 /* The words of --show. */
@@ -43,6 +43,8 @@ static const cli_option options[] = {
     {'b', "bone", "[NAME=]FILE", CLI_LIST, &given.bones, 0, 0, 0, NULL, "draw the bone in FILE, in the muscle's unit, with every muscle"},
     {0, "bones", "LIST", CLI_LIST, &given.bone_lists, 0, 0, 0, NULL,
      "a text file with a bone a line: FILE, or NAME, a tab and FILE; relative to LIST"},
+    {0, "all-bones", NULL, CLI_FLAG, &given.all_bones, 0, 0, 0, NULL,
+     "draw bones of a list or scene to which no muscle is attached, too (default: those it is attached to, if any)"},
     {0, "neighbours", "LIST", CLI_LIST, &given.neighbours, 0, 0, 0, NULL,
      "rigs that the externals' rows lie on, as for attach-detect --muscles: with --show externals or --cut they are drawn too"},
     {0, "cut", "PLANE", CLI_TEXT, &given.cut, 0, 0, 0, NULL,
@@ -83,6 +85,8 @@ static const cli_option options[] = {
      "auto (default: across the long axis), front, back, left, right, top, bottom, or AZIMUTH:ELEVATION in degrees"},
     {0, "views", "N|LIST", CLI_TEXT, &given.views, 0, 0, 0, camera_names + 1,
      "several tiles: N turns of the camera, or a list such as front,left,30:20"},
+    {0, "focus", "NAME", CLI_LIST, &given.focus, 0, 0, 0, NULL,
+     "aim the camera at muscles or bones alone: names with commas, * and ? stand for any characters and any one"},
     {0, "zoom", "FACTOR", CLI_NUMBER, &given.zoom, 0, 0.01, 1000, NULL, "enlarge about the middle (default 1: all is in the picture)"},
     {.kind = CLI_HEADING, .help = "The picture:"},
     {0, "size", "WxH", CLI_TEXT, &given.size, 0, 0, 0, NULL,
@@ -269,6 +273,7 @@ typedef struct album {
     sn_index group_count;
     bone_list bones;
     rig_list rigs; /* --neighbours */
+    sn_palette palette;
 } album;
 
 static sn_status album_add(album *a, content *item, sn_error *error) {
@@ -288,6 +293,8 @@ static void album_free(album *a) {
     }
     bones_free(&a->bones);
     rigs_free(&a->rigs);
+    sn_palette_free(&a->palette);
+    free(given.focus.items);
     free(given.neighbours.items);
     free(a->items);
     free(given.bones.items);
@@ -306,23 +313,53 @@ static char *caption_of(const char *path) {
     return sn_strdup(strcmp(name, "-") == 0 ? "standard input" : name);
 }
 
+static bool is_attached(const sn_muscle *muscle, const char *name) {
+    for (sn_index i = 0; i < muscle->attachment_count; i++)
+        if (strcmp(muscle->attachments[i].bone, name) == 0) return true;
+    return false;
+}
+
+/* Is the muscle attached to any bone of a list? Then the others of lists are left out, but not those that were named one by one. */
+static bool leaves_out(const album *a, const sn_muscle *muscle) {
+    for (size_t i = 0; i < a->bones.count && !given.all_bones; i++)
+        if (is_attached(muscle, a->bones.items[i].name)) return true;
+    return false;
+}
+
+static void tell_left_out(const album *a, sn_index count, const char *what) {
+    if (count > 0)
+        cli_say(a->c, "%d %s not drawn, as no muscle of %s is attached to %s; --all-bones draws all", count,
+                count == 1 ? "bone is" : "bones are", what, count == 1 ? "it" : "them");
+}
+
+static sn_status add_bones(album *a, const sn_muscle *muscle, sn_view *view, sn_error *error) {
+    const bool some = leaves_out(a, muscle);
+    sn_index left_out = 0;
+    sn_status status = SN_OK;
+    for (size_t i = 0; i < a->bones.count && !status; i++) {
+        const bone *b = &a->bones.items[i];
+        double unit = b->own_unit > 0.0 ? b->own_unit : muscle->meters_per_unit;
+        if (some && b->list && !is_attached(muscle, b->name))
+            left_out++;
+        else
+            status = sn_view_add_bone(view, b->name, &b->mesh, (sn_placement){unit, NULL}, error);
+    }
+    tell_left_out(a, left_out, muscle->name ? muscle->name : "the document");
+    return status;
+}
+
 static sn_status add_rig(album *a, const sn_muscle *muscle, sn_view *view, sn_error *error) {
     const section_request request = {given.cut, given.cut_depth, &a->bones, &a->rigs};
     if (given.cut) return section_add(view, muscle, &request, error);
     sn_status status = sn_view_add_muscle(view, muscle, a->show, error);
     if (!status && a->show & SN_SHOW_EXTERNALS) status = rows_add(view, muscle, &a->rigs, error);
-    for (size_t i = 0; i < a->bones.count && !status; i++) {
-        const bone *b = &a->bones.items[i];
-        double unit = b->own_unit > 0.0 ? b->own_unit : muscle->meters_per_unit;
-        status = sn_view_add_bone(view, b->name, &b->mesh, (sn_placement){unit, NULL}, error);
-    }
-    return status;
+    return status ? status : add_bones(a, muscle, view, error);
 }
 
 static sn_status add_muscle(album *a, const sn_blob *blob, const char *path, sn_error *error) {
     sn_muscle muscle;
     sn_document *document = NULL;
-    content item = {.caption = caption_of(path), .group = a->group_count++};
+    content item = {.view.palette = &a->palette, .caption = caption_of(path), .group = a->group_count++};
     sn_status status = sn_muscle_parse(blob, &a->c->read, &muscle, &document, error);
     sn_document_free(document);
     if (!status && !item.caption) status = sn_fail_memory(error, "a caption");
@@ -483,7 +520,7 @@ static sn_status set_frame(const sn_scene *scene, caches *k, int64_t frame, sn_e
 
 /* scene_path: NULL where the scene has several frames in the album; a lone one has the scene's name, and its moment as the subtitle. */
 static sn_status add_frame(album *a, const sn_scene *scene, caches *k, int64_t frame, const char *scene_path, sn_error *error) {
-    content item = {.group = a->group_count};
+    content item = {.view.palette = &a->palette, .group = a->group_count};
     double time = (double)frame / scene->rate;
     char text[64];
     snprintf(text, sizeof text, "frame %lld, %.2f s", (long long)frame, time);
@@ -568,7 +605,7 @@ static char *state_caption(const sn_state *state) {
 
 /* A tile: its caption tells the moment, and the worst row where there are several tiles. */
 static sn_status add_state(album *a, const stills *s, const sn_state *state, sn_index kind, sn_error *error) {
-    content item = {.group = a->group_count, .caption = state_caption(state)};
+    content item = {.view.palette = &a->palette, .group = a->group_count, .caption = state_caption(state)};
     sn_status status = item.caption ? SN_OK : sn_fail_memory(error, "a caption");
     const sn_state_look what = {s->kinds.items[kind], s->ranges[kind], a->show};
     if (!status) status = sn_view_add_state(&item.view, s->model, state, &what, error);
@@ -612,6 +649,13 @@ static sn_status add_frames(album *a, const sn_scene *scene, const char *path, s
     return status;
 }
 
+static void tell_scene_bones(const album *a, const sn_scene *scene) {
+    const unsigned drawing = given.states.count > 0 ? SN_SHOW_BONES : SN_SHOW_BONES | SN_SHOW_AUTO;
+    sn_index left_out = 0;
+    for (sn_index i = 0; i < scene->bone_count && a->show & drawing; i++) left_out += !sn_view_draws_bone(scene, i, a->show);
+    tell_left_out(a, left_out, "the scene");
+}
+
 static sn_status add_scene(album *a, const sn_blob *blob, const char *path, sn_error *error) {
     sn_scene scene = {0};
     sn_status status = sn_scene_parse(blob, true, &scene, error);
@@ -619,6 +663,7 @@ static sn_status add_scene(album *a, const sn_blob *blob, const char *path, sn_e
     if (a->bones.count > 0) cli_warn(a->c, "--bone is for muscle documents; %s brings its own bones", path);
     status = given.states.count > 0 ? add_states(a, &scene, error) : add_frames(a, &scene, path, error);
     a->group_count++;
+    if (!status) tell_scene_bones(a, &scene);
     sn_scene_free(&scene);
     return status;
 }
@@ -672,6 +717,46 @@ static sn_status add_input(album *a, const char *path, sn_error *error) {
         status = scene ? add_scene(a, &blob, path, error) : motion ? add_motion(a, &blob, path, error) : add_other(a, &blob, path, error);
     if (status) sn_error_set_file(error, blob.name);
     sn_blob_free(&blob);
+    return status;
+}
+
+/* ---- what the camera looks at ---------------------------------------------------------------------------------------------- */
+
+/* No picture has anything of that name: say which name was meant. */
+static sn_status fail_focus(const album *a, const char *name, sn_error *error) {
+    size_t count = 0, room = 1;
+    for (size_t i = 0; i < a->count; i++) room += a->items[i].view.mesh_count;
+    const char **names = SN_NEW(const char *, room); /* NULL at the end */
+    if (!names) return sn_fail_memory(error, "the names");
+    for (size_t i = 0; i < a->count; i++)
+        for (size_t m = 0; m < a->items[i].view.mesh_count; m++)
+            if (a->items[i].view.meshes[m].name) names[count++] = a->items[i].view.meshes[m].name;
+    const char *meant = sn_nearest_word(name, strlen(name), names);
+    sn_status status = sn_fail(error, SN_ERROR_INPUT, "--focus: no muscle or bone that is drawn is called '%s'%s%s%s%s", name,
+                               meant ? "; did you mean " : "", meant ? meant : "", meant ? "?" : "",
+                               !meant && !given.all_bones ? "; bones that no muscle is attached to are drawn by --all-bones" : "");
+    free(names);
+    return status;
+}
+
+static sn_status focus_on(album *a, const char *name, sn_error *error) {
+    size_t found = 0;
+    for (size_t i = 0; i < a->count; i++) found += sn_view_focus(&a->items[i].view, name);
+    return found > 0 ? SN_OK : fail_focus(a, name, error);
+}
+
+/* Names joined by commas; one with a comma in it can be written with a '?'. */
+static sn_status focus(album *a, sn_error *error) {
+    sn_status status = SN_OK;
+    for (int i = 0; i < given.focus.count; i++)
+        for (const char *text = given.focus.items[i]; *text && !status;) {
+            size_t length = strcspn(text, ",");
+            char *name = sn_strndup(text, length);
+            if (!name) return sn_fail_memory(error, "a name");
+            if (length > 0) status = focus_on(a, name, error);
+            free(name);
+            text += length + (text[length] == ',');
+        }
     return status;
 }
 
@@ -815,7 +900,7 @@ static void check_options(const cli *c) {
 static sn_status view_rigs(const cli *c, sn_error *error) {
     static const char *const standard_input[] = {"-"};
     cli_list inputs = c->inputs.count ? c->inputs : (cli_list){1, (const char **)(uintptr_t)standard_input};
-    album a = {.c = c, .show = parse_show(c, given.show)};
+    album a = {.c = c, .show = parse_show(c, given.show) | (given.all_bones ? SN_SHOW_ALL_BONES : 0)};
     looks views = parse_looks(c);
     sn_output *output = NULL;
     sn_image image = {0};
@@ -830,6 +915,7 @@ static sn_status view_rigs(const cli *c, sn_error *error) {
     if (!status) status = bones_load(&a.bones, c->threads, error);
     if (!status) status = rigs_load(c, &given.neighbours, &a.rigs, error);
     for (int i = 0; i < inputs.count && !status; i++) status = add_input(&a, inputs.items[i], error);
+    if (!status) status = focus(&a, error);
     if (!status) {
         join_groups(&a);
         sn_view_options o = picture_options(c, a.count * (size_t)views.count > 1);

@@ -542,6 +542,7 @@ static void write_matrix(const job *j, sn_json *json, sn_index group) {
     if (works) {
         sn_json_object(json, "matrix");
         sn_json_integer(json, "entries", sn_trial_matrix_entries(trial));
+        sn_json_integer(json, "bytes", (int64_t)sn_trial_matrix_bytes(trial));
         sn_json_number(json, "factorMilliseconds", 1e3 * factor);
         sn_json_number(json, "solveMilliseconds", 1e3 * solve);
         sn_json_close(json);

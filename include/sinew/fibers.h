@@ -55,7 +55,7 @@ typedef struct sn_penetration {
 
 SN_MUST_CHECK sn_status sn_bone_probe_create(const sn_scene *scene, sn_bone_probe **out, sn_error *error);
 void sn_bone_probe_destroy(sn_bone_probe *probe); /* NULL is fine */
-sn_penetration sn_bone_probe_points(const sn_bone_probe *probe, const sn_rigid *poses, sn_index count, const sn_vec3 *points,
+sn_penetration sn_bone_probe_points(sn_bone_probe *probe, const sn_rigid *poses, sn_index count, const sn_vec3 *points,
                                     double meters_per_unit);
 
 #endif

@@ -84,9 +84,9 @@ typedef struct sn_undo_params {
  * holes anew, wider and wider, until none is left; no vertex that stays moves. A cut is taken only where it leaves fewer crossings, as many
  * components, no more handles, and the volume within 5 %. *left is how many pairs there are. */
 SN_MUST_CHECK sn_status sn_undo_crossings(sn_mesh *mesh, const sn_undo_params *params, sn_index *left, sn_error *error);
-/* Replace triangles that cross in a closed oriented manifold (CGAL, experimental there): in a child process, ended after `seconds`.
- * The mesh is changed only where the result is a closed oriented manifold with fewer crossings; *left is what remains, *ended_early tells
- * that the time was up. Attributes follow by closest point. */
+/* Replace triangles that cross in a closed oriented manifold (CGAL, experimental there): in a child process, ended after `seconds` of
+ * processor time. The mesh is changed only where the result is a closed oriented manifold with fewer crossings; *left is what remains,
+ * *ended_early tells that the time was up. Attributes follow by closest point. */
 SN_MUST_CHECK sn_status sn_remove_self_intersections(sn_mesh *mesh, double seconds, sn_index *left, bool *ended_early, sn_error *error);
 /* Area of triangles of `from` that `to` has lost: centres farther than `reach` from its surface, and not inside it. */
 SN_MUST_CHECK sn_status sn_lost_area(const sn_mesh *from, const sn_mesh *to, double reach, double *out, sn_error *error);

@@ -90,7 +90,8 @@ typedef struct sn_plan_muscle {
     double overlap;                        /* m: the deepest of them */
     sn_index ties_inside;                  /* external: vertices that lie in what they slide on at rest */
     double deepest_tie;                    /* m: the deepest of them */
-    size_t model_bytes, state_bytes;       /* of its arrays and its struct; without the curves' knots and the back end's own scratch */
+    size_t model_bytes, state_bytes;       /* of its arrays and structs, the back end's scratch by point among them; without curves' knots,
+                                              what muscles share (fields of bones) and the matrix of `qn` (sn_trial_matrix_bytes) */
 } sn_plan_muscle;
 
 /* What a scene comes to; owned by the model. */
@@ -424,7 +425,9 @@ SN_MUST_CHECK sn_status sn_trial_matrix_factor(sn_trial_matrix *trial, sn_error 
 /* One direction of a step, as an iteration asks for it. */
 SN_MUST_CHECK sn_status sn_trial_matrix_solve(sn_trial_matrix *trial, sn_error *error);
 int64_t sn_trial_matrix_entries(const sn_trial_matrix *trial); /* numbers in the factor */
-void sn_trial_matrix_destroy(sn_trial_matrix *trial);          /* NULL is fine */
+/* Of the factor, the matrix it is made from, and what is solved with them: what a run holds beside the plan's state_bytes. */
+size_t sn_trial_matrix_bytes(const sn_trial_matrix *trial);
+void sn_trial_matrix_destroy(sn_trial_matrix *trial); /* NULL is fine */
 
 /* ---- errors row by row (errors.c): what sn_residual is the sum of --------------------------------------------------------- */
 

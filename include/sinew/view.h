@@ -52,14 +52,26 @@ typedef enum sn_view_show {
     SN_SHOW_ATTACHMENTS = 16,
     SN_SHOW_BONES = 32,
     SN_SHOW_WIRE = 64,
-    SN_SHOW_JOINTS = 256,    /* of a motion: its stick figure */
-    SN_SHOW_ENVELOPES = 512, /* of a scene: its surfaces, envelopes and driven meshes, translucent */
-    SN_SHOW_FIELDS = 1024,   /* of a scene: sections through the distance fields of its bones */
+    SN_SHOW_JOINTS = 256,     /* of a motion: its stick figure */
+    SN_SHOW_ENVELOPES = 512,  /* of a scene: its surfaces, envelopes and driven meshes, translucent */
+    SN_SHOW_FIELDS = 1024,    /* of a scene: sections through the distance fields of its bones */
     SN_SHOW_EXTERNALS = 2048, /* of a muscle: in place of attachments, which target each vertex has as its nearest */
-    SN_SHOW_AUTO = 128       /* the sections that are there, drawn so that they can be told apart */
+    SN_SHOW_ALL_BONES = 4096, /* of a scene: also bones that no muscle is attached to */
+    SN_SHOW_AUTO = 128        /* the sections that are there, drawn so that they can be told apart */
 } sn_view_show;
 
+/* Colours of bones by their names, in the order in which they were first asked for. All zeros = empty. */
+typedef struct sn_palette {
+    size_t count, capacity;
+    char **names; /* (count) owned */
+} sn_palette;
+void sn_palette_free(sn_palette *palette);
+/* The colour of a name, which is the palette's from now on. */
+SN_MUST_CHECK sn_status sn_palette_color(sn_palette *palette, const char *name, sn_color *color, sn_error *error);
+
 typedef struct sn_view_mesh {
+    char *name; /* nullable: of the muscle, bone or surface that it is */
+    bool focus; /* the camera looks at such meshes alone, where a view has any */
     sn_index vertex_count, triangle_count;
     sn_vec3 *positions;     /* (vertex_count) */
     sn_triangle *triangles; /* (triangle_count) */
@@ -106,7 +118,10 @@ typedef struct sn_view {
     sn_view_entry *entries;
     sn_view_scale scale;
     size_t ring_count, ring_capacity;
-    sn_vec3 *rings; /* (ring_count) places to draw a ring around, also where they are hidden; they belong to the lettering */
+    sn_vec3 *rings;         /* (ring_count) places to draw a ring around, also where they are hidden; they belong to the lettering */
+    bool attachments_shown; /* bones have the colours of the attachments to them */
+    sn_palette own_palette;
+    sn_palette *palette; /* nullable, borrowed: one for views whose bones are to have the same colours; NULL = own_palette */
 } sn_view;
 
 void sn_view_free(sn_view *view); /* frees what it owns and zeroes it */
@@ -127,6 +142,9 @@ SN_MUST_CHECK sn_status sn_view_add_entry(sn_view *view, sn_view_mark mark, sn_c
 SN_MUST_CHECK sn_status sn_view_add_entry_detail(sn_view *view, sn_view_mark mark, sn_color color, const char *text, const char *detail,
                                                  sn_error *error);
 SN_MUST_CHECK sn_status sn_view_add_ring(sn_view *view, sn_vec3 at, sn_error *error);
+/* Have the camera look at the meshes whose names match (sn_pattern_matches: * and ?), and at those of earlier calls. Returns how many
+ * match. */
+size_t sn_view_focus(sn_view *view, const char *pattern);
 /* The colour of a scale at t: 0 = its start, 1 and above = its end; NaN = its end. */
 sn_color sn_scale_color(double t);
 
@@ -136,7 +154,8 @@ sn_color sn_scale_color(double t);
  * as short lines along the surface, attachments in one colour per bone. `show` is bits of sn_view_show. Sets the title and the
  * subtitle (counts) where there is none yet. */
 SN_MUST_CHECK sn_status sn_view_add_muscle(sn_view *view, const sn_muscle *muscle, unsigned show, sn_error *error);
-/* A bone, as sn_view_add_mesh; name (nullable) goes into the legend. */
+/* A bone, as sn_view_add_mesh; name (nullable) goes into the legend. It is ivory, tinted with its name's colour where attachments to it are
+ * shown in this view. */
 SN_MUST_CHECK sn_status sn_view_add_bone(sn_view *view, const char *name, const sn_mesh *mesh, sn_placement placement, sn_error *error);
 
 /* Surfaces by name that rows lie on, or that a section goes through. */
@@ -168,9 +187,13 @@ SN_MUST_CHECK sn_status sn_view_add_section(sn_view *view, const sn_view_section
 /* A scene at a time in seconds: bones in their pose, muscles coloured by activation. positions (nullable; muscle_count; entries
  * nullable): the muscle's vertices at that time, in metres; without, the muscle is at rest. SN_SHOW_AUTO is muscles, bones and surfaces
  * here; structure and fibre directions show only at rest, which they belong to; fibres through the volume show where they are: beside
- * positions they must be that time's, in metres, or none. */
+ * positions they must be that time's, in metres, or none. Bones are drawn as sn_view_draws_bone says. */
 SN_MUST_CHECK sn_status sn_view_add_scene(sn_view *view, const sn_scene *scene, double time, const sn_vec3 *const *positions, unsigned show,
                                           sn_error *error);
+
+/* Is a bone of the scene drawn? With SN_SHOW_ALL_BONES each; else those that an enabled muscle is attached to, by their own or their
+ * joint's name, or each where that is none of them. */
+bool sn_view_draws_bone(const sn_scene *scene, sn_index bone, unsigned show);
 
 /* What a state is coloured by: the errors of a kind of rows (sn_row_kind, which come first), or contact at the vertices. */
 typedef enum sn_state_figure {

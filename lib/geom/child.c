@@ -3,6 +3,8 @@
  */
 #include "child.h"
 
+#include "sinew/watch.h"
+
 #include <errno.h>
 #include <math.h>
 #include <poll.h>
@@ -10,14 +12,9 @@
 #include <stdlib.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
-#include <time.h>
 #include <unistd.h>
 
-static double now(void) {
-    struct timespec t;
-    clock_gettime(CLOCK_MONOTONIC, &t);
-    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
-}
+enum { LOOK_EVERY = 50 }; /* milliseconds */
 
 /* An address sanitizer reserves more than any limit. */
 #ifdef __SANITIZE_ADDRESS__
@@ -26,6 +23,7 @@ static double now(void) {
 #define CAN_LIMIT_MEMORY true
 #endif
 
+/* The kernel's limit is whole seconds, and stands behind the watch: it holds where this process is gone or gets no processor. */
 static void set_limits(const sn_child_limits *limits) {
     struct rlimit none = {0, 0}, time = {(rlim_t)ceil(limits->seconds) + 1, (rlim_t)ceil(limits->seconds) + 2};
     struct rlimit memory = {limits->memory, limits->memory};
@@ -49,16 +47,14 @@ bool sn_child_write(int out, const void *bytes, size_t count) {
 typedef enum reading { READ_ALL, READ_LATE, READ_FAILED } reading;
 
 /* Read until the child closes its end, within the limits. */
-static reading read_answer(int in, const sn_child_limits *limits, char **answer, size_t *count) {
-    double deadline = now() + limits->seconds;
+static reading read_answer(int in, sn_watch *watch, const sn_child_limits *limits, char **answer, size_t *count) {
     size_t capacity = 0;
     for (;;) {
-        double left = deadline - now();
         struct pollfd watched = {.fd = in, .events = POLLIN};
-        int ready = left > 0.0 ? poll(&watched, 1, (int)fmin(ceil(1000.0 * left), 1e9)) : 0;
-        if (ready == 0) return READ_LATE;
+        int ready = poll(&watched, 1, LOOK_EVERY);
         if (ready < 0 && errno != EINTR) return READ_FAILED;
-        if (ready < 0) continue;
+        if (ready <= 0 && sn_watch_is_late(watch)) return READ_LATE;
+        if (ready <= 0) continue;
         if (*count > limits->most_answer || !sn_grow((void **)answer, &capacity, *count + 65536, 1)) return READ_FAILED;
         ssize_t got = read(in, *answer + *count, 65536);
         if (got == 0) return READ_ALL;
@@ -67,11 +63,11 @@ static reading read_answer(int in, const sn_child_limits *limits, char **answer,
     }
 }
 
-/* The child's exit status; -1 where a signal ended it. */
+/* The child's exit status; minus the signal that ended it. */
 static int reap(pid_t child) {
     int status = 0;
     while (waitpid(child, &status, 0) < 0 && errno == EINTR) continue;
-    return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+    return WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status);
 }
 
 /* A handler of this process has no business in the child's death. */
@@ -98,10 +94,12 @@ sn_status sn_child_run(sn_child_work work, void *user, const sn_child_limits *li
         be_child(work, user, limits, ends[1]);
     }
     close(ends[1]);
-    reading how = child > 0 ? read_answer(ends[0], limits, &bytes, &size) : READ_FAILED;
+    sn_watch watch = sn_watch_begin(child, limits->seconds);
+    reading how = child > 0 ? read_answer(ends[0], &watch, limits, &bytes, &size) : READ_FAILED;
     close(ends[0]);
     if (child > 0 && how != READ_ALL) kill(child, SIGKILL);
     int code = child > 0 ? reap(child) : -1;
+    if (code == -SIGXCPU) how = READ_LATE;
     answer->ended_early = how == READ_LATE;
     if (how == READ_ALL && code == 0) {
         answer->bytes = bytes;
@@ -110,6 +108,6 @@ sn_status sn_child_run(sn_child_work work, void *user, const sn_child_limits *li
     }
     free(bytes);
     if (child < 0) return sn_fail(error, SN_ERROR_INTERNAL, "no child process could be started");
-    if (how == READ_LATE) return sn_fail(error, SN_ERROR_INTERNAL, "the work was not done after %g s", limits->seconds);
+    if (how == READ_LATE) return sn_fail(error, SN_ERROR_INTERNAL, "the work was not done after %g s of processor time", limits->seconds);
     return sn_fail(error, SN_ERROR_INTERNAL, "the child process failed");
 }

@@ -7,7 +7,7 @@
 #include "sinew/base.h"
 
 typedef struct sn_child_limits {
-    double seconds;     /* of wall-clock and of processor time */
+    double seconds;     /* of processor time; or as many in which it hardly works (sn_watch) */
     size_t memory;      /* bytes of address space; 0 = no limit */
     size_t most_answer; /* bytes that the answer may have */
 } sn_child_limits;
@@ -21,7 +21,7 @@ typedef struct sn_child_answer {
     bool ended_early; /* there is none: the time was up */
 } sn_child_answer;
 
-/* Fork, let the child work, and read its answer. A child that dies, fails, or takes longer than the limits is ended and gives
+/* Fork, let the child work, and read its answer. A child that dies, fails, or takes more than the limits is ended and gives
  * SN_ERROR_INTERNAL and no bytes. The child shares nothing with this process but what it writes, and runs none of its exit handlers. */
 SN_MUST_CHECK sn_status sn_child_run(sn_child_work work, void *user, const sn_child_limits *limits, sn_child_answer *answer,
                                      sn_error *error);

@@ -25,20 +25,20 @@
 #include "bytes.h"
 #include "mesh_reader.h"
 #include "nodes.h"
+#include "sinew/watch.h"
 
 #ifndef SN_PREFIX
 #define SN_PREFIX "/usr/local"
 #endif
 
 /* What a child may take. The times are those that libraries.md's hangs went far beyond, and real files far below. */
-#define WALL_SECONDS 20
-#define CPU_SECONDS 20
+#define CPU_SECONDS 20                  /* or as many in which it hardly works: sn_watch */
 #define MEMORY_BASE ((uint64_t)2 << 30) /* address space, in bytes: this, and MEMORY_SHARE for each byte of the file */
 #define MEMORY_SHARE 16
 #define ANSWER_BASE ((uint64_t)256 << 20) /* likewise of what it may answer */
 #define ANSWER_SHARE 32
 
-enum { CHUNK = 1 << 16, MESSAGE_SIZE = 2048 };
+enum { CHUNK = 1 << 16, MESSAGE_SIZE = 2048, LOOK_EVERY = 50 /* milliseconds */ };
 
 typedef struct child {
     const sn_blob *blob;
@@ -49,18 +49,12 @@ typedef struct child {
     char path[PATH_MAX + 64];
     pid_t pid;
     int input, output, messages; /* its stdin, its stdout and its stderr; -1 = closed */
-    double deadline;
+    sn_watch watch;
     char *answer;
     size_t answer_size, answer_capacity;
     char message[MESSAGE_SIZE]; /* the beginning of what it wrote to stderr, and a 0 */
     size_t message_size;
 } child;
-
-static double now(void) {
-    struct timespec t;
-    clock_gettime(CLOCK_MONOTONIC, &t);
-    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
-}
 
 static void close_descriptor(int *fd) {
     if (*fd >= 0) close(*fd);
@@ -121,7 +115,7 @@ static _Noreturn void become_program(const child *c, int output, int messages, c
 #if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__) /* these reserve terabytes */
     limit(RLIMIT_AS, MEMORY_BASE + MEMORY_SHARE * (uint64_t)c->blob->size);
 #endif
-    limit(RLIMIT_CPU, CPU_SECONDS);
+    limit(RLIMIT_CPU, CPU_SECONDS + 1); /* behind the watch: where the parent gets no processor */
     limit(RLIMIT_CORE, 0);
     limit(RLIMIT_FSIZE, 0); /* it writes to pipes only */
     sigset_t none;
@@ -144,7 +138,7 @@ static sn_status start(child *c, sn_error *error) {
     close_descriptor(&messages[1]);
     c->output = output[0];
     c->messages = messages[0];
-    c->deadline = now() + WALL_SECONDS;
+    c->watch = sn_watch_begin(c->pid, CPU_SECONDS);
     if (c->pid > 0) return SN_OK;
     return sn_fail_at(error, SN_ERROR_IO, c->blob->name, 0, "cannot be imported, as %s cannot be started: %s", c->path, strerror(reason));
 }
@@ -193,17 +187,16 @@ static sn_status too_slow(const child *c, sn_error *error) {
         error, SN_ERROR_INPUT, c->blob->name, 0,
         "takes longer than %d s to be imported as %s, so that was given up; the file may be damaged: export it again, or as OBJ or "
         "PLY",
-        WALL_SECONDS, c->name);
+        CPU_SECONDS, c->name);
 }
 
 /* Until it has closed both pipes or its time is over. */
 static sn_status listen_to(child *c, sn_error *error) {
     sn_status status = SN_OK;
     while (status == SN_OK && (c->output >= 0 || c->messages >= 0)) {
-        double left = c->deadline - now();
-        if (left <= 0.0) return too_slow(c, error);
+        if (sn_watch_is_late(&c->watch)) return too_slow(c, error);
         struct pollfd ready[2] = {{.fd = c->output, .events = POLLIN}, {.fd = c->messages, .events = POLLIN}};
-        if (poll(ready, 2, (int)(left * 1000.0) + 1) < 0 && errno != EINTR)
+        if (poll(ready, 2, LOOK_EVERY) < 0 && errno != EINTR)
             return sn_fail_at(error, SN_ERROR_IO, c->blob->name, 0, "cannot be imported: %s", strerror(errno));
         if (ready[1].revents != 0) take_message(c);
         if (ready[0].revents != 0) status = take_answer(c, error);
@@ -214,12 +207,12 @@ static sn_status listen_to(child *c, sn_error *error) {
 /* ---- end -------------------------------------------------------------------------------------------------------------- */
 
 /* It has closed its pipes and should be gone any moment; true once it is. It stays to be reaped. */
-static bool is_gone(const child *c) {
+static bool is_gone(child *c) {
     for (;;) {
         siginfo_t info = {0};
         if (waitid(P_PID, (id_t)c->pid, &info, WEXITED | WNOHANG | WNOWAIT) != 0 && errno != EINTR) return true;
         if (info.si_pid != 0) return true;
-        if (now() >= c->deadline) return false;
+        if (sn_watch_is_late(&c->watch)) return false;
         nanosleep(&(struct timespec){.tv_nsec = 500000}, NULL);
     }
 }

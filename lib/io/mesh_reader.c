@@ -225,6 +225,12 @@ sn_index sn_index_table_intern(sn_index_table *table, sn_index candidate, const 
 
 /* ---- the mesh ------------------------------------------------------------------------------------------------------- */
 
+/* Indices are 32 bits wide: what is more is refused, not counted on from below zero. */
+static sn_status too_many(const sn_reader *reader, const char *what) {
+    return sn_reader_fail(reader, SN_NONE, "there are more than the %d %s that can be counted; take the file apart", (int)SN_INDEX_MAX,
+                          what);
+}
+
 static bool reserve_vertices(sn_reader *reader, size_t count) {
     return count <= SN_INDEX_MAX && sn_grow((void **)&reader->mesh.positions, &reader->vertex_capacity, count, sizeof(sn_vec3));
 }
@@ -251,6 +257,7 @@ sn_status sn_reader_add_vertex(sn_reader *reader, sn_vec3 position) {
                               "--repair-nonfinite drops such vertices",
                               (int)vertex, position.x, position.y, position.z);
     }
+    if (vertex == SN_INDEX_MAX) return too_many(reader, "vertices");
     if ((size_t)vertex >= reader->vertex_capacity && !reserve_vertices(reader, (size_t)vertex + 1)) {
         return sn_fail_memory(reader->error, "vertices");
     }
@@ -311,6 +318,7 @@ bool sn_reader_may_take(const sn_reader *reader, double more) {
 
 /* Room for `count` triangles, within the file's share of memory: a byte a corner can make a triangle each. */
 static sn_status grow_triangles(sn_reader *reader, size_t count) {
+    if (count > SN_INDEX_MAX) return too_many(reader, "triangles");
     if (count <= reader->triangle_capacity) return SN_OK;
     double doubled = 2.0 * (double)reader->triangle_capacity;
     double more = fmax((double)count, doubled) - (double)reader->triangle_capacity;
@@ -368,11 +376,11 @@ sn_status sn_reader_add_line(sn_reader *reader) {
     size_t count = reader->corner_count, before = (size_t)lines->corner_count;
     reader->corner_count = 0;
     if (count < 2) {
-        lines->thin++;
+        lines->thin += lines->thin < SN_INDEX_MAX;
         return SN_OK;
     }
-    if (before + count > SN_INDEX_MAX ||
-        !sn_grow((void **)&lines->starts, &lines->start_capacity, (size_t)lines->line_count + 2, sizeof(sn_index)) ||
+    if (before + count > SN_INDEX_MAX) return too_many(reader, "points of lines");
+    if (!sn_grow((void **)&lines->starts, &lines->start_capacity, (size_t)lines->line_count + 2, sizeof(sn_index)) ||
         !sn_grow((void **)&lines->corners, &lines->corner_capacity, before + count, sizeof(sn_index)))
         return sn_fail_memory(reader->error, "the points of the lines");
     memcpy(lines->corners + before, reader->corners, count * sizeof(sn_index));
@@ -406,6 +414,7 @@ static bool equal_names(const void *names, sn_index i, sn_index j) {
 
 sn_status sn_reader_group(sn_reader *reader, sn_span name, sn_index *out) {
     sn_mesh *mesh = &reader->mesh;
+    if (mesh->group_count == SN_INDEX_MAX) return too_many(reader, "groups");
     if (!sn_grow((void **)&mesh->group_names, &reader->group_capacity, (size_t)mesh->group_count + 1, sizeof(char *))) {
         return sn_fail_memory(reader->error, "group names");
     }

@@ -28,7 +28,13 @@ static void free_lines(sn_line_set *lines) {
     free(lines->corners);
 }
 
+static sn_status too_many(const char *what, sn_error *error) {
+    return sn_fail(error, SN_ERROR_INPUT, "there are more than the %d %s that can be counted; take the file apart", (int)SN_INDEX_MAX,
+                   what);
+}
+
 static sn_status begin_line(sn_line_set *lines, sn_error *error) {
+    if (lines->line_count == SN_INDEX_MAX) return too_many("fibres", error);
     if (!sn_grow((void **)&lines->starts, &lines->start_capacity, (size_t)lines->line_count + 2, sizeof(sn_index)))
         return sn_fail_memory(error, "the fibres");
     lines->starts[lines->line_count++] = lines->corner_count;
@@ -37,8 +43,8 @@ static sn_status begin_line(sn_line_set *lines, sn_error *error) {
 }
 
 static sn_status add_corner(sn_line_set *lines, sn_index vertex, sn_error *error) {
-    if (lines->corner_count == SN_INDEX_MAX ||
-        !sn_grow((void **)&lines->corners, &lines->corner_capacity, (size_t)lines->corner_count + 1, sizeof(sn_index)))
+    if (lines->corner_count == SN_INDEX_MAX) return too_many("points of fibres", error);
+    if (!sn_grow((void **)&lines->corners, &lines->corner_capacity, (size_t)lines->corner_count + 1, sizeof(sn_index)))
         return sn_fail_memory(error, "the points of the fibres");
     lines->corners[lines->corner_count++] = vertex;
     lines->starts[lines->line_count] = lines->corner_count;

@@ -6,6 +6,8 @@
 #include "qn.h"
 #include "wide.h"
 
+#include <string.h>
+
 /* ---- inertia -------------------------------------------------------------------------------------------------------------- */
 
 typedef struct free_points {
@@ -40,6 +42,7 @@ double sn_rows_evaluate(const sn_model *model, const sn_state *state, sn_index m
     const sn_model_muscle *m = &model->muscles[muscle];
     const sn_muscle_state *s = &state->muscles[muscle];
     sn_point *forces = sn_qn_of(&state->groups[m->group])->forces + model->groups[m->group].first[m->member];
+    memset(forces, 0, (size_t)m->point_count * sizeof *forces); /* rows add to what is there: call after call would be more */
     return sn_rows_energy(m, s, kind, s->points, (sn_forces){&forces->x, 4});
 }
 

@@ -518,6 +518,31 @@ int64_t sn_preconditioner_entries(const sn_preconditioner *p) {
     return matrix->factor != NULL ? sn_sparse_entries(matrix->factor) : 0;
 }
 
+static size_t matrix_bytes(const sn_preconditioner *p, const rest_matrix *matrix) {
+    const sn_blocks *b = &matrix->blocks;
+    if (b->blocks == NULL) return 0;
+    size_t bytes = b->capacity * sizeof *b->blocks + (size_t)b->rows * sizeof *b->last + (size_t)b->entry_count * sizeof *b->entries;
+    int64_t entries = matrix->factor != NULL ? sn_sparse_entries(matrix->factor) : 0;
+    return bytes + (size_t)p->count * sizeof(double) + (size_t)entries * (sizeof(double) + sizeof(int)); /* each with its row */
+}
+
+static size_t coarse_bytes(const sn_two_level *t, sn_index points) {
+    if (t->model == NULL) return 0;
+    size_t each = sizeof *t->member + sizeof *t->weight + sizeof *t->at, size = (size_t)t->size;
+    return (size_t)points * each + (size_t)t->count * (sizeof *t->total + sizeof *t->middle) + (size * size + 2 * size) * sizeof(double);
+}
+
+size_t sn_preconditioner_bytes(const sn_preconditioner *p) {
+    const size_t points = (size_t)p->point_count, members = (size_t)p->count, numbers = (size_t)p->free_count;
+    size_t bytes = sizeof *p + members * (sizeof *p->members + sizeof *p->volume_stiffness) + 2 * (members + 1) * sizeof *p->first +
+                   points * (2 * sizeof *p->number_of + 2 * sizeof *p->volume_gradient) +
+                   numbers * (sizeof *p->mass + 6 * (sizeof *p->right + sizeof *p->solution));
+    bytes += p->coupling_capacity * sizeof *p->couplings + (p->positions != NULL ? points * sizeof *p->positions : 0);
+    for (sn_index i = 0; p->coarse != NULL && i < p->count; i++)
+        bytes += sizeof *p->coarse + coarse_bytes(&p->coarse[i], p->members[i]->point_count);
+    return bytes + matrix_bytes(p, &p->scalar) + matrix_bytes(p, &p->corotated);
+}
+
 bool sn_preconditioner_apply(sn_preconditioner *p, const sn_vec3 *in, sn_vec3 *out) {
     const rest_matrix *matrix = p->turns != NULL ? &p->corotated : &p->scalar;
     if (matrix->factor == NULL) return false;

@@ -101,6 +101,8 @@ void sn_preconditioner_set_volume(sn_preconditioner *p, const sn_vec3 *volume_gr
 bool sn_preconditioner_apply(sn_preconditioner *p, const sn_vec3 *in, sn_vec3 *out);
 /* Numbers in the factor that it goes by; 0: there is none yet. */
 int64_t sn_preconditioner_entries(const sn_preconditioner *p);
+/* Bytes of all it holds: blocks, factors, what it solves with; without the deflation of a group and the frames of the corotated matrix. */
+size_t sn_preconditioner_bytes(const sn_preconditioner *p);
 /* in += A_fk jump + k_V g_f (g_k . jump): what a motion of the carried points adds to the gradient of the free ones. */
 void sn_preconditioner_add_jump(const sn_preconditioner *p, const sn_vec3 *jump, const sn_vec3 *volume_gradient,
                                 const double *volume_stiffness, sn_vec3 *in);

@@ -52,6 +52,8 @@ sn_status sn_trial_matrix_solve(sn_trial_matrix *t, sn_error *error) {
 
 int64_t sn_trial_matrix_entries(const sn_trial_matrix *t) { return sn_preconditioner_entries(t->preconditioner); }
 
+size_t sn_trial_matrix_bytes(const sn_trial_matrix *t) { return sn_preconditioner_bytes(t->preconditioner); }
+
 void sn_trial_matrix_destroy(sn_trial_matrix *t) {
     if (t == NULL) return;
     sn_preconditioner_destroy(t->preconditioner);

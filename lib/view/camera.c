@@ -14,10 +14,18 @@ sn_camera sn_camera_from(double azimuth, double elevation) {
     return (sn_camera){.right = right, .up = sn_cross(back, right), .back = back, .extent = EMPTY, .zoom = 1.0};
 }
 
+/* Does the camera look at all there is, or only at some of its meshes? */
+static bool is_focused(const sn_view *view) {
+    for (size_t m = 0; m < view->mesh_count; m++)
+        if (view->meshes[m].focus) return true;
+    return false;
+}
+
 static sn_box view_box(const sn_view *view) {
     sn_box box = EMPTY;
+    bool focused = is_focused(view);
     for (size_t m = 0; m < view->mesh_count; m++)
-        for (sn_index i = 0; i < view->meshes[m].vertex_count; i++) {
+        for (sn_index i = 0; i < view->meshes[m].vertex_count && view->meshes[m].focus == focused; i++) {
             box.low = sn_min3(box.low, view->meshes[m].positions[i]);
             box.high = sn_max3(box.high, view->meshes[m].positions[i]);
         }
@@ -26,10 +34,11 @@ static sn_box view_box(const sn_view *view) {
 
 /* Second moments of the surface about its centroid, a triangle's weight at its centre; lengths in units of `size`. */
 static sn_mat3 second_moments(const sn_view *view, sn_vec3 origin, double size) {
+    bool focused = is_focused(view);
     double weight = 0.0, first[3] = {0}, second[3][3] = {{0}};
     for (size_t m = 0; m < view->mesh_count; m++) {
         const sn_view_mesh *mesh = &view->meshes[m];
-        for (sn_index t = 0; t < mesh->triangle_count; t++) {
+        for (sn_index t = 0; t < mesh->triangle_count && mesh->focus == focused; t++) {
             const sn_index *v = mesh->triangles[t].v;
             sn_vec3 a = sn_scale(sn_sub(mesh->positions[v[0]], origin), 1.0 / size);
             sn_vec3 b = sn_scale(sn_sub(mesh->positions[v[1]], origin), 1.0 / size);
@@ -83,9 +92,11 @@ static void include_point(sn_camera *camera, sn_vec3 p) {
 }
 
 void sn_camera_include(sn_camera *camera, const sn_view *view) {
+    bool focused = is_focused(view);
     for (size_t m = 0; m < view->mesh_count; m++)
-        for (sn_index i = 0; i < view->meshes[m].vertex_count; i++) include_point(camera, view->meshes[m].positions[i]);
-    for (size_t t = 0; t < view->tube_count; t++) {
+        for (sn_index i = 0; i < view->meshes[m].vertex_count && view->meshes[m].focus == focused; i++)
+            include_point(camera, view->meshes[m].positions[i]);
+    for (size_t t = 0; t < view->tube_count && !focused; t++) {
         include_point(camera, view->tubes[t].a);
         include_point(camera, view->tubes[t].b);
     }

@@ -211,6 +211,7 @@ bool layer_cast(const layer *l, double x, double y, double near, double far, lay
                        .id = part->id};
     hit->normal = behind ? sn_neg(smooth) : smooth;
     if (behind) hit->open = 0.8f;
-    if (part->wire && on_wire(l, v, x, y)) hit->albedo = tint_scale(hit->albedo, 0.35f);
+    hit->wired = part->wire && on_wire(l, v, x, y);
+    if (hit->wired) hit->albedo = tint_scale(hit->albedo, 0.35f);
     return true;
 }

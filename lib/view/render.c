@@ -9,6 +9,7 @@
 #include <stdlib.h>
 
 enum { BAND_ROWS = 8, GLASS_LAYERS = 24 };
+static const double WIRE_OPACITY = 0.7; /* of edges on a translucent surface, which would be as faint as it is */
 
 typedef struct picture {
     const sn_view_options *options;
@@ -49,6 +50,7 @@ static void cast_solid(const picture *p, band *b) {
 static float shell_opacity(const layer_hit *hit) {
     double opacity = hit->painted ? 0.5 + 0.5 * hit->opacity : hit->opacity;
     double slant = fmax(hit->normal.z, 0.1);
+    if (hit->wired) opacity = fmax(opacity, WIRE_OPACITY);
     return (float)((hit->behind ? 0.7 : 1.0) * (1.0 - sn_quick_pow(1.0 - opacity, 1.0 / slant)));
 }
 

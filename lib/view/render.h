@@ -72,8 +72,8 @@ typedef struct layer_hit {
     sn_vec3 normal; /* towards the viewer */
     tint albedo;
     float open, gloss, opacity;
-    bool behind; /* the surface is seen from its inner side */
-    bool painted;
+    bool behind;         /* the surface is seen from its inner side */
+    bool painted, wired; /* wired: on an edge that is drawn */
     sn_index id;
 } layer_hit;
 bool layer_cast(const layer *l, double x, double y, double near, double far, layer_hit *hit);

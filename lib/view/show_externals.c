@@ -16,24 +16,13 @@ static const double SAME_PLACE = 1e-6;
 static const sn_color COLOR_OUTLINE = {0.30, 0.28, 0.24}, COLOR_SLIDE = {0.13, 0.45, 0.85}, COLOR_SOFT = {0.10, 0.62, 0.30},
                       COLOR_HARD = {0.85, 0.12, 0.12}, COLOR_IDLE = {0.45, 0.45, 0.45};
 
-/* Colour number i of as many as it takes: hues a golden section of the circle apart, darker in every second turn of eight. */
-static sn_color target_color(sn_index i) {
-    double hue = 0.12 + 0.6180339887498949 * i, value = i / 8 % 2 == 0 ? 0.92 : 0.62;
-    double part[3];
-    for (int k = 0; k < 3; k++) {
-        double t = hue + k / 3.0, wave = fabs(2.0 * (t - floor(t)) - 1.0); /* 1 at the hue, 0 opposite */
-        part[k] = value * (0.30 + 0.70 * fmin(fmax(3.0 * wave - 1.0, 0.0), 1.0));
-    }
-    return (sn_color){part[0], part[1], part[2]};
-}
-
 static sn_status add_target_entry(sn_view *view, const sn_muscle *muscle, sn_index i, sn_view_mark mark, sn_error *error) {
     const sn_external *e = &muscle->externals[i];
     bool superficial = e->fascia && strcmp(e->fascia, "superficial") == 0;
     char text[192], detail[24];
     snprintf(text, sizeof text, "%s %s", superficial ? "held in by" : "faces", e->target);
     snprintf(detail, sizeof detail, "%d", e->count);
-    return sn_view_add_entry_detail(view, mark, target_color(i), text, detail, error);
+    return sn_view_add_entry_detail(view, mark, hue_color((size_t)i), text, detail, error);
 }
 
 /* ---- vertices by target -------------------------------------------------------------------------------------------------------- */
@@ -47,7 +36,7 @@ sn_status paint_externals(sn_view *view, sn_view_mesh *mesh, const sn_muscle *mu
     if (!status) mesh->paint_count = muscle->external_count;
     for (sn_index i = 0; i < muscle->external_count && !status; i++) {
         const sn_external *e = &muscle->externals[i];
-        mesh->paints[i] = target_color(i);
+        mesh->paints[i] = hue_color((size_t)i);
         for (sn_index k = 0; k < e->count; k++) {
             sn_index v = e->vertices[k];
             double distance = fabs(e->distances[k]);
@@ -111,7 +100,8 @@ static sn_status add_row_entries(sn_view *view, const sn_muscle *muscle, sn_erro
 
 static sn_status add_target_mesh(sn_view *view, const sn_view_target *target, sn_index i, sn_error *error) {
     sn_view_mesh *mesh;
-    sn_status status = sn_view_add_mesh(view, target->mesh, (sn_placement){target->meters_per_unit, NULL}, target_color(i), &mesh, error);
+    sn_status status =
+        sn_view_add_mesh(view, target->mesh, (sn_placement){target->meters_per_unit, NULL}, hue_color((size_t)i), &mesh, error);
     if (!status) mesh->opacity = TARGET_OPACITY;
     return status;
 }
@@ -182,7 +172,7 @@ static sn_status add_cut_target(sn_view *view, const cut *c, sn_index i, sn_erro
     const sn_view_target *target = find_target(c->section->targets, muscle->externals[i].target);
     size_t before = view->tube_count;
     sn_status status = SN_OK;
-    if (target) status = add_outline(view, c, target->mesh, target->meters_per_unit, target_color(i), error);
+    if (target) status = add_outline(view, c, target->mesh, target->meters_per_unit, hue_color((size_t)i), error);
     if (!status) status = add_cut_rows(view, c, muscle, i, target, error);
     return status || view->tube_count == before ? status : add_target_entry(view, muscle, i, SN_MARK_LINE, error);
 }

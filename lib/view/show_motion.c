@@ -121,6 +121,7 @@ static sn_status show_surfaces(sn_view *view, const sn_motion *motion, const sn_
         sn_index joint = motion->bones[b].joint;
         if (meshes[b].triangle_count == 0) continue;
         status = sn_view_add_bone(view, NULL, &meshes[b], (sn_placement){1.0, joint == SN_NONE ? NULL : &poses[joint]}, error);
+        if (!status) status = name_mesh(view, motion->bones[b].name, error);
         if (status) break;
         view->meshes[view->mesh_count - 1].opacity = show & SN_SHOW_JOINTS ? SHEER : 1.0;
         view->meshes[view->mesh_count - 1].wire = (show & SN_SHOW_WIRE) != 0;

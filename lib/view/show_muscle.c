@@ -8,13 +8,6 @@ enum { CONNECTIONS = 1500 };
 static const double ROOT_RADIUS = 0.0045, BRANCH_RADIUS = 0.0034, SAMPLE_RADIUS = 0.0051, CONNECTION_RADIUS = 0.0006;
 static const double SEEN_THROUGH = 0.30; /* opacity of a surface with something inside */
 
-/* Colour number i of those that tell bones apart; they come round again after eight. */
-static sn_color attachment_color(sn_index i) {
-    static const sn_color colors[8] = {{0.93, 0.68, 0.16}, {0.10, 0.62, 0.60}, {0.88, 0.45, 0.62}, {0.60, 0.73, 0.22},
-                                       {0.30, 0.70, 0.88}, {0.90, 0.46, 0.15}, {0.56, 0.52, 0.88}, {0.55, 0.45, 0.33}};
-    return colors[i % 8];
-}
-
 /* ---- words -------------------------------------------------------------------------------------------------------------------- */
 
 typedef struct phrase {
@@ -108,10 +101,12 @@ static sn_status show_attachments(sn_view *view, sn_view_mesh *mesh, const sn_mu
     if (!mesh->paints || !mesh->paint) return sn_fail_memory(error, "the attachments' paint");
     mesh->paint_count = muscle->attachment_count;
     for (sn_index v = 0; v < mesh->vertex_count; v++) mesh->paint[v] = SN_NONE;
+    view->attachments_shown = true;
     sn_status status = SN_OK;
     for (sn_index i = 0; i < muscle->attachment_count && !status; i++) {
         const sn_attachment *a = &muscle->attachments[i];
-        mesh->paints[i] = attachment_color(i);
+        status = sn_palette_color(palette_of(view), a->bone, &mesh->paints[i], error);
+        if (status) break;
         for (sn_index k = 0; k < a->count; k++) mesh->paint[a->vertices[k]] = i;
         char text[160], detail[16];
         snprintf(text, sizeof text, "on %s", a->bone);
@@ -136,6 +131,7 @@ static unsigned automatic(const sn_muscle *muscle) {
 static sn_status show_surface(sn_view *view, const sn_muscle *muscle, unsigned show, sn_color color, sn_error *error) {
     sn_view_mesh *mesh;
     sn_status status = sn_view_add_mesh(view, &muscle->mesh, (sn_placement){muscle->meters_per_unit, NULL}, color, &mesh, error);
+    if (!status) status = name_mesh(view, muscle->name, error);
     if (status) return status;
     bool inside = show & SN_SHOW_STRUCTURE && muscle->structure.sample_count > 0;
     if (show & SN_SHOW_FIBERS && muscle->fibers.polyline_count > 0) inside = true;
@@ -148,7 +144,8 @@ static sn_status show_surface(sn_view *view, const sn_muscle *muscle, unsigned s
 
 sn_status show_rig(sn_view *view, const sn_muscle *muscle, unsigned show, sn_color color, sn_error *error) {
     sn_status status = SN_OK;
-    if (show & (SN_SHOW_SURFACE | SN_SHOW_WIRE | SN_SHOW_ATTACHMENTS | SN_SHOW_EXTERNALS)) status = show_surface(view, muscle, show, color, error);
+    if (show & (SN_SHOW_SURFACE | SN_SHOW_WIRE | SN_SHOW_ATTACHMENTS | SN_SHOW_EXTERNALS))
+        status = show_surface(view, muscle, show, color, error);
     if (!status && show & SN_SHOW_ROOTS && muscle->roots.count > 0) status = show_roots(view, muscle, error);
     bool structure = show & SN_SHOW_STRUCTURE && muscle->structure.sample_count > 0;
     if (!status && structure) status = show_branches(view, muscle, error);
@@ -166,8 +163,10 @@ sn_status sn_view_add_muscle(sn_view *view, const sn_muscle *muscle, unsigned sh
 
 sn_status sn_view_add_bone(sn_view *view, const char *name, const sn_mesh *mesh, sn_placement placement, sn_error *error) {
     sn_view_mesh *added;
-    sn_status status = sn_view_add_mesh(view, mesh, placement, COLOR_BONE, &added, error);
+    const sn_color color = bone_color(view, name);
+    sn_status status = sn_view_add_mesh(view, mesh, placement, color, &added, error);
     if (status) return status;
     added->gloss = 0.25;
-    return name ? sn_view_add_entry(view, SN_MARK_AREA, COLOR_BONE, name, error) : SN_OK;
+    status = name_mesh(view, name, error);
+    return name && !status ? sn_view_add_entry(view, SN_MARK_AREA, color, name, error) : status;
 }

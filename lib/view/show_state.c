@@ -185,7 +185,7 @@ static sn_status add_surface(const scene_view *s, sn_index muscle, sn_view_mesh 
         .vertex_count = m->vertex_count, .triangle_count = m->triangle_count, .positions = positions, .triangles = m->triangles};
     sn_status status = sn_view_add_mesh(s->view, &mesh, (sn_placement){1.0, NULL}, COLOR_SHEER, out, error);
     free(positions);
-    return status;
+    return status ? status : name_mesh(s->view, m->source->name, error);
 }
 
 /* ---- the inside ---------------------------------------------------------------------------------------------------------- */
@@ -317,7 +317,7 @@ sn_status sn_view_add_state(sn_view *view, const sn_model *model, const sn_state
     if (isnan(look->range)) status = sn_view_state_range(model, state, look->figure, &s.look.range, error);
     if (!status && !view->title && scene->name && !(view->title = sn_strdup(scene->name))) status = sn_fail_memory(error, "the title");
     double time = sn_view_state_frame(model, state) / scene->rate;
-    if (!status && look->show & SN_SHOW_BONES) status = show_bones(view, scene, time, error);
+    if (!status && look->show & SN_SHOW_BONES) status = show_bones(view, scene, time, look->show, error);
     if (!status && look->show & SN_SHOW_ENVELOPES) status = show_envelopes(view, scene, time, false, error);
     for (sn_index m = 0; m < model->muscle_count && !status; m++) status = show_muscle_state(&s, m, error);
     if (!status) status = write_scale(&s, error);

@@ -5,6 +5,7 @@
 #include <string.h>
 
 static void mesh_free(sn_view_mesh *mesh) {
+    free(mesh->name);
     free(mesh->positions);
     free(mesh->triangles);
     free(mesh->paints);
@@ -18,6 +19,7 @@ void sn_view_free(sn_view *view) {
         free(view->entries[i].text);
         free(view->entries[i].detail);
     }
+    sn_palette_free(&view->own_palette);
     free(view->scale.text);
     free(view->rings);
     free(view->meshes);
@@ -89,6 +91,17 @@ sn_status sn_view_add_ring(sn_view *view, sn_vec3 at, sn_error *error) {
         return sn_fail_memory(error, "the marks of the picture");
     view->rings[view->ring_count++] = at;
     return SN_OK;
+}
+
+size_t sn_view_focus(sn_view *view, const char *pattern) {
+    size_t count = 0;
+    for (size_t i = 0; i < view->mesh_count; i++) {
+        sn_view_mesh *mesh = &view->meshes[i];
+        if (!mesh->name || !sn_pattern_matches(pattern, mesh->name)) continue;
+        mesh->focus = true;
+        count++;
+    }
+    return count;
 }
 
 /* From a cool blue over yellow and red to purple: told apart by their hue, as light and shade change the brightness. */

@@ -1,4 +1,4 @@
-# Coverage-guided fuzzing of every reader, of files and of states, with libFuzzer: make fuzz [FUZZ_SECONDS=60] [FUZZ_TARGETS="obj vtp"]. Included by the Makefile.
+# Coverage-guided fuzzing of every reader, of files and of states, with libFuzzer, after FUZZ_MUTATIONS broken files: make fuzz [FUZZ_SECONDS=60] [FUZZ_TARGETS="obj vtp"]. Included by the Makefile.
 # Seeds come from tests/fuzz/mutate_readers and mutate_states; what is found grows build/fuzz/corpus, inputs that break a reader stay in build/fuzz/found.
 
 FUZZ_SECONDS ?= 60
@@ -21,7 +21,9 @@ fuzz: deps
 	@share/make/install-packages share/debian-packages-fuzz.txt
 	@$(MAKE) --no-print-directory -j$(JOBS) $(FUZZ_SEEDERS) $(FUZZ_TARGETS:%=$(F)/fuzz-%)
 	@$(MAKE) --no-print-directory fuzz-run
+FUZZ_MUTATIONS ?= 100000
 fuzz-run:
+	@$(B)/tests/fuzz/mutate_readers $(FUZZ_MUTATIONS)
 	@tests/fuzz/run $(F) "$(FUZZ_SEEDERS)" $(FUZZ_SECONDS) "$(FUZZ_OPTIONS)" $(FUZZ_TARGETS)
 
 $(F)/%.o: %.c

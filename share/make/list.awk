@@ -1,9 +1,10 @@
 # list.awk -- names, options and dependencies of all muscles, from the lists of surfaces and bones and the table of options.
-# Given: state, stages (folders), table (file or ""). Input: lines of name, extension, path; the muscles' file first, then the bones'.
-# Writes state/in.tsv.new and state/bones.tsv.new (safe name, extension, path, name), sorted by name for comm; options/NAME.TOOL;
+# Given: state, stages (folders), table (file or ""). Input: lines of name, extension, path, path as given; the muscles' file first, then the
+# bones'. Writes state/in.tsv.new and state/bones.tsv.new (safe name, extension, path, name, path as given), sorted by name for comm; options/NAME.TOOL;
 # all.bones; assets.mk. A file that would come out the same is left alone, with its time stamp.
 
-function fail(text) { print "sinew.mk: " text | "cat >&2"; failed = 1; exit 1 }
+# all that is wrong is told, and then nothing is done
+function complain(text) { print "sinew.mk: " text | "cat >&2"; failed = 1 }
 
 function write_if_changed(file, text,    line, old) {
     old = ""
@@ -50,19 +51,21 @@ BEGIN {
 {
     kind = FILENAME == ARGV[1] ? "in" : "bones"
     name = safe_name($1)
-    if (name == "" || name ~ /^-/) fail("'" $3 "': no usable name; rename it")
-    if ((kind, name) in taken) fail("'" taken[kind, name] "' and '" $3 "' would both be called '" name "'; rename one of them")
-    taken[kind, name] = $3
+    if (name == "" || name ~ /^-/) complain("'" $4 "': no usable name; rename it")
+    if ((kind, name) in taken) complain("'" taken[kind, name] "' and '" $4 "' would both be called '" name "'; rename one of them")
+    taken[kind, name] = $4
     i = ++count[kind]
     safe[kind, i] = name
     own[kind, i] = $1
     extension[kind, i] = $2
     path[kind, i] = $3
+    shown[kind, i] = $4
 }
 
 function write_surfaces(kind,    i, sorted) {
     sorted = "sort > '" state "/" kind ".tsv.new'"
-    for (i = 1; i <= count[kind]; i++) printf "%s\t%s\t%s\t%s\n", safe[kind, i], extension[kind, i], path[kind, i], own[kind, i] | sorted
+    for (i = 1; i <= count[kind]; i++) 
+        printf "%s\t%s\t%s\t%s\t%s\n", safe[kind, i], extension[kind, i], path[kind, i], own[kind, i], shown[kind, i] | sorted
     if (count[kind] == 0) printf "" | sorted
     close(sorted)
 }
@@ -71,27 +74,28 @@ function write_surfaces(kind,    i, sorted) {
 
 function add_bones(i, words, where,    k, n, b, word, any) {
     n = split(words, word, " ")
-    if (n == 0) fail(where "no bones named; leave the line out for all of them")
+    if (n == 0) complain(where "no bones named; leave the line out for all of them")
     for (k = 1; k <= n; k++) {
         any = 0
         for (b = 1; b <= count["bones"]; b++)
             if (is_called(word[k], "bones", b)) any = chosen[i, b] = 1
-        if (!any) fail(where "there is no bone '" word[k] "'")
+        if (!any && !((where, word[k]) in told)) complain(where "there is no bone '" word[k] "'")
+        if (!any) told[where, word[k]] = 1 # once, for however many muscles
     }
     has_choice[i] = 1
 }
 
 function add_row(pattern, tool, words, where,    i, any) {
     if (!(tool in tool_number) && tool != "bones" && tool != "candidates")
-        fail(where "'" tool "' is none of mesh-clean, root-select, build-structure, fiber-flow, attach-detect, bones, candidates")
-    if ((" " words " ") ~ / (-o|--output|--report)[ =]/) fail(where "--output and --report are given by sinew.mk")
+        complain(where "'" tool "' is none of mesh-clean, root-select, build-structure, fiber-flow, attach-detect, bones, candidates")
+    if ((" " words " ") ~ / (-o|--output|--report)[ =]/) complain(where "--output and --report are given by sinew.mk")
     for (i = 1; i <= count["in"]; i++) {
         if (!is_called(pattern, "in", i)) continue
         any = 1
         if (tool == "bones") add_bones(i, words, where)
         else given[i, tool] = given[i, tool] " " words
     }
-    if (!any) fail(where "there is no muscle '" pattern "'")
+    if (!any) complain(where "there is no muscle '" pattern "'")
 }
 
 function read_table(    line, number, rows, cell, where, n) {
@@ -102,9 +106,9 @@ function read_table(    line, number, rows, cell, where, n) {
         if (line ~ /^[ \t]*(#|$)/ || (rows++ == 0 && line ~ /^muscle\ttool\t/)) continue
         n = split(line, cell, "\t")
         where = table ":" number ": "
-        if (n < 3) fail(where "a line needs a muscle, a tool and options with a tab between them")
-        if (n > 3) fail(where "more than three columns; options are separated by spaces")
-        add_row(cell[1], cell[2], cell[3], where)
+        if (n < 3) complain(where "a line needs a muscle, a tool and options with a tab between them")
+        if (n > 3) complain(where "more than three columns; options are separated by spaces")
+        if (n == 3) add_row(cell[1], cell[2], cell[3], where)
     }
     close(table)
 }
@@ -190,8 +194,8 @@ function write_all_bones(    b, text) {
 }
 
 END {
-    if (failed) exit 1
     if (table != "") read_table()
+    if (failed) exit 1
     write_surfaces("in")
     write_surfaces("bones")
     write_all_bones()

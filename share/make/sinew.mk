@@ -48,17 +48,27 @@ sinew_assets := sh $(sinew_here)assets
 sinew_quote = '$(subst ','\'',$1)'
 
 # ---- what there is: names, links, options and extra dependencies, written to state/ by every make ------------------------------
+# A make that a rule of this one calls works in the folder that this one has locked.
 ifndef SINEW_LISTED
+ifeq ($(filter $(abspath $(SINEW_OUT)),$(SINEW_LOCKED)),)
+sinew_said := $(shell $(foreach s,$(sinew_settings),$(s)=$(call sinew_quote,$($(s)))) $(sinew_assets) lock $$PPID)
+ifneq ($(.SHELLSTATUS),0)
+$(error stopped before any work)
+endif
+export SINEW_LOCKED := $(SINEW_LOCKED) $(abspath $(SINEW_OUT))
+endif
 sinew_said := $(shell $(foreach s,$(sinew_settings),$(s)=$(call sinew_quote,$($(s)))) $(sinew_assets) list)
 ifneq ($(.SHELLSTATUS),0)
 $(error stopped before any work)
 endif
+sinew_said := $(foreach g,$(filter rigs lint,$(MAKECMDGOALS)),$(shell $(foreach s,$(sinew_settings),$(s)=$(call sinew_quote,$($(s)))) $(sinew_assets) plan $g))
 endif
 sinew_state := $(SINEW_OUT)/state
 sinew_stages := $(SINEW_OUT)/stages
 
 .PHONY: assets rigs summary lint candidates candidate-documents assets-clean
 assets:
+	@$(sinew_assets) plan rigs
 	@$(MAKE) -k --no-print-directory -f $(sinew_makefile) SINEW_LISTED=yes rigs || true
 	@$(sinew_assets) sheets rigs
 	@$(sinew_assets) summary
@@ -95,8 +105,10 @@ summary:
 
 # ---- candidates for external constraints: which rigs are near which is known once they are there; so in a make of its own ------------
 candidates:
+	@$(sinew_assets) plan rigs
 	@$(MAKE) -k --no-print-directory -f $(sinew_makefile) SINEW_LISTED=yes rigs || true
 	@$(sinew_assets) near
+	@$(sinew_assets) plan candidates
 	@$(MAKE) -k --no-print-directory -f $(sinew_makefile) SINEW_LISTED=yes candidate-documents || true
 	@$(sinew_assets) candidate-table
 

@@ -22,7 +22,7 @@ setup() {
 
 # the stages that ran, a line each as "NAME: TOOL", sorted
 build() { make -j2 "$@" > said 2> complaints || return; stages_run; }
-stages_run() { grep -E ': (mesh-clean|root-select|build-structure|fiber-flow|attach-detect)$' said | sort > ran || true; }
+stages_run() { sed 's/^\[[^]]*\] //' said | grep -E ': (mesh-clean|root-select|build-structure|fiber-flow|attach-detect)$' | sort > ran || true; }
 row() { printf '%s\t%s\t%s\n' "$@" >> options.tsv; }
 refused() { # WORDS [MAKE ARGUMENT...]: one sentence, no work
     words=$1
@@ -284,15 +284,17 @@ refused() { # WORDS [MAKE ARGUMENT...]: one sentence, no work
     row biceps bones radius
     build
     tail -n 1 said
-    [ "$(tail -n 1 said)" = "3 rigs, 1 on no bone, 1 on one bone alone; see rigs/summary.tsv" ]
-    [ "$(awk -F '\t' '$1 == "triceps" { print $3, $15, $16 }' rigs/summary.tsv)" = "ok 0 0" ]
+    [ "$(tail -n 1 said)" = "3 rigs, 1 of them short of what was asked, 1 on no bone, 1 on one bone alone; see rigs/summary.tsv" ]
+    [ "$(awk -F '\t' '$1 == "triceps" { print $3, $4, $15, $16 }' rigs/summary.tsv)" = "short attach-detect 0 0" ]
+    awk -F '\t' '$1 == "triceps" { print $5 }' rigs/summary.tsv | grep -q 'nothing attached; the nearest bone, radius, is'
+    grep -q '^triceps: attach-detect fell short: .*nothing attached' complaints
     printf 'muscle\ttool\toptions\n' > options.tsv
     make -s SINEW_BONES= > said 2>&1
     [ "$(tail -n 1 said)" = "3 rigs; see rigs/summary.tsv" ]
 }
 
 # the rigs whose candidates were sought
-candidates() { make -j2 candidates > said 2> complaints; status=$?; grep -E ': candidates$' said | sed 's/: .*//' | sort | tr '\n' ' ' > ran; return $status; }
+candidates() { make -j2 candidates > said 2> complaints; status=$?; sed 's/^\[[^]]*\] //' said | grep -E ': candidates$' | sed 's/: .*//' | sort | tr '\n' ' ' > ran; return $status; }
 
 @test "candidates for external constraints: in one more target, again only where a mesh near by has changed" {
     row '*' candidates '--reach 8mm'
@@ -331,4 +333,136 @@ candidates() { make -j2 candidates > said 2> complaints; status=$?; grep -E ': c
     refute candidates
     grep -q 'biceps: candidates failed: .*none of the painted maps' complaints
     [ ! -e rigs/candidates/biceps.muscle.json ]
+}
+
+@test "two makes in one folder: the second says so, waits, and finds everything done" {
+    make -j2 > first 2>&1 &
+    one=$!
+    until [ -e rigs/stages/biceps.clean.json ]; do kill -0 $one && sleep 0.05; done
+    make -j2 > said 2> complaints
+    grep -q '^sinew.mk: another make (process [0-9]* on .*) works in rigs; waiting' complaints
+    [ "$(wc -l < complaints)" -eq 1 ]
+    refute kill -0 $one 2> dead # it was over when the second began
+    wait $one
+    stages_run
+    [ ! -s ran ]
+    [ "$(tail -n 1 first)" = "3 rigs; see rigs/summary.tsv" ]
+    [ "$(tail -n 1 said)" = "3 rigs; see rigs/summary.tsv" ]
+}
+
+@test "the lock of a make that was killed, or of what is no make, is nobody's" {
+    mkdir -p rigs/state
+    sh -c 'exit 0' &
+    wait $!
+    ln -s "$!@$(uname -n)" rigs/state/lock
+    build
+    [ ! -s complaints ]
+    ln -sfn "$$@$(uname -n)" rigs/state/lock
+    build
+    [ ! -s complaints ]
+    ln -sfn "1@elsewhere" rigs/state/lock # of another machine nothing is known
+    make > said 2> complaints &
+    one=$!
+    until grep -q 'process 1 on elsewhere' complaints; do kill -0 $one && sleep 0.05; done
+    rm rigs/state/lock
+    wait $one
+}
+
+@test "a make that a rule calls works in the folder that its caller has locked" {
+    printf 'all: rigs\n\t@$(MAKE) --no-print-directory summary\n.DEFAULT_GOAL := all\n' >> Makefile
+    timeout 300 make -j2 > said 2> complaints # against hanging
+    [ ! -s complaints ]
+    [ "$(tail -n 1 said)" = "3 rigs; see rigs/summary.tsv" ]
+}
+
+@test "how far it is: each line counts what is done of what there is to do" {
+    make > said 2> complaints
+    [ "$(grep -c '^\[[0-9]* of 15 done, [0-9]* %\] ' said)" -eq 15 ]
+    grep '^\[' said | sed 's/^\[\([0-9]*\) of 15 done, \([0-9]*\) %.*/\1 \2/' | awk '{ if ($1 != NR - 1 || $2 != int(100 * $1 / 15)) exit 1 }'
+    row brachialis build-structure "--prune 0.2"
+    make > said 2> complaints
+    [ "$(grep -c '^\[[0-2] of 3 done, ' said)" -eq 3 ]
+    touch muscles/biceps.ply # cleaned, and nothing after it
+    make > said 2> complaints
+    [ "$(grep '^\[' said)" = "[0 of 5 done, 0 %] biceps: mesh-clean" ]
+    make lint > said 2> complaints
+    [ "$(grep -c '^\[[0-6] of 7 done, ' said)" -eq 7 ]
+    make lint > said 2> complaints
+    refute grep -q '^\[' said
+    rm rigs/biceps.muscle.json
+    make rigs/biceps.muscle.json > said
+    [ "$(cat said)" = "biceps: attach-detect" ]
+}
+
+@test "messages name the files as their user does, not the links and documents that make works on" {
+    head -c 300 muscles/triceps.ply > "muscles/m. triceps (left).ply"
+    rm muscles/triceps.ply
+    head -c 200 bones/ulna.ply > cut
+    mv cut "bones/ulna (2).ply"
+    row biceps bones 'ulna?(2)'
+    row brachialis root-select '--indices 999999'
+    row brachialis bones humerus
+    if make -k -j2 > said 2> complaints; then false; fi
+    cat complaints
+    grep -q '^m._triceps_left: mesh-clean failed: muscles/m. triceps (left).ply:' complaints
+    grep -q '^biceps: attach-detect failed: bones/ulna (2).ply:' complaints
+    grep -q '^brachialis: root-select failed: ' complaints
+    refute grep -E 'failed: .*rigs/(state|stages)/.*; log' complaints
+    cut -f 5 rigs/summary.tsv > told
+    refute grep 'rigs/st' told
+    refute grep -h 'rigs/st' rigs/logs/*.log
+}
+
+@test "everything that is wrong with the table is said at once" {
+    {
+        printf 'bicepss\tbuild-structure\t--prune 0.1\n'
+        printf 'biceps\tbuild-strukture\t--prune 0.1\n'
+        printf 'biceps build-structure\n'
+        printf '*\tbones\thumeri scapula\n'
+        printf 'biceps\tmesh-clean\t-o x.ply\n'
+    } > t.tsv
+    refused "t.tsv:1: there is no muscle" SINEW_TABLE=t.tsv
+    [ "$(grep -c '^sinew.mk: t.tsv:' complaints)" -eq 5 ] # the bone is missed once, not for every muscle
+    for line in 1 2 3 4 5; do grep -q "^sinew.mk: t.tsv:$line: " complaints; done
+}
+
+@test "a page's title tells which rigs are on it, and is drawn anew where that changes" {
+    build SINEW_PAGE=2
+    [ "$(cat rigs/state/sheet.page-1.title)" = "Rigs 1 to 2 of 3, page 1 of 2" ]
+    [ "$(cat rigs/state/sheet.page-2.title)" = "Rigs 3 to 3 of 3, page 2 of 2" ]
+    cp muscles/triceps.ply muscles/zygomaticus.ply
+    cp muscles/triceps.ply muscles/zz.ply
+    touch -d '1 hour ago' rigs/*.png rigs/*.json
+    touch before
+    build SINEW_PAGE=2
+    [ "$(cat rigs/state/sheet.page-1.title)" = "Rigs 1 to 2 of 5, page 1 of 3" ]
+    [ -n "$(find rigs/sheet-1.png -newer before)" ] # the same rigs, but another count
+    [ -s rigs/sheet-3.png ]
+    rm muscles/z*.ply
+    build
+    [ "$(cat rigs/state/sheet.page-1.title)" = "Rigs: 3" ]
+    [ ! -e rigs/sheet-2.png ]
+    [ ! -e rigs/state/sheet.page-2.title ]
+    refused "SINEW_PAGE = '0': a whole number" SINEW_PAGE=0
+    refused "SINEW_PAGE = 'ten'" SINEW_PAGE=ten
+}
+
+@test "more than a hundred rigs: every one is on a page, in order" {
+    mkdir many
+    printf 'OFF\n4 4 6\n0 0 0\n.1 0 0\n0 .1 0\n0 0 .1\n3 0 2 1\n3 0 1 3\n3 1 2 3\n3 2 0 3\n' > many/m000.off
+    for i in $(seq 101 229); do ln many/m000.off many/m$i.off; done
+    # no tool runs: 130 documents are laid where the stages would leave theirs
+    make -s SINEW_SURFACES=many SINEW_BONES= -n summary > said 2> complaints
+    for i in 000 $(seq 101 229); do cp many/m000.off rigs/m$i.muscle.json; done
+    for name in SURFACES=many BONES= TABLE= UNITS= UP= BONE_UNITS= BONE_UP= OUT=rigs BIN="$BIN" THREADS=1 PAGE=100 PIXELS=20x16 LINT=; do
+        export "SINEW_$name"
+    done
+    sh "$share/make/assets" sheets rigs > said 2> complaints
+    [ ! -s complaints ]
+    [ "$(wc -l < rigs/state/sheet.page-1)" -eq 100 ]
+    [ "$(wc -l < rigs/state/sheet.page-2)" -eq 30 ]
+    cat rigs/state/sheet.page-1 rigs/state/sheet.page-2 | sort -c
+    [ "$(cat rigs/state/sheet.page-2.title)" = "Rigs 101 to 130 of 130, page 2 of 2" ]
+    [ -s rigs/sheet-2.png ]
+    [ ! -e rigs/sheet-3.png ]
 }

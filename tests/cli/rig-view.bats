@@ -308,3 +308,57 @@ END
     run -2 "$BIN/rig-view" b.muscle.json --cut-depth 1mm -o x.png
     run -2 "$BIN/rig-view" b.muscle.json --neighbours rigs -o x.png
 }
+
+# two triangles of a plate, a muscle with two bones beside it, each in a file; the muscle is bound to `near`
+bones_apart() {
+    for name in near far; do
+        at=$([ "$name" = near ] && echo 0.02 || echo 1)
+        awk -v at="$at" 'NR > 2 && NF == 3 { $1 += at } { print }' tetra.off > "$name.off"
+    done
+    "$BIN/attach-detect" tetra.muscle.json --pin near=sphere:0.1,0,0,0.01 --no-history -q -o bound.muscle.json
+    printf 'near.off\nfar.off\n' > bones.txt
+    cat > apart.scene.json << 'END'
+{ "format": "sinew-scene", "version": 1, "name": "apart", "frames": [0, 1],
+  "bones": [ { "name": "near", "mesh": "near.off" }, { "name": "far", "mesh": "far.off" } ],
+  "muscles": [ { "name": "bound", "rig": "bound.muscle.json" }, { "name": "other muscle", "rig": "tetra.muscle.json" } ] }
+END
+}
+
+@test "bones of a list or scene to which nothing is attached are left out, and counted under -v" {
+    bones_apart
+    "$BIN/rig-view" bound.muscle.json --bone near.off --size 100x80 -o one.png
+    "$BIN/rig-view" bound.muscle.json --bones bones.txt --size 100x80 -v -o list.png 2> said
+    cmp one.png list.png
+    grep -q '1 bone is not drawn.*--all-bones' said
+    "$BIN/rig-view" bound.muscle.json --bones bones.txt --size 100x80 --all-bones -v -o all.png 2> said
+    run -1 cmp -s one.png all.png
+    run -1 grep 'not drawn' said
+    "$BIN/rig-view" bound.muscle.json --bone near.off --bone far.off --size 100x80 -o named.png # named one by one
+    cmp all.png named.png
+    "$BIN/rig-view" tetra.muscle.json --bones bones.txt --size 100x80 -v -o loose.png 2> said # attached to nothing: all
+    run -1 grep 'not drawn' said
+    "$BIN/rig-view" apart.scene.json --size 100x80 -v -o scene.png 2> said
+    grep -q '1 bone is not drawn, as no muscle of the scene' said
+    "$BIN/rig-view" apart.scene.json --size 100x80 --all-bones -v -o scene-all.png 2> said
+    run -1 cmp -s scene.png scene-all.png
+    run -1 grep 'not drawn' said
+}
+
+@test "--focus aims at muscles and bones by name, and refuses names that nothing has" {
+    bones_apart
+    "$BIN/rig-view" apart.scene.json --size 100x80 --no-legend --all-bones --camera front -o all.png
+    "$BIN/rig-view" apart.scene.json --size 100x80 --no-legend --all-bones --camera front --focus far -o far.png
+    run -1 cmp -s all.png far.png
+    "$BIN/rig-view" apart.scene.json --size 100x80 --no-legend --camera front --focus 'other muscle' -o other.png
+    "$BIN/rig-view" apart.scene.json --size 100x80 --no-legend --camera front --focus 'other*' -o pattern.png
+    cmp other.png pattern.png
+    "$BIN/rig-view" apart.scene.json --size 100x80 --no-legend --camera front --focus 'bound,near' -o both.png
+    "$BIN/rig-view" apart.scene.json --size 100x80 --no-legend --camera front --focus near --focus bound -o twice.png
+    cmp both.png twice.png
+    run -1 cmp -s both.png other.png
+    run -1 "$BIN/rig-view" apart.scene.json --focus bund -o x.png
+    [[ "$output" == *"called 'bund'; did you mean bound?"* ]]
+    run -1 "$BIN/rig-view" apart.scene.json --focus far -o x.png
+    [[ "$output" == *"called 'far'"*"--all-bones"* ]]
+    [ ! -e x.png ]
+}

@@ -803,6 +803,7 @@ d = json.load(open("plan.json"))
 assert len(d["plan"]["coupled"]) == 1 and len(d["plan"]["coupled"][0]["muscles"]) >= 2 and d["plan"]["coupled"][0]["rows"] > 20, d["plan"]["coupled"]
 m = d["plan"]["coupled"][0]["matrix"]
 assert m["entries"] > 1000 and m["solveMilliseconds"] > 0 and m["factorMilliseconds"] > 0, m
+assert m["bytes"] > 12 * m["entries"], m  # a number and its row each, and the matrix itself
 tied = d["plan"]["coupled"][0]["muscles"]
 assert all(("matrix" in m) == (m["name"] not in tied) for m in d["plan"]["muscles"]), d["plan"]["muscles"]
 assert d["scene"]["externals"] == {"stiffness": 10, "slide": True, "soft": True, "hard": True, "minimum": True, "resolve": 0}'

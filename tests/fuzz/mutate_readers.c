@@ -25,7 +25,7 @@
 
 /* Of the processor, for one file: a limit against hanging, which judges no speed. */
 enum { SECONDS_UNTIL_HANGING = 30 };
-enum { SEED_LIMIT = 64, GROWTH = 4096 };
+enum { SEED_LIMIT = 96, GROWTH = 4096 };
 
 typedef enum kind {
     MESH,
@@ -44,7 +44,12 @@ typedef enum kind {
     ENVELOPE,
     FIELD,
     LINES,
-    GLTF
+    GLTF,
+    WEIGHTS,   /* of an embedding */
+    LANDMARKS, /* around attachment areas */
+    SITES,     /* of a muscle's ends */
+    TEMPLATE,  /* of fibres */
+    ENDS       /* of fibres, by vertices */
 } kind;
 
 typedef struct bytes {
@@ -122,6 +127,16 @@ static const char lines_vtp[] =
 static const char lines_obj[] = "v 0 0 0\nv 1 0 0\nv 2 0 \\\n0\nv 0 1 0\nl 1 2\nl 3 2\nl -1/1 1/2 4\n";
 static const char lines_json[] =
     "{\"fibers\":{\"polylines\":[{\"points\":[0,0,0,1,0,0],\"length\":1},{\"points\":[0,0,0,0,1,0,0,2,0]}]}}\n";
+static const char areas_json[] =
+    "{\"metersPerUnit\":0.001,\"areas\":[{\"bone\":\"ulna\",\"name\":\"tuberosity\",\"landmarks\":[[0,0,0],[1,0,0.5],"
+    "[0,1,-2e0]]},{\"bone\":\"radius\",\"landmarks\":[0,0,0,1,0,0,0,1,0]}]}\n";
+static const char areas_tsv[] = "# bone\tarea\tx\ty\tz\nulna\ttuberosity\t0\t0\t0\nulna\ttuberosity\t1\t0\t0.5\n"
+                                "ulna\ttuberosity\t0\t1\t-2e0\nradius\t\t1\t2\t3\nradius\t\t1\t3\t3\nradius\t\t2\t2\t3\n";
+static const char ends_text[] = "# ends\norigin 0 0 0\norigin 0.1, 0 0\ninsertion\t1\t2e-1\t-3\n";
+static const char template_json[] =
+    "{\"format\":\"sinew-fiber-template\",\"version\":1,\"name\":\"t\",\"curves\":[{\"points\":[0,0,0,0,0,1]},"
+    "{\"points\":[1,0,0,1,0.5,0.5,1,0,1]}]}\n";
+static const char ends_json[] = "{\"format\":\"sinew-fiber-ends\",\"version\":1,\"origin\":[0,1],\"insertion\":[3]}\n";
 static const char muscle_json[] =
     "{\"format\":\"sinew-muscle\",\"version\":1,\"name\":\"t\\u00e9st\",\"metersPerUnit\":0.001,\n"
     "\"mesh\":{\"vertices\":[0,0,0, 1,0,0, 0,1,0, 0,0,1.5],\"triangles\":[0,2,1, 0,1,3, 1,2,3, 0,3,2],\n"
@@ -357,6 +372,23 @@ static void add_field(void) {
     sn_blob_free(&blob);
 }
 
+/* A point that hangs on all vertices in order, and one on two that are listed. */
+static void add_weights(void) {
+    double all[] = {0.25, 0.25, 0.25, 0.25}, some[] = {0.5, 0.5};
+    sn_index listed[] = {0, 3};
+    sn_embedding_row rows[] = {{.count = 4, .weights = all}, {.count = 2, .vertices = listed, .weights = some}};
+    const sn_embedding embedding = {.point_count = 2, .vertex_count = 4, .rows = rows};
+    sn_error error = {0};
+    sn_output *output;
+    sn_blob blob;
+    if (sn_output_open_memory(&output, &error) != SN_OK || sn_embedding_save(&embedding, FIELD_HASH, output, &error) != SN_OK ||
+        sn_output_take(output, "fibers.weights", &blob, &error) != SN_OK) {
+        give_up(error.text);
+    }
+    add_seed(WEIGHTS, "fibers.weights", blob.data, blob.size);
+    sn_blob_free(&blob);
+}
+
 /* The same with its JSON as the only chunk, and the numbers in that. */
 static void add_glb(void) {
     char data[sizeof sink_gltf + 32];
@@ -417,6 +449,14 @@ static void make_seeds(void) {
     add_vtk_files();
     add_cache();
     add_field();
+    add_weights();
+    add_text(LANDMARKS, "areas.landmarks.json", areas_json);
+    add_text(LANDMARKS, "areas.landmarks.tsv", areas_tsv);
+    add_text(SITES, "ends.sites", ends_text);
+    add_text(SITES, "fibers.sites", lines_vtp);
+    add_text(TEMPLATE, "fan.template.json", template_json);
+    add_text(ENDS, "some.ends.json", ends_json);
+    add_text(ENDS, "fibers.ends.json", lines_json);
 }
 
 /* Each good file in a folder of its format. */
@@ -775,6 +815,7 @@ static const char *try_model(const sn_blob *blob, sn_status *status, sn_error *e
     *status = sn_mjcf_detect(blob) ? sn_mjcf_parse(blob, &skeleton, error) : sn_osim_parse(blob, &skeleton, error);
     if (*status != SN_OK) return skeleton.bodies == NULL ? NULL : "a refused model is left behind";
     *status = sn_skeleton_animate(&skeleton, NULL, &clip, error);
+    if (*status != SN_OK) sn_error_set_file(error, blob->name); /* it knows bodies, not files: who reads the file names it */
     const char *fault = *status == SN_OK && blob->size < 65536 ? use_clip(&clip, error) : NULL;
     sn_clip_free(&clip);
     sn_skeleton_free(&skeleton);
@@ -795,6 +836,7 @@ static const char *try_storage(const sn_blob *blob, sn_status *status, sn_error 
     if (*status != SN_OK) return columns.values == NULL ? NULL : "a refused motion is left behind";
     if (sn_osim_parse(&model, &skeleton, error) != SN_OK) give_up(error->text);
     *status = sn_skeleton_animate(&skeleton, &columns, &clip, error);
+    if (*status != SN_OK) sn_error_set_file(error, blob->name);
     const char *fault = *status == SN_OK ? use_clip(&clip, error) : NULL;
     sn_clip_free(&clip);
     sn_skeleton_free(&skeleton);
@@ -889,6 +931,98 @@ static const char *try_lines(const sn_blob *blob, sn_status *status, sn_error *e
     return fault;
 }
 
+/* Weights under the right name, as nobody checks more of them, move points wherever the vertices go. */
+static const char *use_weights(const sn_embedding *embedding) {
+    enum { MOST = 1 << 16 };
+    for (sn_index i = 0; i < embedding->point_count; i++)
+        for (sn_index k = 0; embedding->rows[i].vertices != NULL && k < embedding->rows[i].count; k++)
+            if (embedding->rows[i].vertices[k] < 0 || embedding->rows[i].vertices[k] >= embedding->vertex_count)
+                return "a weight is of no vertex";
+    if (embedding->vertex_count > MOST) return NULL;
+    sn_vec3 *positions = SN_NEW(sn_vec3, embedding->vertex_count), *points = SN_NEW(sn_vec3, embedding->point_count);
+    if (positions == NULL || points == NULL) give_up("out of memory");
+    sn_embedding_apply(embedding, positions, NULL, points);
+    free(positions);
+    free(points);
+    return NULL;
+}
+
+/* As it is, and under the right name. */
+static const char *try_weights(const sn_blob *blob, sn_status *status, sn_error *error) {
+    const char *fault = NULL;
+    for (int forged = 0; forged < 2 && fault == NULL; forged++) {
+        sn_embedding embedding;
+        if (forged && blob->size >= FIELD_CHECKSUM_AT) memcpy(blob->data + FIELD_NAME_AT, FIELD_HASH, sizeof FIELD_HASH);
+        *error = (sn_error){0};
+        *status = sn_embedding_load(blob, FIELD_HASH, &embedding, error);
+        fault = *status == SN_OK ? use_weights(&embedding) : judge(*status, error);
+        if (*status == SN_OK) sn_embedding_free(&embedding);
+    }
+    return fault;
+}
+
+/* For readers that take a path. */
+static void put_file(const sn_blob *blob) {
+    FILE *file = fopen(blob->name, "wb");
+    if (file == NULL || fwrite(blob->data, 1, blob->size, file) != blob->size || fclose(file) != 0) give_up("cannot write a file");
+}
+
+static const char *try_landmarks(const sn_blob *blob, sn_status *status, sn_error *error) {
+    sn_landmarks landmarks;
+    const char *fault = NULL;
+    put_file(blob);
+    *status = sn_landmarks_read(blob->name, &landmarks, error);
+    if (*status != SN_OK) return landmarks.areas == NULL ? NULL : "refused landmarks are left behind";
+    if (!(landmarks.meters_per_unit >= 0.0) || isinf(landmarks.meters_per_unit)) fault = "the unit is none";
+    for (sn_index i = 0; i < landmarks.count; i++) {
+        if (landmarks.areas[i].bone == NULL) fault = "an area is on no bone";
+        for (sn_index k = 0; k < landmarks.areas[i].count; k++)
+            if (!sn_finite3(landmarks.areas[i].landmarks[k])) fault = "a landmark is no place";
+    }
+    sn_landmarks_free(&landmarks);
+    return fault;
+}
+
+static const char *try_sites(const sn_blob *blob, sn_status *status, sn_error *error) {
+    sn_end_site *sites;
+    sn_index count;
+    put_file(blob);
+    *status = sn_sites_read(blob->name, &count, &sites, error);
+    if (*status != SN_OK) return sites == NULL ? NULL : "refused sites are left behind";
+    const char *fault = count > 0 ? NULL : "no site is none";
+    for (sn_index i = 0; i < count; i++)
+        if (!sn_finite3(sites[i].point)) fault = "a site is no place";
+    free(sites);
+    return fault;
+}
+
+static const char *try_template(const sn_blob *blob, sn_status *status, sn_error *error) {
+    sn_fibers fibers;
+    *status = sn_fiber_template_parse(blob, &fibers, error);
+    if (*status != SN_OK) return fibers.polylines == NULL ? NULL : "a refused template is left behind";
+    const char *fault = fibers.polyline_count > 0 ? NULL : "no curve is none";
+    for (sn_index i = 0; i < fibers.polyline_count; i++)
+        for (sn_index k = 0; k < fibers.polylines[i].count; k++)
+            if (!sn_finite3(fibers.polylines[i].points[k])) fault = "a curve goes through what is no place";
+    sn_fibers_free(&fibers);
+    return fault;
+}
+
+static const char *try_ends(const sn_blob *blob, sn_status *status, sn_error *error) {
+    sn_vec3 positions[] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+    const sn_mesh mesh = {.vertex_count = 4, .positions = positions};
+    sn_fiber_ends ends;
+    *status = sn_fiber_ends_parse(blob, &mesh, &ends, error);
+    if (*status != SN_OK) return ends.origin == NULL && ends.insertion == NULL ? NULL : "refused ends are left behind";
+    const char *fault = ends.origin_count > 0 && ends.insertion_count > 0 ? NULL : "an end is nowhere";
+    for (sn_index i = 0; i < ends.origin_count; i++)
+        if (ends.origin[i] < 0 || ends.origin[i] > 3) fault = "fibres begin at no vertex";
+    for (sn_index i = 0; i < ends.insertion_count; i++)
+        if (ends.insertion[i] < 0 || ends.insertion[i] > 3) fault = "fibres end at no vertex";
+    sn_fiber_ends_free(&ends);
+    return fault;
+}
+
 /* Corners in range; *context counts the parts. */
 static sn_status take_part(void *context, const sn_gltf_part *part, sn_error *error) {
     *(long *)context += 1;
@@ -969,23 +1103,28 @@ static void try_file(kind k, const char *name, const char *data, size_t size, bo
     limit_memory(size + 1);
     double start = seconds();
     sn_scene_detect(&blob);
-    const char *fault = k == MESH       ? try_mesh(&blob, nonfinite, &status, &error)
-                        : k == MUSCLE   ? try_muscle(&blob, &status, &error)
-                        : k == SCENE    ? try_scene(&blob, &status, &error)
-                        : k == REPORT   ? try_report(&blob, &status, &error)
-                        : k == SETTINGS ? try_settings(&blob, &status, &error)
-                        : k == MOTION   ? try_motion(&blob, false, &status, &error)
-                        : k == SKELETON ? try_motion(&blob, true, &status, &error)
-                        : k == MODEL    ? try_model(&blob, &status, &error)
-                        : k == STORAGE  ? try_storage(&blob, &status, &error)
-                        : k == SENSORS  ? try_sensors(&blob, &status, &error)
-                        : k == NAMES    ? try_names(&blob, &status, &error)
-                        : k == BODY     ? try_body(&blob, &status, &error)
-                        : k == ENVELOPE ? try_envelope(&blob, &status, &error)
-                        : k == FIELD    ? try_field(&blob, &status, &error)
-                        : k == LINES    ? try_lines(&blob, &status, &error)
-                        : k == GLTF     ? try_gltf(&blob, &status, &error)
-                                        : try_cache(&blob, &status, &error);
+    const char *fault = k == MESH        ? try_mesh(&blob, nonfinite, &status, &error)
+                        : k == MUSCLE    ? try_muscle(&blob, &status, &error)
+                        : k == SCENE     ? try_scene(&blob, &status, &error)
+                        : k == REPORT    ? try_report(&blob, &status, &error)
+                        : k == SETTINGS  ? try_settings(&blob, &status, &error)
+                        : k == MOTION    ? try_motion(&blob, false, &status, &error)
+                        : k == SKELETON  ? try_motion(&blob, true, &status, &error)
+                        : k == MODEL     ? try_model(&blob, &status, &error)
+                        : k == STORAGE   ? try_storage(&blob, &status, &error)
+                        : k == SENSORS   ? try_sensors(&blob, &status, &error)
+                        : k == NAMES     ? try_names(&blob, &status, &error)
+                        : k == BODY      ? try_body(&blob, &status, &error)
+                        : k == ENVELOPE  ? try_envelope(&blob, &status, &error)
+                        : k == FIELD     ? try_field(&blob, &status, &error)
+                        : k == LINES     ? try_lines(&blob, &status, &error)
+                        : k == GLTF      ? try_gltf(&blob, &status, &error)
+                        : k == WEIGHTS   ? try_weights(&blob, &status, &error)
+                        : k == LANDMARKS ? try_landmarks(&blob, &status, &error)
+                        : k == SITES     ? try_sites(&blob, &status, &error)
+                        : k == TEMPLATE  ? try_template(&blob, &status, &error)
+                        : k == ENDS      ? try_ends(&blob, &status, &error)
+                                         : try_cache(&blob, &status, &error);
     double taken = seconds() - start;
     setitimer(ITIMER_PROF, &NO_LIMIT, NULL);
     limit_memory(0);
@@ -1187,24 +1326,29 @@ static void try_kept_files(void) {
         sn_blob blob;
         snprintf(path, sizeof path, "tests/data/broken/%s", name);
         if (name[0] != '.' && sn_blob_read(path, &blob, &error) == SN_OK) {
-            kind k = strstr(name, ".muscle.")    ? MUSCLE
-                     : strstr(name, ".scene.")   ? SCENE
-                     : strstr(name, ".pc2")      ? CACHE
-                     : strstr(name, ".report.")  ? REPORT
-                     : strstr(name, ".settings") ? SETTINGS
-                     : strstr(name, ".asf")      ? SKELETON
-                     : is_motion(name)           ? MOTION
-                     : strstr(name, ".osim")     ? MODEL
-                     : strstr(name, ".mjcf")     ? MODEL
-                     : strstr(name, ".mot")      ? STORAGE
-                     : strstr(name, ".sensors.") ? SENSORS
-                     : strstr(name, ".names")    ? NAMES
-                     : strstr(name, ".body")     ? BODY
-                     : strstr(name, ".envelope") ? ENVELOPE
-                     : strstr(name, ".field")    ? FIELD
-                     : strstr(name, ".lines")    ? LINES
-                     : strstr(name, ".gltf")     ? GLTF
-                                                 : MESH;
+            kind k = strstr(name, ".muscle.")     ? MUSCLE
+                     : strstr(name, ".scene.")    ? SCENE
+                     : strstr(name, ".pc2")       ? CACHE
+                     : strstr(name, ".report.")   ? REPORT
+                     : strstr(name, ".settings")  ? SETTINGS
+                     : strstr(name, ".asf")       ? SKELETON
+                     : is_motion(name)            ? MOTION
+                     : strstr(name, ".osim")      ? MODEL
+                     : strstr(name, ".mjcf")      ? MODEL
+                     : strstr(name, ".mot")       ? STORAGE
+                     : strstr(name, ".sensors.")  ? SENSORS
+                     : strstr(name, ".names")     ? NAMES
+                     : strstr(name, ".body")      ? BODY
+                     : strstr(name, ".envelope")  ? ENVELOPE
+                     : strstr(name, ".field")     ? FIELD
+                     : strstr(name, ".lines")     ? LINES
+                     : strstr(name, ".gltf")      ? GLTF
+                     : strstr(name, ".weights")   ? WEIGHTS
+                     : strstr(name, ".landmarks") ? LANDMARKS
+                     : strstr(name, ".sites")     ? SITES
+                     : strstr(name, ".template")  ? TEMPLATE
+                     : strstr(name, ".ends")      ? ENDS
+                                                  : MESH;
             try_file(k, name, blob.data, blob.size, false);
             sn_blob_free(&blob);
         }

@@ -299,6 +299,40 @@ static void test_points_in_bones(void **state) {
     sn_scene_free(&scene);
 }
 
+/* Of points along a line most are told by their neighbours; each alone is looked at, and that comes to the same numbers. */
+static void test_points_along_a_line_are_told_as_each_alone(void **state) {
+    (void)state;
+    enum { POINTS = 400 };
+    sn_scene scene;
+    fusiform shape = FUSIFORM;
+    make_scene(&scene, &shape);
+    scene.bones[0].mesh = shape_cube();
+    scene.bones[1].mesh = shape_sphere(40, 80);
+    scene.bones[1].meters_per_unit = 0.2; /* it overlaps the cube */
+    sn_bone_probe *probe;
+    assert_ok(sn_bone_probe_create(&scene, &probe, NULL));
+    const sn_rigid still = sn_rigid_identity();
+    uint64_t seed = 3;
+    for (int line = 0; line < 30; line++) {
+        sn_vec3 points[POINTS], from, to;
+        double ends[6];
+        for (int k = 0; k < 6; k++) ends[k] = 2.0 * sn_random(&seed) - 0.5;
+        from = sn_v3(ends[0], ends[1], ends[2]), to = sn_v3(ends[3], ends[4], ends[5]);
+        sn_penetration each = {.bone = SN_NONE};
+        for (int i = 0; i < POINTS; i++) {
+            points[i] = sn_lerp(from, to, (double)i / (POINTS - 1));
+            sn_penetration one = sn_bone_probe_points(probe, &still, 1, &points[i], 1.0);
+            each.inside += one.inside;
+            if (one.deepest > each.deepest) each.deepest = one.deepest, each.bone = one.bone;
+        }
+        sn_penetration all = sn_bone_probe_points(probe, &still, POINTS, points, 1.0);
+        assert_int_equal(all.inside, each.inside);
+        assert_true(all.deepest == each.deepest && all.bone == each.bone);
+    }
+    sn_bone_probe_destroy(probe);
+    sn_scene_free(&scene);
+}
+
 /* ---- tables and frames -------------------------------------------------------------------------------------------------------------- */
 
 static char folder[256];
@@ -455,6 +489,7 @@ int main(void) {
         cmocka_unit_test(test_blend_is_between_the_bones),
         cmocka_unit_test(test_blend_needs_attachments_and_an_exponent),
         cmocka_unit_test(test_points_in_bones),
+        cmocka_unit_test(test_points_along_a_line_are_told_as_each_alone),
         cmocka_unit_test_setup_teardown(test_tables_hold_the_numbers, make_folder, remove_folder),
         cmocka_unit_test_setup_teardown(test_smoothing_is_the_papers, make_folder, remove_folder),
         cmocka_unit_test_setup_teardown(test_smoothing_bounds_the_second_difference, make_folder, remove_folder),

@@ -10,7 +10,7 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "sinew/io.h"
+#include "../../lib/io/mesh_reader.h"
 
 /* ---- helpers -------------------------------------------------------------------------------------------------------- */
 
@@ -732,6 +732,37 @@ static void real_obj_files_have_their_counts(void **state) {
     expect_manifest_counts(data_folder(), "body-bp3d-low");
 }
 
+/* ---- counters ------------------------------------------------------------------------------------------------------- */
+
+/* The last thing that a counter of 32 bits holds has been read: a file of gigabytes, so the reader is put there by hand. */
+static void more_than_can_be_counted_is_refused_with_a_sentence(void **state) {
+    (void)state;
+    sn_error error = {0};
+    sn_blob blob = {.name = (char[]){"huge.obj"}, .data = (char[]){""}, .size = 0};
+    sn_reader full = sn_reader_of(&blob, &error);
+    sn_index corners[3] = {0, 1, 2};
+    sn_line_set lines = {.thin = SN_INDEX_MAX, .corner_count = SN_INDEX_MAX - 1};
+    full.mesh.vertex_count = full.mesh.triangle_count = full.mesh.group_count = SN_INDEX_MAX;
+    full.lines = &lines;
+    full.corners = corners;
+    assert_int_equal(sn_reader_add_vertex(&full, sn_v3(0, 0, 0)), SN_ERROR_INPUT);
+    assert_non_null(strstr(error.text, "more than the 2147483647 vertices"));
+    full.corner_count = 3;
+    assert_int_equal(sn_reader_add_face(&full, SN_NONE), SN_ERROR_INPUT);
+    assert_non_null(strstr(error.text, "2147483647 triangles"));
+    full.corner_count = 3;
+    assert_int_equal(sn_reader_add_strip(&full), SN_ERROR_INPUT);
+    full.corner_count = 3;
+    assert_int_equal(sn_reader_add_line(&full), SN_ERROR_INPUT);
+    assert_non_null(strstr(error.text, "2147483647 points of lines"));
+    full.corner_count = 1;
+    assert_int_equal(sn_reader_add_line(&full), SN_OK);
+    assert_int_equal(lines.thin, SN_INDEX_MAX);
+    sn_index group;
+    assert_int_equal(sn_reader_group(&full, (sn_span){"g", 1}, &group), SN_ERROR_INPUT);
+    assert_int_equal(full.mesh.vertex_count, SN_INDEX_MAX);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(obj_reads_every_form_of_a_corner),
@@ -760,6 +791,7 @@ int main(void) {
         cmocka_unit_test(ply_names_properties_apart),
         cmocka_unit_test(formats_without_attributes_say_so_once),
         cmocka_unit_test(what_a_format_cannot_hold_is_not_written),
+        cmocka_unit_test(more_than_can_be_counted_is_refused_with_a_sentence),
         cmocka_unit_test(real_ply_files_have_their_counts),
         cmocka_unit_test(real_stl_files_have_their_counts),
         cmocka_unit_test(real_obj_files_have_their_counts),

@@ -2,6 +2,9 @@
 #include "shapes.h"
 
 #include <signal.h>
+#include <stdlib.h>
+#include <sys/wait.h>
+#include <time.h>
 #include <unistd.h>
 
 #include "../../lib/geom/child.h"
@@ -227,6 +230,22 @@ static bool never_end(void *user, int out) {
     return true;
 }
 
+static bool work_for_ever(void *user, int out) {
+    volatile unsigned turns = 0;
+    (void)user;
+    (void)out;
+    for (;;) turns = turns + 1;
+    return true;
+}
+
+/* Where several of these share a processor, each has its time all the same. */
+static bool work_a_while(void *user, int out) {
+    (void)user;
+    clock_t most = CLOCKS_PER_SEC / 5;
+    while (clock() < most) continue;
+    return sn_child_write(out, "done", 4);
+}
+
 static bool die(void *user, int out) {
     (void)out;
     raise(*(int *)user);
@@ -264,7 +283,8 @@ static void a_child_that_fails_dies_or_never_ends_is_an_error(void **state) {
         sn_child_work work;
         int signal;
         bool late;
-    } cases[] = {{never_end, 0, true}, {die, SIGSEGV, false}, {die, SIGKILL, false}, {give_up, 0, false}, {talk_for_ever, 0, false}};
+    } cases[] = {{never_end, 0, true},  {work_for_ever, 0, true}, {die, SIGSEGV, false},
+                 {die, SIGKILL, false}, {give_up, 0, false},      {talk_for_ever, 0, false}};
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         int number = cases[i].signal;
         sn_child_answer answer = {.bytes = &number, .size = 7};
@@ -276,6 +296,25 @@ static void a_child_that_fails_dies_or_never_ends_is_an_error(void **state) {
         assert_int_equal(answer.ended_early, cases[i].late);
         assert_true(error.text[0] != '\0');
     }
+}
+
+/* A fifth of a second of work under a limit of half of one, beside twelve others that never end: by the clock on the wall it would be late.
+ */
+static void a_loaded_machine_ends_no_child_early(void **state) {
+    (void)state;
+    pid_t others[12];
+    for (size_t i = 0; i < sizeof others / sizeof *others; i++)
+        if ((others[i] = fork()) == 0)
+            for (;;) (void)getpid();
+    sn_child_answer answer = {0};
+    sn_status status = sn_child_run(work_a_while, NULL, &(sn_child_limits){.seconds = 0.5, .most_answer = 100}, &answer, NULL);
+    for (size_t i = 0; i < sizeof others / sizeof *others; i++) {
+        kill(others[i], SIGKILL);
+        waitpid(others[i], NULL, 0);
+    }
+    assert_int_equal(status, SN_OK);
+    assert_int_equal(answer.size, 4);
+    free(answer.bytes);
 }
 
 static void crossings_are_removed_or_left_but_never_made_worse(void **state) {
@@ -314,6 +353,7 @@ int main(void) {
         cmocka_unit_test(labels_are_carried_unmixed),
         cmocka_unit_test(a_child_answers),
         cmocka_unit_test(a_child_that_fails_dies_or_never_ends_is_an_error),
+        cmocka_unit_test(a_loaded_machine_ends_no_child_early),
         cmocka_unit_test(crossings_are_removed_or_left_but_never_made_worse),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

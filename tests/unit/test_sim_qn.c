@@ -215,6 +215,25 @@ static void threads_change_no_bit(void **state) {
     finish(&s[1]);
 }
 
+/* What a kind costs is measured by many calls: each begins from zero. */
+static void a_measured_gradient_does_not_grow(void **state) {
+    (void)state;
+    sn_scene scene;
+    make_newton(&scene, &FUSIFORM);
+    simulation s = start(&scene);
+    step_frames(&s, 2, NULL);
+    const sn_qn *qn = sn_qn_of(&s.state->groups[0]);
+    size_t size = (size_t)s.model->muscles[0].point_count * sizeof(sn_point);
+    sn_point *once = malloc(size);
+    assert_non_null(once);
+    sn_project(s.model, s.state, 0, SN_ROWS_MESH);
+    memcpy(once, qn->forces, size);
+    for (int i = 0; i < 10; i++) sn_project(s.model, s.state, 0, SN_ROWS_MESH);
+    assert_memory_equal(once, qn->forces, size);
+    free(once);
+    finish(&s);
+}
+
 /* Stopped after an iteration of a frame, packed, unpacked into a fresh state and continued: the bits of the run that was not stopped. */
 static void a_stop_changes_no_bit(void **state) {
     (void)state;
@@ -407,6 +426,7 @@ int main(void) {
         cmocka_unit_test(wrecked_starts_recover),
         cmocka_unit_test(a_teleported_bone_is_survived),
         cmocka_unit_test(threads_change_no_bit),
+        cmocka_unit_test(a_measured_gradient_does_not_grow),
         cmocka_unit_test(a_stop_changes_no_bit),
         cmocka_unit_test(a_stop_after_the_tolerance_changes_no_residual),
         cmocka_unit_test(jumps_under_every_matrix),

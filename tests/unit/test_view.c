@@ -454,6 +454,88 @@ static void vertex_colours_are_drawn(void **state) {
     sn_view_free(&view);
 }
 
+/* Whatever the order in which muscles and pictures name them, and also in a scene. */
+static void a_bone_has_one_colour_in_all_views_of_a_palette(void **state) {
+    (void)state;
+    sn_muscle first = spindle(), second = spindle();
+    char *name = second.attachments[0].bone;
+    second.attachments[0].bone = second.attachments[1].bone;
+    second.attachments[1].bone = name;
+    sn_palette palette = {0};
+    sn_view views[3] = {{.palette = &palette}, {.palette = &palette}, {.palette = &palette}};
+    sn_scene_bone bone = {.name = (char[]){"lower"}, .meters_per_unit = 1.0, .mesh = ellipsoid(4, 1, 1, 1), .joint = SN_NONE};
+    sn_scene_muscle muscle = {.name = (char[]){"m"}, .rig = second, .enabled = true};
+    sn_scene scene = {.bone_count = 1, .bones = &bone, .muscle_count = 1, .muscles = &muscle, .rate = 24.0};
+    assert_int_equal(sn_view_add_muscle(&views[0], &first, SN_SHOW_AUTO, NULL), SN_OK);
+    assert_int_equal(sn_view_add_muscle(&views[1], &second, SN_SHOW_AUTO, NULL), SN_OK);
+    assert_int_equal(sn_view_add_bone(&views[1], "lower", &bone.mesh, (sn_placement){1.0, NULL}, NULL), SN_OK);
+    assert_int_equal(sn_view_add_scene(&views[2], &scene, 0.0, NULL, SN_SHOW_AUTO | SN_SHOW_ATTACHMENTS, NULL), SN_OK);
+    const sn_color *paints[] = {views[0].meshes[0].paints, views[1].meshes[0].paints, views[2].meshes[1].paints};
+    for (int i = 0; i < 2; i++) {
+        assert_memory_equal(&paints[0][i], &paints[1][1 - i], sizeof(sn_color));
+        assert_memory_equal(&paints[1][i], &paints[2][i], sizeof(sn_color));
+    }
+    assert_memory_equal(&views[1].meshes[1].color, &views[2].meshes[0].color, sizeof(sn_color)); /* the bones themselves */
+    assert_int_equal(palette.count, 2);
+    for (int i = 0; i < 3; i++) sn_view_free(&views[i]);
+    sn_palette_free(&palette);
+    sn_mesh_free(&bone.mesh);
+    sn_muscle_free(&first);
+    sn_muscle_free(&second);
+}
+
+static void a_palette_has_other_colours_for_other_names(void **state) {
+    (void)state;
+    sn_palette palette = {0};
+    sn_color colors[100];
+    for (int i = 0; i < 100; i++) {
+        char name[8];
+        snprintf(name, sizeof name, "b%d", i);
+        assert_int_equal(sn_palette_color(&palette, name, &colors[i], NULL), SN_OK);
+        for (int k = 0; k < i; k++) assert_memory_not_equal(&colors[i], &colors[k], sizeof(sn_color));
+    }
+    sn_palette_free(&palette);
+}
+
+static void edges_of_glass_are_seen(void **state) {
+    (void)state;
+    int darkest[2];
+    for (int wire = 0; wire < 2; wire++) {
+        sn_view view = {0};
+        sn_view_mesh *ball = add_ball(&view, 0.1, sn_v3(0, 0, 0), RED);
+        ball->opacity = 0.2;
+        ball->wire = wire;
+        sn_image image = render(&view, sn_camera_from(0, 0), small_options());
+        darkest[wire] = 255;
+        for (sn_index x = 85; x < 115; x++) { /* near the middle, where the surface is thinnest to look through */
+            int red = pixel(&image, x, 75)[0];
+            darkest[wire] = red < darkest[wire] ? red : darkest[wire];
+        }
+        sn_image_free(&image);
+        sn_view_free(&view);
+    }
+    assert_true(darkest[1] < darkest[0] - 30);
+}
+
+static void the_camera_aims_at_what_is_in_focus(void **state) {
+    (void)state;
+    sn_view view = {0};
+    const char *names[] = {"biceps", "radius", NULL};
+    for (int i = 0; i < 3; i++) add_ball(&view, 0.1, sn_v3(i, 0, 0), RED);
+    for (int i = 0; i < 2; i++) view.meshes[i].name = sn_strdup(names[i]);
+    assert_int_equal(sn_view_focus(&view, "ulna"), 0);
+    sn_camera all = sn_camera_from(0, 0), one = all, two = all;
+    sn_camera_include(&all, &view);
+    assert_true(fabs(all.extent.high.x - 2.1) < 0.01);
+    assert_int_equal(sn_view_focus(&view, "rad*"), 1);
+    sn_camera_include(&one, &view);
+    assert_true(fabs(one.extent.low.x - 0.9) < 0.01 && fabs(one.extent.high.x - 1.1) < 0.01);
+    assert_int_equal(sn_view_focus(&view, "biceps"), 1);
+    sn_camera_include(&two, &view);
+    assert_true(fabs(two.extent.low.x + 0.1) < 0.01 && fabs(two.extent.high.x - 1.1) < 0.01);
+    sn_view_free(&view);
+}
+
 static void libpng_reads_back_the_same_pixels(void **state) {
     (void)state;
     sn_image image;
@@ -612,6 +694,10 @@ int main(void) {
         cmocka_unit_test(details_that_differ_are_left_out_of_a_sheet),
         cmocka_unit_test(an_entry_added_with_another_detail_loses_it),
         cmocka_unit_test(vertex_colours_are_drawn),
+        cmocka_unit_test(a_bone_has_one_colour_in_all_views_of_a_palette),
+        cmocka_unit_test(a_palette_has_other_colours_for_other_names),
+        cmocka_unit_test(edges_of_glass_are_seen),
+        cmocka_unit_test(the_camera_aims_at_what_is_in_focus),
         cmocka_unit_test(libpng_reads_back_the_same_pixels),
         cmocka_unit_test(partial_documents_are_drawn),
         cmocka_unit_test(odd_shapes_are_drawn),
