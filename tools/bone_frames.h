@@ -14,6 +14,8 @@ typedef struct bone_request {
     bool ply;           /* of a folder */
     const char *output; /* where the muscles' frames go; nullable */
     sn_index first;     /* frame */
+    sn_resume *resume;  /* nullable: go on with what is there */
+    const sn_state *at; /* with it: the state */
 } bone_request;
 
 /* One bone's surface. */
@@ -26,6 +28,7 @@ typedef struct bone_target {
 typedef struct bone_run {
     const sn_scene *scene;
     sn_index substeps;
+    sn_index continued;   /* targets that are gone on with */
     bone_target *targets; /* (scene.bone_count); NULL = none */
     sn_rigid *poses;      /* (joint_count) */
     sn_mesh_frames *frames;
