@@ -81,10 +81,11 @@ static sn_status open_bone(bone_run *run, const bone_request *request, sn_index 
     if (t->path == NULL) return sn_fail_memory(error, "the frames of the bones");
     if (request->output != NULL && strcmp(t->path, request->output) == 0)
         return sn_fail(error, SN_ERROR_INPUT, "bone \"%s\": its frames and the muscle's would both be %s", bone->name, t->path);
-    sn_status status = sn_mesh_copy(&bone->mesh, &t->mesh, error);
+    sn_status status = request->ply ? frame_sequence_check(t->path, ".ply", &request->range, error) : SN_OK;
+    if (status == SN_OK) status = sn_mesh_copy(&bone->mesh, &t->mesh, error);
     if (status == SN_OK && request->resume != NULL) status = resume_bone(run, request, b, error);
     if (status != SN_OK || request->ply || t->cache != NULL) return status;
-    return sn_pc2_create(t->path, bone->mesh.vertex_count, request->first, 1.0, &t->cache, error);
+    return sn_pc2_create(t->path, bone->mesh.vertex_count, request->range.first, 1.0, &t->cache, error);
 }
 
 static sn_status open_folder(bone_run *run, const bone_request *request, sn_error *error) {
@@ -138,6 +139,7 @@ static sn_status open_collection(bone_run *run, const cli *c, const bone_request
     char *prefix = sn_strndup(request->path, strlen(request->path) - strlen(".pvd"));
     sn_status status = prefix != NULL ? join_bones(run->scene, &run->all, error) : sn_fail_memory(error, "the frames of the bones");
     bool goes_on;
+    if (status == SN_OK) status = frame_sequence_check(prefix, ".vtp", &request->range, error);
     if (status == SN_OK) status = sn_mesh_frames_create(prefix, &run->frames, error);
     if (status == SN_OK && request->resume != NULL) status = sn_mesh_frames_resume(run->frames, request->resume, &goes_on, error);
     run->meters_per_unit = common_unit(run->scene);

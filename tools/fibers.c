@@ -297,9 +297,10 @@ sn_status fibers_open_frames(fiber_run *run, sn_index muscle, const char *path, 
     const sn_fiber_bundle *b = &f->bundle;
     char *cache = beside(path, FIBERS_SUFFIX ".pc2"), *prefix = beside(path, FIBERS_SUFFIX);
     sn_status status = cache != NULL && prefix != NULL ? SN_OK : sn_fail_memory(error, "the frames of the fibres");
+    if (status == SN_OK) status = frame_sequence_check(prefix, ".vtp", &start->range, error);
     if (status == SN_OK) status = sn_line_frames_create(prefix, b->fiber_count, b->start, b->rest_length, &f->lines, error);
     if (status == SN_OK && start->resume != NULL) status = resume_frames(f, cache, start->resume, error);
-    if (status == SN_OK && f->cache == NULL) status = sn_pc2_create(cache, b->point_count, start->first, 1.0, &f->cache, error);
+    if (status == SN_OK && f->cache == NULL) status = sn_pc2_create(cache, b->point_count, start->range.first, 1.0, &f->cache, error);
     free(cache);
     free(prefix);
     return status;

@@ -7,6 +7,7 @@
 #define SINEW_TOOLS_FIBERS_H
 
 #include "cli.h"
+#include "frame_files.h"
 #include "sinew/fibers.h"
 #include "sinew/sim.h"
 
@@ -66,7 +67,7 @@ SN_MUST_CHECK sn_status fibers_bind(fiber_run *run, const cli *c, const fiber_ch
  * the state has them (fibers_move). */
 SN_MUST_CHECK sn_status fibers_open_lengths(fiber_run *run, int64_t rows, sn_resume *resume, sn_error *error);
 typedef struct fiber_start {
-    sn_index first;    /* frame */
+    frame_range range;
     sn_resume *resume; /* nullable: as above */
 } fiber_start;
 /* Open the frames of one muscle, beside its own at `path`: its extension, if any, gives way to "-fibers". */

@@ -81,6 +81,21 @@ sn_status frame_sequence_find(const char *prefix, const char *suffix, frame_sequ
     return SN_OK;
 }
 
+sn_status frame_sequence_check(const char *prefix, const char *suffix, const frame_range *range, sn_error *error) {
+    frame_sequence there;
+    sn_status status = frame_sequence_find(prefix, suffix, &there, error);
+    bool below = !range->goes_on && there.first < range->first;
+    if (status != SN_OK || there.count == 0 || (!below && there.last <= range->last)) return status;
+    char *path = frame_number(prefix, below ? there.first : there.last, suffix);
+    if (path == NULL) return sn_fail_memory(error, "the frames");
+    status = sn_fail_at(
+        error, SN_ERROR_USAGE, path, 0,
+        "is of an older sequence, whose frames %ld to %ld would mix with the run's, %ld to %ld; remove it, or name another folder",
+        (long)there.first, (long)there.last, (long)range->first, (long)range->last);
+    free(path);
+    return status;
+}
+
 sn_status frame_write_ply(const char *prefix, sn_index frame, const sn_mesh *mesh, sn_error *error) {
     char *path = frame_number(prefix, frame, ".ply");
     sn_output *output = NULL;

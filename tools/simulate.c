@@ -314,6 +314,7 @@ static sn_status load_scene(job *j, sn_error *error) {
     if (status != SN_OK) return status;
     bool bones = given.fibers.penetration || given.bone_frames != NULL || contacts_wanted(&j->c, &given.contact) || given.externals;
     status = sn_scene_parse(&blob, bones, &j->scene, error);
+    if (status == SN_OK && !bones) status = sn_scene_check_bones(blob.name, &j->scene, error);
     if (status == SN_OK) status = choose_setting(j, &blob, error);
     if (status == SN_OK) {
         apply_options(j);
@@ -395,6 +396,12 @@ static bool one_file(const job *j) {
     return true;
 }
 
+/* Frames that will be written, as far as --stop-after lets the run go. */
+static frame_range range_of(const job *j) {
+    sn_index last = j->stop_parts > 0 && j->stop[0] < j->last ? j->stop[0] : j->last;
+    return (frame_range){.first = j->first, .last = last, .goes_on = given.from != NULL};
+}
+
 static sn_resume *resume_of(job *j) { return given.from != NULL ? &j->resume : NULL; }
 
 /* Is there one to go on with? */
@@ -417,8 +424,10 @@ static sn_status open_target(job *j, sn_index muscle, bool file, sn_error *error
     t->path = file ? sn_strdup(j->c.output) : frame_path(j->c.output, m->source->name, suffix);
     t->positions = SN_NEW(sn_vec3, m->vertex_count);
     if (t->path == NULL || t->positions == NULL) return sn_fail_memory(error, "the frames");
-    const fiber_start start = {.first = j->first, .resume = resume_of(j)};
-    sn_status status = given.format == FORMAT_PLY ? sn_mesh_copy(&m->source->rig.mesh, &t->mesh, error) : SN_OK;
+    const fiber_start start = {.range = range_of(j), .resume = resume_of(j)};
+    sn_status status = SN_OK;
+    if (given.format == FORMAT_PLY) status = frame_sequence_check(t->path, ".ply", &start.range, error);
+    if (given.format == FORMAT_PLY && status == SN_OK) status = sn_mesh_copy(&m->source->rig.mesh, &t->mesh, error);
     if (status == SN_OK && given.from != NULL) status = resume_target(j, muscle, error);
     if (status == SN_OK) status = fibers_open_frames(&j->fibers, muscle, t->path, &start, error);
     if (status != SN_OK || given.format == FORMAT_PLY || t->cache != NULL) return status;
@@ -454,7 +463,7 @@ static sn_status open_bones(job *j, sn_error *error) {
     const bone_request request = {.path = given.bone_frames,
                                   .ply = given.format == FORMAT_PLY,
                                   .output = cli_given(&j->c, "output") ? j->c.output : NULL,
-                                  .first = j->first,
+                                  .range = range_of(j),
                                   .resume = resume_of(j),
                                   .at = j->state};
     return bone_frames_open(&j->bones, &j->c, &request, &j->scene, error);
@@ -670,12 +679,6 @@ static sn_status run_frames(job *j, sn_error *error) {
     return status;
 }
 
-/* Frames of the run, as far as --stop-after lets it go. */
-static int64_t rows_to_write(const job *j) {
-    sn_index last = j->stop_parts > 0 && j->stop[0] < j->last ? j->stop[0] : j->last;
-    return (int64_t)last - j->first + 1;
-}
-
 static sn_status open_log(job *j, sn_error *error) {
     if (given.from != NULL) {
         sn_status status = earlier_log(given.log, j->model, &j->resume, &j->log, error);
@@ -697,8 +700,9 @@ static sn_status prepare(job *j, sn_error *error) {
     if (status == SN_OK) status = sn_state_create(j->model, &j->state, error);
     if (status == SN_OK && given.from != NULL) status = read_state(j, error);
     if (status == SN_OK) status = fibers_bind(&j->fibers, &j->c, &given.fibers, j->model, j->pool, error);
+    frame_range range = range_of(j);
     if (status == SN_OK && given.from != NULL) fibers_move(&j->fibers, j->state);
-    if (status == SN_OK) status = fibers_open_lengths(&j->fibers, rows_to_write(j), resume_of(j), error);
+    if (status == SN_OK) status = fibers_open_lengths(&j->fibers, (int64_t)range.last - range.first + 1, resume_of(j), error);
     if (status == SN_OK) status = open_targets(j, error);
     if (status == SN_OK) status = open_bones(j, error);
     if (status == SN_OK) status = open_log(j, error);

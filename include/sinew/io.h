@@ -35,6 +35,10 @@ typedef struct sn_blob {
 SN_MUST_CHECK sn_status sn_blob_read(const char *path, sn_blob *out, sn_error *error);
 /* The bytes as they are: data without a signature, whose first bytes may look like anything. */
 SN_MUST_CHECK sn_status sn_blob_read_bytes(const char *path, sn_blob *out, sn_error *error);
+/* Is it a regular file, as what documents name must be? A device or a pipe may never end. */
+SN_MUST_CHECK sn_status sn_file_check(const char *path, sn_error *error);
+/* sn_blob_read of a file that a document names. */
+SN_MUST_CHECK sn_status sn_blob_read_named(const char *path, sn_blob *out, sn_error *error);
 void sn_blob_free(sn_blob *blob);
 
 typedef struct sn_output sn_output;
@@ -230,6 +234,8 @@ bool sn_polylines_detect(const sn_blob *blob);
 
 /* ---- the scene document (lib/io/scene_document.c) -------------------------------------------------------------------------- */
 
+/* Are the files of the bones there, where a run does not read them? document: the name of the scene's. */
+SN_MUST_CHECK sn_status sn_scene_check_bones(const char *document, const sn_scene *scene, sn_error *error);
 /* Is this a scene document, by its "format" member? false for anything else, also for what is malformed (lib/io/detect.c). */
 bool sn_scene_detect(const sn_blob *blob);
 /* Parse a scene and load the rigs of its enabled muscles; bone meshes only if load_bones. Relative paths are relative to the scene. */

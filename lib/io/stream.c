@@ -114,6 +114,20 @@ sn_status sn_blob_read(const char *path, sn_blob *out, sn_error *error) {
     return status;
 }
 
+sn_status sn_file_check(const char *path, sn_error *error) {
+    struct stat info;
+    if (stat(path, &info) != 0) return sn_fail_at(error, SN_ERROR_IO, path, 0, "cannot be opened: %s", strerror(errno));
+    if (S_ISDIR(info.st_mode)) return sn_fail_at(error, SN_ERROR_IO, path, 0, "is a directory; name a file in it");
+    if (S_ISREG(info.st_mode)) return SN_OK;
+    return sn_fail_at(error, SN_ERROR_INPUT, path, 0, "is a device or a pipe, which may not end; a document names files");
+}
+
+sn_status sn_blob_read_named(const char *path, sn_blob *out, sn_error *error) {
+    *out = (sn_blob){0};
+    sn_status status = sn_file_check(path, error);
+    return status == SN_OK ? sn_blob_read(path, out, error) : status;
+}
+
 void sn_blob_free(sn_blob *blob) {
     free(blob->name);
     free(blob->data);

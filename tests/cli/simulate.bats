@@ -140,6 +140,7 @@ END
         if [ $solver = xpbd ]; then stops="1 2 2:3 3:16 4:16:1"; else stops="1 2 2:1:1 4:1:2"; fi
         for stop in $stops; do
             $run --stop-after $stop --state stop.state > log.jsonl
+            rm -f end.pc2
             $run --frames ${stop%%:*}:4 --from stop.state --state end.state -o end.pc2 > end.jsonl
             cmp end.state whole.state
             tail -n 1 end.jsonl | cmp - wanted
@@ -767,7 +768,7 @@ s["muscles"][0].update(rig="bare.muscle.json", tone=0); json.dump(s, open("bare.
 @test "a state of another rate is refused, and says which" {
     one_muscle
     simulate -q one.scene.json --frames 0:2 --state s.state > /dev/null
-    run -1 simulate -q one.scene.json --rate 48 --frames 3:4 --from s.state
+    run -2 simulate -q one.scene.json --rate 48 --frames 3:4 --from s.state
     [[ "$output" == *"made at 24 frames a second, and the scene has 48"* ]]
     simulate -q one.scene.json --rate 48 --frames 0:2 --state t.state > /dev/null
     simulate -q one.scene.json --rate 48 --frames 3:4 --from t.state > /dev/null
@@ -1015,4 +1016,74 @@ END2
     python3 -c 'import json
 s = json.load(open("filled.scene.json")); s["frames"] = [0, 59]; json.dump(s, open("filled.scene.json", "w"))'
     python3 killed.py
+}
+
+@test "an older sequence that would mix with the run's frames is refused before any work" {
+    filled_scene
+    simulate -q filled.scene.json --frames 0:3 -o out --format ply --bone-frames bones --log log.jsonl
+    simulate -q filled.scene.json --frames 0:3 -o fibres --fibers --bone-frames bones.pvd --log log.jsonl
+    for options in "-o out --format ply" "--bone-frames bones --format ply" "-o fibres --fibers" "--bone-frames bones.pvd"; do
+        run -2 --separate-stderr simulate -q filled.scene.json --frames 0:2 $options --log other.jsonl
+        [[ "$stderr" == *".0003."*"is of an older sequence, whose frames 0 to 3 would mix with the run's, 0 to 2"* ]]
+        run -2 simulate -q filled.scene.json --frames 1:4 $options --log other.jsonl
+        simulate -q filled.scene.json --frames 0:4 $options --log other.jsonl
+        rm other.jsonl
+        run -2 simulate -q filled.scene.json --frames 0:3 $options --log other.jsonl
+        refute [ -e other.jsonl ]
+    done
+}
+
+@test "documents that name pipes, devices or nothing are refused at once" {
+    mkfifo pipe
+    ln -s /dev/zero zero.json
+    for file in pipe /dev/zero zero.json; do
+        for change in "s['muscles'][0]['rig']=f" "s['bones'][0]['mesh']=f" "s['motion']={'uri':f}"; do
+            python3 -c "import json,sys; s=json.load(open('arm.scene.json')); f=sys.argv[1]; $change; json.dump(s,open('odd.scene.json','w'))" $file
+            for option in --plan "--frames 0:0" "--contact --frames 0:0"; do
+                run -1 --separate-stderr timeout 20 simulate odd.scene.json $option
+                [[ "$stderr" == *"${file##*/}"*"is a device or a pipe"* ]] || { echo "$change $option: $stderr"; return 1; }
+                [ -z "$output" ]
+            done
+        done
+    done
+    sed 's/"ulna.ply"/"nowhere.ply"/' arm.scene.json > odd.scene.json # also where no run looks at it
+    for option in --plan "--frames 0:0"; do
+        run -1 --separate-stderr simulate odd.scene.json $option
+        [[ "$stderr" == *'nowhere.ply: bone "ulna": cannot be opened'* ]]
+    done
+}
+
+@test "outputs that cannot be written are told before any work; one file twice is wrong usage" {
+    one_muscle
+    mkdir shut
+    for option in --state --report --trace --lengths; do
+        run -1 --separate-stderr simulate one.scene.json --frames 0:1 $option nowhere/file --log log.jsonl
+        [[ "$stderr" == *"nowhere/file: cannot be written"* ]]
+        run -1 simulate one.scene.json --frames 0:1 $option shut --log log.jsonl
+        [[ "$output" == *"shut: is a directory"* ]]
+    done
+    refute [ -e log.jsonl ]
+    ln one.scene.json linked
+    ln -s log.jsonl again
+    simulate -q one.scene.json --frames 0:1 --log log.jsonl --state s.state -o out.pc2
+    sum=$(cat one.scene.json log.jsonl s.state out.pc2 | sha256sum)
+    while read -r options; do
+        run -2 --separate-stderr simulate -q $options
+        [[ "$stderr" == *"are one file"* ]] || { echo "$options: $stderr"; return 1; }
+        [ "$(wc -l <<< "$stderr")" -eq 1 ]
+        [ "$(cat one.scene.json log.jsonl s.state out.pc2 | sha256sum)" = "$sum" ]
+    done << 'END'
+one.scene.json --log new --report new
+one.scene.json --log new --state ./new
+one.scene.json --log log.jsonl --report again
+one.scene.json --log one.scene.json
+one.scene.json --report linked
+one.scene.json --from s.state --frames 2:3 --log s.state
+one.scene.json -o out.pc2 --log out.pc2
+END
+    simulate -q one.scene.json --from s.state --frames 2:3 --state s.state --log log.jsonl -o out.pc2
+    simulate -q one.scene.json --frames 0:1 --log /dev/null --trace /dev/null
+    simulate -q one.scene.json --frames 0:1 -o moved --report moved/report.json --state moved/end.state > /dev/null
+    [ -s moved/report.json ]
+    [ -s moved/end.state ]
 }
