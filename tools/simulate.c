@@ -11,6 +11,7 @@
 #include "outcome.h"
 #include "sinew/error_time.h"
 
+#include <float.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -640,11 +641,24 @@ static sn_status write_log(job *j, bool stopped, sn_error *error) {
 
 /* ---- frame after frame ------------------------------------------------------------------------------------------------------ */
 
+/* Do the caches hold every coordinate? */
+static sn_status check_caches(job *j, sn_error *error) {
+    for (sn_index i = 0; j->targets != NULL && given.format == FORMAT_PC2 && i < j->model->muscle_count; i++) {
+        const sn_vec3 *p = j->targets[i].positions;
+        sn_state_positions(j->model, j->state, i, j->targets[i].positions);
+        for (sn_index k = 0; k < j->model->muscles[i].vertex_count; k++)
+            if (fmax(fabs(p[k].x), fmax(fabs(p[k].y), fabs(p[k].z))) > (double)FLT_MAX)
+                return outcome_overflows(&j->outcome, j->state, i, given.state != NULL, error);
+    }
+    return SN_OK;
+}
+
 /* seconds: of its step; NaN where the run begins with it. SN_STOPPED: it is not finite, and the run ends with the one before. */
 static sn_status finish_frame(job *j, bool stopped, double seconds, sn_error *error) {
     fibers_move(&j->fibers, j->state);
     sn_status status = write_log(j, stopped, error);
     if (status == SN_OK) status = outcome_check(&j->outcome, j->state, given.state != NULL, error);
+    if (status == SN_OK) status = check_caches(j, error);
     j->exploded = status == SN_STOPPED;
     if (status == SN_OK) status = write_frames(j, error);
     if (status == SN_OK) status = bone_frames_write(&j->bones, j->state, error);
