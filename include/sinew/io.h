@@ -234,7 +234,8 @@ bool sn_polylines_detect(const sn_blob *blob);
 
 /* ---- the scene document (lib/io/scene_document.c) -------------------------------------------------------------------------- */
 
-/* Are the files of the bones there, where a run does not read them? document: the name of the scene's. */
+/* Look at the files of the bones, where a run does not read them: one that is not there draws a warning, one that is no file is an error.
+ * document: the name of the scene's. */
 SN_MUST_CHECK sn_status sn_scene_check_bones(const char *document, const sn_scene *scene, sn_error *error);
 /* Is this a scene document, by its "format" member? false for anything else, also for what is malformed (lib/io/detect.c). */
 bool sn_scene_detect(const sn_blob *blob);

@@ -420,6 +420,10 @@ sn_status sn_scene_check_bones(const char *document, const sn_scene *scene, sn_e
         sn_error why = {0};
         char *path = sn_path_beside(document, scene->bones[i].uri);
         status = path != NULL ? sn_file_check(path, &why) : sn_fail_memory(&why, "a path");
+        if (status == SN_ERROR_IO) {
+            sn_log(SN_LOG_WARNING, "%s: bone \"%s\": %s; this run does without its surface", path, scene->bones[i].name, why.text);
+            status = SN_OK;
+        }
         if (status != SN_OK)
             sn_fail_at(error, status, path != NULL ? path : document, 0, "bone \"%s\": %s", scene->bones[i].name, why.text);
         free(path);
