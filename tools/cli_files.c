@@ -89,7 +89,7 @@ static bool same_file(const char *a, const char *b) {
 static bool may_be_one(const cli *c, const named_file *a, const named_file *b) {
     if (!is_written(a) && !is_written(b)) return true;
     const named_file *in = is_written(a) ? b : a, *out = is_written(a) ? a : b;
-    if (is_written(in)) return false;
+    if (is_written(in)) return (in->option->flags & CLI_FOLDER) && (out->option->flags & CLI_FOLDER); /* several may write into one */
     if (in->option == NULL) return (c->tool->shared & CLI_TAKES_INPUT) && strcmp(out->option->name, "output") == 0;
     return (in->option->flags & CLI_STATE) && (out->option->flags & CLI_STATE);
 }
