@@ -68,7 +68,7 @@ LIB_SOURCES := $(sort $(wildcard lib/*/*.c))
 BRIDGE_SOURCES := $(sort $(wildcard lib/geom/cgal_*.cpp))
 LIB_OBJECTS := $(LIB_SOURCES:%.c=$(B)/%.o)
 BRIDGE_OBJECTS := $(BRIDGE_SOURCES:lib/geom/%.cpp=$(BRIDGE)/%.o)
-TOOL_SHARED := $(patsubst %.c,$(B)/%.o,$(wildcard tools/cli.c tools/chain.c tools/selector.c tools/bones.c tools/folder.c tools/chart.c tools/grips.c))
+TOOL_SHARED := $(patsubst %.c,$(B)/%.o,$(wildcard tools/cli.c tools/cli_files.c tools/chain.c tools/selector.c tools/bones.c tools/folder.c tools/chart.c tools/grips.c))
 BUILT_TOOLS := $(foreach t,$(TOOLS),$(if $(wildcard tools/$t.c),$(B)/bin/$t))
 BUILT_LIBEXEC := $(LIBEXEC_TOOLS:%=$(B)/libexec/sinew/%)
 EXAMPLES := $(patsubst share/examples/%.c,$(B)/examples/%,$(wildcard share/examples/*/*.c))
@@ -114,7 +114,7 @@ $(B)/bin/%: $(B)/tools/%.o $(TOOL_SHARED) $(B)/libsinew.a
 	$(Q)$(call link,$(LIBS_$*))
 
 # sources of one tool alone
-$(B)/bin/simulate: $(B)/tools/fibers.o $(B)/tools/contacts.o $(B)/tools/outcome.o $(B)/tools/bone_frames.o $(B)/tools/frame_files.o
+$(B)/bin/simulate: $(B)/tools/fibers.o $(B)/tools/earlier.o $(B)/tools/contacts.o $(B)/tools/outcome.o $(B)/tools/bone_frames.o $(B)/tools/frame_files.o
 $(B)/bin/motion-import $(B)/bin/motion-fit: $(B)/tools/clip.o
 $(B)/bin/rig-view: $(B)/tools/motion_view.o $(B)/tools/frame_list.o $(B)/tools/section_view.o
 $(B)/bin/motion-import: $(B)/tools/model_bones.o
@@ -141,5 +141,5 @@ tests: $(UNIT_TESTS) $(EXTRA_TESTS)
 include share/make/project.mk
 include share/make/fuzz.mk
 
--include $(patsubst %,$(B)/tools/%.d,fibers contacts outcome bone_frames frame_files motion_view frame_list model_bones scene_list neighbours section_view) $(LIB_OBJECTS:.o=.d) $(BRIDGE_OBJECTS:.o=.d) $(BUILT_TOOLS:$(B)/bin/%=$(B)/tools/%.d) $(LIBEXEC_TOOLS:%=$(B)/tools/%.d) $(TOOL_SHARED:.o=.d)
+-include $(patsubst %,$(B)/tools/%.d,fibers earlier contacts outcome bone_frames frame_files motion_view frame_list model_bones scene_list neighbours section_view) $(LIB_OBJECTS:.o=.d) $(BRIDGE_OBJECTS:.o=.d) $(BUILT_TOOLS:$(B)/bin/%=$(B)/tools/%.d) $(LIBEXEC_TOOLS:%=$(B)/tools/%.d) $(TOOL_SHARED:.o=.d)
 -include $(UNIT_TESTS:=.d) $(EXTRA_TESTS:=.d) $(EXAMPLES:$(B)/examples/%=$(B)/share/examples/%.d)

@@ -1,5 +1,6 @@
 /* bone_frames.c -- the bones' surfaces, posed at each frame: a point cache or a sequence for each, or all of them as VTP. */
 #include "bone_frames.h"
+#include "earlier.h"
 #include "frame_files.h"
 
 #include <stdlib.h>
@@ -36,6 +37,41 @@ static sn_status check_names(const bone_request *request, const sn_scene *scene,
     return SN_OK;
 }
 
+/* ---- where the bones are ---------------------------------------------------------------------------------------------------- */
+
+/* Seconds; in the middle of a frame the end of the substep at hand, whose poses the muscles have. */
+static double time_of(const bone_run *run, const sn_state *state) {
+    double frame = state->frame;
+    if (state->substep > 0 || state->iteration > 0) frame += (double)(state->substep + (state->iteration > 0)) / run->substeps - 1.0;
+    return frame / run->scene->rate;
+}
+
+/* The vertices of a bone in units of `unit` m. One that never moves stays as its file has it. */
+static void pose_bone(const bone_run *run, const sn_scene_bone *bone, double unit, sn_vec3 *out) {
+    const sn_rigid *pose = bone->joint != SN_NONE ? &run->poses[bone->joint] : NULL;
+    for (sn_index i = 0; i < bone->mesh.vertex_count; i++) {
+        sn_vec3 p = bone->mesh.positions[i];
+        if (pose != NULL || unit != bone->meters_per_unit) {
+            p = sn_scale(p, bone->meters_per_unit);
+            if (pose != NULL) p = sn_rigid_apply(*pose, p);
+            p = sn_v3(p.x / unit, p.y / unit, p.z / unit);
+        }
+        out[i] = p;
+    }
+}
+
+/* Is there one to go on with? */
+static sn_status resume_bone(bone_run *run, const bone_request *request, sn_index b, sn_error *error) {
+    const sn_scene_bone *bone = &run->scene->bones[b];
+    bone_target *t = &run->targets[b];
+    bool goes_on = false;
+    pose_bone(run, bone, bone->meters_per_unit, t->mesh.positions);
+    sn_status status = request->ply ? earlier_sequence(t->path, &t->mesh, request->resume, &goes_on, error)
+                                    : sn_pc2_resume(t->path, bone->mesh.vertex_count, request->resume, t->mesh.positions, &t->cache, error);
+    run->continued += goes_on || t->cache != NULL;
+    return status;
+}
+
 /* ---- a file for each bone ------------------------------------------------------------------------------------------------------ */
 
 static sn_status open_bone(bone_run *run, const bone_request *request, sn_index b, sn_error *error) {
@@ -45,9 +81,11 @@ static sn_status open_bone(bone_run *run, const bone_request *request, sn_index 
     if (t->path == NULL) return sn_fail_memory(error, "the frames of the bones");
     if (request->output != NULL && strcmp(t->path, request->output) == 0)
         return sn_fail(error, SN_ERROR_INPUT, "bone \"%s\": its frames and the muscle's would both be %s", bone->name, t->path);
-    sn_status status = sn_mesh_copy(&bone->mesh, &t->mesh, error);
-    if (status != SN_OK || request->ply) return status;
-    return sn_pc2_create(t->path, bone->mesh.vertex_count, request->first, 1.0, &t->cache, error);
+    sn_status status = request->ply ? frame_sequence_check(t->path, ".ply", &request->range, error) : SN_OK;
+    if (status == SN_OK) status = sn_mesh_copy(&bone->mesh, &t->mesh, error);
+    if (status == SN_OK && request->resume != NULL) status = resume_bone(run, request, b, error);
+    if (status != SN_OK || request->ply || t->cache != NULL) return status;
+    return sn_pc2_create(t->path, bone->mesh.vertex_count, request->range.first, 1.0, &t->cache, error);
 }
 
 static sn_status open_folder(bone_run *run, const bone_request *request, sn_error *error) {
@@ -56,7 +94,7 @@ static sn_status open_folder(bone_run *run, const bone_request *request, sn_erro
     if (status == SN_OK && (run->targets = SN_NEW(bone_target, run->scene->bone_count)) == NULL)
         status = sn_fail_memory(error, "the frames of the bones");
     for (sn_index b = 0; b < run->scene->bone_count && status == SN_OK; b++) status = open_bone(run, request, b, error);
-    return status;
+    return status == SN_OK ? earlier_whole(request->path, run->continued, run->scene->bone_count, error) : status;
 }
 
 /* ---- all in one ------------------------------------------------------------------------------------------------------------------ */
@@ -100,7 +138,10 @@ static sn_status join_bones(const sn_scene *scene, sn_mesh *all, sn_error *error
 static sn_status open_collection(bone_run *run, const cli *c, const bone_request *request, sn_error *error) {
     char *prefix = sn_strndup(request->path, strlen(request->path) - strlen(".pvd"));
     sn_status status = prefix != NULL ? join_bones(run->scene, &run->all, error) : sn_fail_memory(error, "the frames of the bones");
+    bool goes_on;
+    if (status == SN_OK) status = frame_sequence_check(prefix, ".vtp", &request->range, error);
     if (status == SN_OK) status = sn_mesh_frames_create(prefix, &run->frames, error);
+    if (status == SN_OK && request->resume != NULL) status = sn_mesh_frames_resume(run->frames, request->resume, &goes_on, error);
     run->meters_per_unit = common_unit(run->scene);
     cli_say(c, "%s: %d bones, %g m a unit", request->path, run->scene->bone_count, run->meters_per_unit);
     free(prefix);
@@ -117,34 +158,16 @@ sn_status bone_frames_open(bone_run *run, const cli *c, const bone_request *requ
     if (scene->bone_count == 0) return sn_fail(error, SN_ERROR_INPUT, "the scene has no bones whose frames could be written");
     *run = (bone_run){.scene = scene, .substeps = sn_solver_substeps(&scene->solver)};
     if ((run->poses = SN_NEW(sn_rigid, scene->motion.joint_count)) == NULL) return sn_fail_memory(error, "the bones' poses");
+    if (request->resume != NULL) sn_motion_poses(&scene->motion, time_of(run, request->at), run->poses);
     return collection ? open_collection(run, c, request, error) : open_folder(run, request, error);
-}
-
-/* Seconds; in the middle of a frame the end of the substep at hand, whose poses the muscles have. */
-static double time_of(const bone_run *run, const sn_state *state) {
-    double frame = state->frame;
-    if (state->substep > 0 || state->iteration > 0) frame += (double)(state->substep + (state->iteration > 0)) / run->substeps - 1.0;
-    return frame / run->scene->rate;
-}
-
-/* The vertices of a bone in units of `unit` m. One that never moves stays as its file has it. */
-static void pose_bone(const bone_run *run, const sn_scene_bone *bone, double unit, sn_vec3 *out) {
-    const sn_rigid *pose = bone->joint != SN_NONE ? &run->poses[bone->joint] : NULL;
-    for (sn_index i = 0; i < bone->mesh.vertex_count; i++) {
-        sn_vec3 p = bone->mesh.positions[i];
-        if (pose != NULL || unit != bone->meters_per_unit) {
-            p = sn_scale(p, bone->meters_per_unit);
-            if (pose != NULL) p = sn_rigid_apply(*pose, p);
-            p = sn_v3(p.x / unit, p.y / unit, p.z / unit);
-        }
-        out[i] = p;
-    }
 }
 
 static sn_status write_bone(bone_run *run, sn_index b, sn_index frame, sn_error *error) {
     bone_target *t = &run->targets[b];
     pose_bone(run, &run->scene->bones[b], run->scene->bones[b].meters_per_unit, t->mesh.positions);
-    return t->cache != NULL ? sn_pc2_append(t->cache, t->mesh.positions, error) : frame_write_ply(t->path, frame, &t->mesh, error);
+    if (t->cache == NULL) return frame_write_ply(t->path, frame, &t->mesh, error);
+    sn_status status = sn_pc2_append(t->cache, t->mesh.positions, error);
+    return status == SN_OK ? sn_pc2_publish(t->cache, error) : status;
 }
 
 sn_status bone_frames_write(bone_run *run, const sn_state *state, sn_error *error) {
@@ -162,17 +185,20 @@ sn_status bone_frames_write(bone_run *run, const sn_state *state, sn_error *erro
     return status == SN_OK && run->frames != NULL ? sn_mesh_frames_append(run->frames, state->frame, time, &run->all, error) : status;
 }
 
+/* What is done is kept, whatever becomes of the others: the first failure is told. */
 sn_status bone_frames_commit(bone_run *run, sn_error *error) {
     sn_status status = SN_OK;
-    for (sn_index b = 0; run->targets != NULL && b < run->scene->bone_count && status == SN_OK; b++) {
+    for (sn_index b = 0; run->targets != NULL && b < run->scene->bone_count; b++) {
         sn_pc2 *cache = run->targets[b].cache;
         run->targets[b].cache = NULL;
-        if (cache != NULL) status = sn_pc2_commit(cache, error);
+        sn_status committed = cache != NULL ? sn_pc2_commit(cache, status == SN_OK ? error : NULL) : SN_OK;
+        if (status == SN_OK) status = committed;
     }
-    if (status != SN_OK || run->frames == NULL) return status;
+    if (run->frames == NULL) return status;
     sn_mesh_frames *frames = run->frames;
     run->frames = NULL;
-    return sn_mesh_frames_commit(frames, error);
+    sn_status committed = sn_mesh_frames_commit(frames, status == SN_OK ? error : NULL);
+    return status == SN_OK ? committed : status;
 }
 
 void bone_frames_free(bone_run *run) {

@@ -7,13 +7,16 @@
 #define SINEW_TOOLS_BONE_FRAMES_H
 
 #include "cli.h"
+#include "frame_files.h"
 #include "sinew/sim.h"
 
 typedef struct bone_request {
     const char *path;   /* a folder: BONE.pc2 for each, or BONE.0000.ply; "NAME.pvd": all bones in NAME.0000.vtp; NULL = nobody asks */
     bool ply;           /* of a folder */
     const char *output; /* where the muscles' frames go; nullable */
-    sn_index first;     /* frame */
+    frame_range range;
+    sn_resume *resume;  /* nullable: go on with what is there */
+    const sn_state *at; /* with it: the state */
 } bone_request;
 
 /* One bone's surface. */
@@ -26,6 +29,7 @@ typedef struct bone_target {
 typedef struct bone_run {
     const sn_scene *scene;
     sn_index substeps;
+    sn_index continued;   /* targets that are gone on with */
     bone_target *targets; /* (scene.bone_count); NULL = none */
     sn_rigid *poses;      /* (joint_count) */
     sn_mesh_frames *frames;

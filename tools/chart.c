@@ -4,13 +4,12 @@
 #include <errno.h>
 #include <fcntl.h>
 #include <limits.h>
-#include <spawn.h>
+#include <signal.h>
 #include <stdio.h>
 #include <string.h>
+#include <sys/prctl.h>
 #include <sys/wait.h>
 #include <unistd.h>
-
-extern char **environ;
 
 enum { MOST_ARGUMENTS = 16, MESSAGE_SIZE = 512 };
 
@@ -30,18 +29,21 @@ static bool find_script(const char *script, char path[PATH_MAX + 128]) {
     return false;
 }
 
-/* Start it with its standard output and error going to `out`. */
+/* In the child, between fork and exec: only what is safe there. It dies with its parent. */
+static _Noreturn void become_gnuplot(const char *const *argv, int out, pid_t parent) {
+    int nothing = open("/dev/null", O_RDONLY);
+    prctl(PR_SET_PDEATHSIG, SIGKILL);
+    if (getppid() == parent && nothing >= 0 && dup2(nothing, STDIN_FILENO) >= 0 && dup2(out, STDOUT_FILENO) >= 0 &&
+        dup2(out, STDERR_FILENO) >= 0)
+        execvp(argv[0], (char *const *)(uintptr_t)argv); /* POSIX leaves the const out for old programs; arguments are only read */
+    _exit(127);
+}
+
+/* Start it with its standard output and error going to `out`; 0, or what errno says. */
 static int start(const char *const *argv, int out, pid_t *child) {
-    posix_spawn_file_actions_t actions;
-    int failed = posix_spawn_file_actions_init(&actions);
-    if (failed != 0) return failed;
-    failed = posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
-    if (failed == 0) failed = posix_spawn_file_actions_adddup2(&actions, out, STDOUT_FILENO);
-    if (failed == 0) failed = posix_spawn_file_actions_adddup2(&actions, out, STDERR_FILENO);
-    /* POSIX leaves the const out for old programs; arguments are only read */
-    if (failed == 0) failed = posix_spawnp(child, argv[0], &actions, NULL, (char *const *)(uintptr_t)argv, environ);
-    posix_spawn_file_actions_destroy(&actions);
-    return failed;
+    pid_t parent = getpid();
+    if ((*child = fork()) == 0) become_gnuplot(argv, out, parent);
+    return *child < 0 ? errno : 0;
 }
 
 /* All that it says, of which the beginning is kept; its exit status, or -1. */
@@ -87,7 +89,7 @@ bool chart_draw(cli *c, const char *script, const char *const *arguments) {
     close(ends[1]);
     int status = failed == 0 ? listen_and_wait(child, ends[0], message) : 127;
     close(ends[0]);
-    if (failed == ENOENT || (failed == 0 && status == 127))
+    if (failed == 0 && status == 127)
         cli_shortfall(c, "no chart: gnuplot is not installed (Debian package gnuplot-nox)");
     else if (failed != 0)
         cli_shortfall(c, "no chart: gnuplot cannot be started: %s", strerror(failed));

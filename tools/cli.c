@@ -2,6 +2,7 @@
 #include "cli_given.h"
 
 #include <errno.h>
+#include <fcntl.h>
 #include <limits.h>
 #include <locale.h>
 #include <poll.h>
@@ -38,7 +39,8 @@ typedef struct shared_option {
 } shared_option;
 
 static const shared_option shared_options[] = {
-    {CLI_HAS_OUTPUT, {'o', "output", "FILE", CLI_TEXT, &shared.output, 0, 0, 0, NULL, "write to FILE instead of standard output"}},
+    {CLI_HAS_OUTPUT,
+     {'o', "output", "FILE", CLI_TEXT, &shared.output, CLI_WRITES | CLI_FOLDER, 0, 0, NULL, "write to FILE instead of standard output"}},
     {CLI_HAS_UNITS,
      {0, "units", "UNIT", CLI_CHOICE, &shared.units, CLI_RESULT, 0, 0, cli_unit_names,
       "unit of a bare mesh: m, cm or mm (default: as its file says, else m)"}},
@@ -54,8 +56,8 @@ static const shared_option shared_options[] = {
     {CLI_HAS_HISTORY, {0, "no-history", NULL, CLI_FLAG, &shared.no_history, 0, 0, 0, NULL, "leave the history out of the document"}},
     {CLI_HAS_STRICT,
      {0, "strict", NULL, CLI_FLAG, &shared.strict, 0, 0, 0, NULL, "refuse documents with members that sinew does not know"}},
-    {CLI_HAS_REPORT, {0, "report", "FILE", CLI_TEXT, &shared.report, 0, 0, 0, NULL, "write figures and timings as JSON to FILE"}},
-    {CLI_HAS_TRACE, {0, "trace", "FILE", CLI_TEXT, &shared.trace, 0, 0, 0, NULL, "write every inner step as a JSON line to FILE"}},
+    {CLI_HAS_REPORT, {0, "report", "FILE", CLI_TEXT, &shared.report, CLI_WRITES, 0, 0, NULL, "write figures and timings as JSON to FILE"}},
+    {CLI_HAS_TRACE, {0, "trace", "FILE", CLI_TEXT, &shared.trace, CLI_WRITES, 0, 0, NULL, "write every inner step as a JSON line to FILE"}},
     {CLI_HAS_TRACE,
      {0, "stop-after", "N", CLI_TEXT, &shared.stop_after, CLI_RESULT, 0, 0, NULL, "stop after N inner steps and write the partial result"}},
     {CLI_HAS_THREADS,
@@ -480,8 +482,16 @@ static void open_trace(cli *c) {
     c->trace.user = c;
 }
 
+/* A standard descriptor that is closed would be given to the next file that is opened, which what talks there would then read or write. It
+ * becomes one that cannot be used so: that is as much an error as before. */
+static void fill_standard(void) {
+    for (int fd = STDIN_FILENO; fd <= STDERR_FILENO; fd++)
+        if (fcntl(fd, F_GETFD) < 0 && open("/dev/null", fd == STDIN_FILENO ? O_WRONLY : O_RDONLY) < 0) exit(CLI_FAILED);
+}
+
 void cli_start(cli *c, const cli_tool *tool, int argc, char **argv) {
     *c = (cli){.tool = tool, .started = cli_seconds()};
+    fill_standard();
     hold_pipe_signal();
     take_words(c, argc, argv);
     if (shared.help)
@@ -494,6 +504,8 @@ void cli_start(cli *c, const cli_tool *tool, int argc, char **argv) {
     check_inputs(c);
     take_shared(c);
     sn_log_set(receive_log, c);
+    sn_error error = {0};
+    if (cli_check_files(c, &error) != SN_OK) exit(cli_finish(c, error.code, &error));
     open_trace(c);
 }
 

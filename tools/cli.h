@@ -33,7 +33,13 @@ typedef struct cli_list {
 enum {
     CLI_RESULT = 1, /* changes the result: it is part of the history */
     CLI_FILE = 2,   /* its value, or what follows the first '=' in it, names a file: the history holds the file's hash instead */
-    CLI_FILES = 4   /* its value names a list of files: the history holds what cli.hash_files makes of it instead */
+    CLI_FILES = 4,  /* its value names a list of files: the history holds what cli.hash_files makes of it instead */
+    /* for cli_start, which refuses one file under two of these, and outputs that cannot be written: */
+    CLI_READS = 8,     /* its value names a file that is read, as those of CLI_FILE do */
+    CLI_WRITES = 16,   /* its value names a file that is written */
+    CLI_FOLDER = 32,   /* beside CLI_WRITES: or a folder, which is made where it is missing */
+    CLI_IN_PLACE = 64, /* beside CLI_WRITES: written in place, line by line */
+    CLI_STATE = 128    /* a state: one that is written may take the place of one that is read */
 };
 
 /* The hash of all that stands behind the value of a CLI_FILES option. */

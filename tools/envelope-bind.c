@@ -24,11 +24,11 @@ static const cli_option options[] = {
     {0, "grow", "LENGTH", CLI_LENGTH, &grow, CLI_RESULT, 0, 0, NULL,
      "move the surface outwards by this along its normals first (default 0)"},
     {0, "far", "LENGTH", CLI_LENGTH, &far_from, 0, 0, 0, NULL, "warn of vertices farther than this from every bone (default 100mm)"},
-    {0, "frames", "FILE", CLI_TEXT, &frames_to, 0, 0, 0, NULL,
+    {0, "frames", "FILE", CLI_TEXT, &frames_to, CLI_WRITES | CLI_FOLDER, 0, 0, NULL,
      "write the envelope under the motion: NAME.pc2, or NAME.ply or NAME.vtp for NAME.0000.ply and so on"},
     {0, "every", "N", CLI_AUTO, &every, 0, 1, 1e9, NULL,
      "of --frames and --report: every Nth frame of the motion (default: auto, about 24 a second)"},
-    {0, "write-bones", "FILE", CLI_TEXT, &bones_to, 0, 0, 0, NULL,
+    {0, "write-bones", "FILE", CLI_TEXT, &bones_to, CLI_WRITES, 0, 0, NULL,
      "write the bones at rest as one mesh, to make an envelope of, and do nothing else"},
 };
 

@@ -62,7 +62,7 @@ static choices given = {.runs = 5, .threads = 1, .reference = 64, .hold = 256, .
 
 static const cli_option OPTIONS[] = {
     {0, NULL, NULL, CLI_HEADING, NULL, 0, 0, 0, NULL, "What is measured:"},
-    {0, "settings", "FILE", CLI_TEXT, &given.settings, 0, 0, 0, NULL, "settings, one a line: \"qn substeps=2 iterations=5\""},
+    {0, "settings", "FILE", CLI_TEXT, &given.settings, CLI_READS, 0, 0, NULL, "settings, one a line: \"qn substeps=2 iterations=5\""},
     {0, "sweep", "HOW", CLI_CHOICE, &given.sweep, 0, 0, 0, SWEEPS,
      "the built-in settings instead: quick (default; 21 of them) or full (56)"},
     {0, "static", NULL, CLI_FLAG, &given.equilibrium, 0, 0, 0, NULL,

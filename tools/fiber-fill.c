@@ -40,7 +40,7 @@ static const cli_option options[] = {
     {0, "tips", NULL, CLI_CLEAR, &params.use_attachments, CLI_RESULT, 0, 0, NULL, "let fibres end at the tips, not at the attachments"},
     {0, "smooth", "N", CLI_INTEGER, &smooth, CLI_RESULT, 0, 10000, NULL, "rounds of smoothing along each fibre (default 0)"},
     {0, "no-pull", NULL, CLI_CLEAR, &params.pull, CLI_RESULT, 0, 0, NULL, "leave fibre vertices outside the volume where they are"},
-    {0, "embedding", "FILE", CLI_TEXT, &embedding_file, 0, 0, 0, NULL,
+    {0, "embedding", "FILE", CLI_TEXT, &embedding_file, CLI_WRITES, 0, 0, NULL,
      "also write the weights that bind the fibres to the surface: 3-D mean value coordinates"},
     {0, "mvc-cut", "W", CLI_NUMBER, &mvc_cut, 0, 0, 0.09, NULL,
      "in that file drop weights below W and correct the rest (default 0, keep all)"},

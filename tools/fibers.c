@@ -2,6 +2,7 @@
  * fibers.c -- the volume fibres of simulate's muscles: bound to the surfaces once, then carried along, measured and written.
  */
 #include "fibers.h"
+#include "earlier.h"
 
 #include <errno.h>
 #include <stdio.h>
@@ -219,31 +220,8 @@ static bool name_columns(const fiber_run *run, char **names) {
     return enough;
 }
 
-static sn_status create_table(fiber_run *run, int64_t rows, sn_index columns, char **names, sn_error *error) {
-    const sn_table_params params = {.title = run->scene->name != NULL ? run->scene->name : "fiber_lengths",
-                                    .rows = rows,
-                                    .columns = columns,
-                                    .names = (const char *const *)names,
-                                    .smoothed_from = input_count(&run->scene->motion),
-                                    .rounds = run->with.smooth ? SMOOTHING_ROUNDS : 0};
-    return sn_table_create(run->with.lengths, &params, &run->table, error);
-}
-
-sn_status fibers_open_lengths(fiber_run *run, int64_t rows, sn_error *error) {
-    if (run->muscles == NULL || run->with.lengths == NULL) return SN_OK;
-    int64_t columns = column_count(run);
-    if (columns > SN_INDEX_MAX) return sn_fail(error, SN_ERROR_MEMORY, "more fibres than a table of lengths can count");
-    char **names = SN_NEW(char *, columns);
-    run->row = SN_NEW(double, columns);
-    bool enough = names != NULL && run->row != NULL && name_columns(run, names);
-    sn_status status =
-        enough ? create_table(run, rows, (sn_index)columns, names, error) : sn_fail_memory(error, "the lengths of the fibres");
-    for (int64_t i = 0; names != NULL && i < columns; i++) free(names[i]);
-    free(names);
-    return status;
-}
-
-static sn_status write_lengths(fiber_run *run, double time, sn_error *error) {
+/* The row at hand: the lengths as the fibres are. */
+static void fill_row(fiber_run *run, double time) {
     const sn_motion *motion = &run->scene->motion;
     double *to = run->row;
     *to++ = time;
@@ -256,7 +234,40 @@ static sn_status write_lengths(fiber_run *run, double time, sn_error *error) {
         for (sn_index k = 0; k < f->bundle.fiber_count; k++) *to++ = f->lengths[k] * unit;
         for (sn_index k = 0; f->blend_lengths != NULL && k < f->bundle.fiber_count; k++) *to++ = f->blend_lengths[k] * unit;
     }
-    return sn_table_append(run->table, run->row, error);
+}
+
+/* resume: nullable; then the row at hand is that of the state's frame. */
+static sn_status create_table(fiber_run *run, const sn_table_params *size, char **names, sn_error *error) {
+    const sn_table_params params = {.title = run->scene->name != NULL ? run->scene->name : "fiber_lengths",
+                                    .rows = size->rows,
+                                    .columns = size->columns,
+                                    .resume = size->resume,
+                                    .at_row = run->row,
+                                    .names = (const char *const *)names,
+                                    .smoothed_from = input_count(&run->scene->motion),
+                                    .rounds = run->with.smooth ? SMOOTHING_ROUNDS : 0};
+    return sn_table_create(run->with.lengths, &params, &run->table, error);
+}
+
+sn_status fibers_open_lengths(fiber_run *run, int64_t rows, sn_resume *resume, sn_error *error) {
+    if (run->muscles == NULL || run->with.lengths == NULL) return SN_OK;
+    int64_t columns = column_count(run);
+    if (columns > SN_INDEX_MAX) return sn_fail(error, SN_ERROR_MEMORY, "more fibres than a table of lengths can count");
+    char **names = SN_NEW(char *, columns);
+    run->row = SN_NEW(double, columns);
+    bool enough = names != NULL && run->row != NULL && name_columns(run, names);
+    if (enough && resume != NULL) fill_row(run, resume->frame / resume->rate);
+    const sn_table_params size = {.rows = rows, .columns = (sn_index)columns, .resume = resume};
+    sn_status status = enough ? create_table(run, &size, names, error) : sn_fail_memory(error, "the lengths of the fibres");
+    for (int64_t i = 0; names != NULL && i < columns; i++) free(names[i]);
+    free(names);
+    return status;
+}
+
+static sn_status write_lengths(fiber_run *run, double time, sn_error *error) {
+    fill_row(run, time);
+    sn_status status = sn_table_append(run->table, run->row, error);
+    return status == SN_OK ? sn_table_publish(run->table, error) : status;
 }
 
 /* ---- frames ----------------------------------------------------------------------------------------------------------------------- */
@@ -272,14 +283,24 @@ static char *beside(const char *path, const char *suffix) {
     return text;
 }
 
-sn_status fibers_open_frames(fiber_run *run, sn_index muscle, const char *path, sn_index first, sn_error *error) {
+/* Both of them go on with what is there, or neither does. */
+static sn_status resume_frames(fiber_muscle *f, const char *path, sn_resume *resume, sn_error *error) {
+    bool goes_on = false;
+    sn_status status = sn_pc2_resume(path, f->bundle.point_count, resume, f->points, &f->cache, error);
+    if (status == SN_OK) status = sn_line_frames_resume(f->lines, resume, &goes_on, error);
+    return status == SN_OK ? earlier_whole(path, (f->cache != NULL) + goes_on, 2, error) : status;
+}
+
+sn_status fibers_open_frames(fiber_run *run, sn_index muscle, const char *path, const fiber_start *start, sn_error *error) {
     if (run->muscles == NULL || !run->with.frames || run->muscles[muscle].bundle.fiber_count == 0) return SN_OK;
     fiber_muscle *f = &run->muscles[muscle];
     const sn_fiber_bundle *b = &f->bundle;
     char *cache = beside(path, FIBERS_SUFFIX ".pc2"), *prefix = beside(path, FIBERS_SUFFIX);
     sn_status status = cache != NULL && prefix != NULL ? SN_OK : sn_fail_memory(error, "the frames of the fibres");
-    if (status == SN_OK) status = sn_pc2_create(cache, b->point_count, first, 1.0, &f->cache, error);
+    if (status == SN_OK) status = frame_sequence_check(prefix, ".vtp", &start->range, error);
     if (status == SN_OK) status = sn_line_frames_create(prefix, b->fiber_count, b->start, b->rest_length, &f->lines, error);
+    if (status == SN_OK && start->resume != NULL) status = resume_frames(f, cache, start->resume, error);
+    if (status == SN_OK && f->cache == NULL) status = sn_pc2_create(cache, b->point_count, start->range.first, 1.0, &f->cache, error);
     free(cache);
     free(prefix);
     return status;
@@ -293,29 +314,32 @@ sn_status fibers_write(fiber_run *run, sn_index frame, sn_error *error) {
         fiber_muscle *f = &run->muscles[i];
         if (f->cache == NULL) continue;
         status = sn_pc2_append(f->cache, f->points, error);
+        if (status == SN_OK) status = sn_pc2_publish(f->cache, error);
         if (status == SN_OK) status = sn_line_frames_append(f->lines, frame, time, f->points, f->lengths, error);
     }
     return status;
 }
 
+static sn_status commit_frames(fiber_muscle *f, sn_error *error) {
+    if (f->cache == NULL) return SN_OK;
+    sn_status status = sn_pc2_commit(f->cache, error);
+    f->cache = NULL;
+    sn_status listed = sn_line_frames_commit(f->lines, status == SN_OK ? error : NULL);
+    f->lines = NULL;
+    return status == SN_OK ? listed : status;
+}
+
+/* What is done is kept, whatever becomes of the others: the first failure is told. */
 sn_status fibers_commit(fiber_run *run, sn_error *error) {
     sn_status status = SN_OK;
-    for (sn_index i = 0; run->muscles != NULL && i < run->model->muscle_count && status == SN_OK; i++) {
-        fiber_muscle *f = &run->muscles[i];
-        if (f->cache == NULL) continue;
-        sn_pc2 *cache = f->cache;
-        sn_line_frames *lines = f->lines;
-        f->cache = NULL;
-        status = sn_pc2_commit(cache, error);
-        if (status != SN_OK) return status;
-        f->lines = NULL;
-        status = sn_line_frames_commit(lines, error);
+    for (sn_index i = 0; run->muscles != NULL && i < run->model->muscle_count; i++) {
+        sn_status committed = commit_frames(&run->muscles[i], status == SN_OK ? error : NULL);
+        if (status == SN_OK) status = committed;
     }
-    sn_table *table = run->table;
+    if (run->table == NULL) return status;
+    sn_status committed = sn_table_commit(run->table, status == SN_OK ? error : NULL);
     run->table = NULL;
-    if (status == SN_OK && table != NULL) return sn_table_commit(table, error);
-    sn_table_abort(table);
-    return status;
+    return status == SN_OK ? committed : status;
 }
 
 /* ---- moving ----------------------------------------------------------------------------------------------------------------------- */

@@ -7,6 +7,7 @@
 #define SINEW_TOOLS_FIBERS_H
 
 #include "cli.h"
+#include "frame_files.h"
 #include "sinew/fibers.h"
 #include "sinew/sim.h"
 
@@ -62,10 +63,15 @@ bool fibers_wanted(const cli *c, const fiber_choices *with);
  * references to model and pool (nullable). */
 SN_MUST_CHECK sn_status fibers_bind(fiber_run *run, const cli *c, const fiber_choices *with, const sn_model *model, sn_pool *pool,
                                     sn_error *error);
-/* Open the table of lengths, of `rows` frames. */
-SN_MUST_CHECK sn_status fibers_open_lengths(fiber_run *run, int64_t rows, sn_error *error);
-/* Open the frames of one muscle from `first` on, beside its own at `path`: its extension, if any, gives way to "-fibers". */
-SN_MUST_CHECK sn_status fibers_open_frames(fiber_run *run, sn_index muscle, const char *path, sn_index first, sn_error *error);
+/* Open the table of lengths, of `rows` frames; behind those that are there, where resume (nullable) tells that. The fibres are then where
+ * the state has them (fibers_move). */
+SN_MUST_CHECK sn_status fibers_open_lengths(fiber_run *run, int64_t rows, sn_resume *resume, sn_error *error);
+typedef struct fiber_start {
+    frame_range range;
+    sn_resume *resume; /* nullable: as above */
+} fiber_start;
+/* Open the frames of one muscle, beside its own at `path`: its extension, if any, gives way to "-fibers". */
+SN_MUST_CHECK sn_status fibers_open_frames(fiber_run *run, sn_index muscle, const char *path, const fiber_start *start, sn_error *error);
 /* Take the fibres to where the surfaces are. */
 void fibers_move(fiber_run *run, const sn_state *state);
 /* Write frames and lengths. */

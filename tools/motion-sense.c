@@ -19,9 +19,9 @@ static const cli_option options[] = {
      "samples a second of what is written (default: the motion's rate, times what makes it 120 or more)"},
     {0, "filter", "HZ", CLI_NUMBER, &cutoff, CLI_RESULT, 0, 1e5, NULL,
      "low-pass of the motion before it is measured, instead of the document's filters; 0 for none"},
-    {0, "readings", "FILE", CLI_TEXT, &readings_file, 0, 0, 0, NULL,
+    {0, "readings", "FILE", CLI_TEXT, &readings_file, CLI_WRITES, 0, 0, NULL,
      "write what each sensor reads and how it activates to FILE, a table (.sto: OpenSim's, else TSV)"},
-    {0, "chart", "FILE", CLI_TEXT, &chart_file, 0, 0, 0, NULL, "draw readings and activations to FILE, .svg or .png"},
+    {0, "chart", "FILE", CLI_TEXT, &chart_file, CLI_WRITES, 0, 0, NULL, "draw readings and activations to FILE, .svg or .png"},
     {0, "title", "TEXT", CLI_TEXT, &title, 0, 0, 0, NULL, "title of the chart (default: the document's name)"},
     {0, "list", NULL, CLI_FLAG, &list, 0, 0, 0, NULL, "print the motion's joints, the sensors and the channels, and do nothing else"},
 };

@@ -177,6 +177,16 @@ sn_status outcome_check(outcome *o, const sn_state *state, bool no_state, sn_err
     return check_points(o, state, no_state, error);
 }
 
+sn_status outcome_overflows(outcome *o, const sn_state *state, sn_index muscle, bool no_state, sn_error *error) {
+    static const char what[] = "is farther away than the single precision of a point cache can tell; --format ply can";
+    int frame = (int)state->frame;
+    if (o->frame_count == 0) return sn_fail(error, SN_ERROR_INPUT, "frame %d: muscle \"%s\" %s", frame, name_of(o, muscle), what);
+    cli_shortfall(o->c, "frame %d: muscle \"%s\" %s; the run ends with frame %d%s", frame, name_of(o, muscle), what,
+                  (int)o->frames[o->frame_count - 1].number, no_state ? ", and writes no state" : "");
+    o->told[muscle] |= SN_EXPLODED_POINTS;
+    return SN_STOPPED;
+}
+
 /* ---- frame after frame ---------------------------------------------------------------------------------------------------------- */
 
 sn_status outcome_start(outcome *o, const sn_model *model, sn_error *error) {

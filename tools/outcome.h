@@ -71,6 +71,8 @@ SN_MUST_CHECK sn_status outcome_start(outcome *o, const sn_model *model, sn_erro
 /* Is every coordinate finite? Where one is not, and no frame came before, SN_ERROR_INPUT; else that is told as a shortfall and SN_STOPPED
  * is returned: the run ends with the last frame. no_state: the state that was asked for will not be written. */
 SN_MUST_CHECK sn_status outcome_check(outcome *o, const sn_state *state, bool no_state, sn_error *error);
+/* As outcome_check, of a muscle whose coordinates are finite, but too large for the numbers that its frames are written in. */
+SN_MUST_CHECK sn_status outcome_overflows(outcome *o, const sn_state *state, sn_index muscle, bool no_state, sn_error *error);
 /* The same on the way to the first frame, and signs of an explosion are told: a sn_watch_run_in, user is the outcome. */
 SN_MUST_CHECK sn_status outcome_run_in(void *user, const sn_state *state, double share, sn_error *error);
 /* Take down a frame that is finite, and tell which limits it is the first to break, and which muscles have exploded in it. */

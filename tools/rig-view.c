@@ -40,7 +40,8 @@ static const cli_option options[] = {
      "any of surface, roots, structure, fibers, attachments, externals, bones, joints, envelopes, fields, wire, with commas (default: what "
      "is\n"
      "there)"},
-    {'b', "bone", "[NAME=]FILE", CLI_LIST, &given.bones, 0, 0, 0, NULL, "draw the bone in FILE, in the muscle's unit, with every muscle"},
+    {'b', "bone", "[NAME=]FILE", CLI_LIST, &given.bones, CLI_READS | CLI_FILE, 0, 0, NULL,
+     "draw the bone in FILE, in the muscle's unit, with every muscle"},
     {0, "bones", "LIST", CLI_LIST, &given.bone_lists, 0, 0, 0, NULL,
      "a text file with a bone a line: FILE, or NAME, a tab and FILE; relative to LIST"},
     {0, "all-bones", NULL, CLI_FLAG, &given.all_bones, 0, 0, 0, NULL,
@@ -59,7 +60,7 @@ static const cli_option options[] = {
     {0, "frame-count", "N", CLI_INTEGER, &given.frame_count, 0, 1, FRAMES_MAX, NULL,
      "draw N frames, evenly from the first to the last of the scene or motion"},
     {.kind = CLI_HEADING, .help = "States of a scene:"},
-    {0, "state", "FILE", CLI_LIST, &given.states, 0, 0, 0, NULL,
+    {0, "state", "FILE", CLI_LIST, &given.states, CLI_READS, 0, 0, NULL,
      "draw the scene at a state of simulate, coloured by constraint error; one tile each"},
     {0, "error", "LIST", CLI_TEXT, &given.error, 0, 0, 0, error_names,
      "which error: mesh (default), internal, radial, dihedral, area, membrane, volume, external, contact; or pressure, penetration;\n"

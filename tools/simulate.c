@@ -4,12 +4,14 @@
 #include "bone_frames.h"
 #include "cli.h"
 #include "contacts.h"
+#include "earlier.h"
 #include "fibers.h"
 #include "frame_files.h"
 #include "grips.h"
 #include "outcome.h"
 #include "sinew/error_time.h"
 
+#include <float.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -62,16 +64,17 @@ static const cli_option OPTIONS[] = {
      "qn: scalar, corotated or two-level"},
     {0, "target-error", "E", CLI_NUMBER, &given.target_error, 0, 1e-12, 10, NULL,
      "with --choose: stay within this RMS distance to the true motion, as a share of the diagonal"},
-    {0, "choose", "REPORT", CLI_TEXT, &given.choose, 0, 0, 0, NULL,
+    {0, "choose", "REPORT", CLI_TEXT, &given.choose, CLI_READS, 0, 0, NULL,
      "take the solver setting of error-time's report that reaches --target-error in the least time"},
     {0, NULL, NULL, CLI_HEADING, NULL, 0, 0, 0, NULL, "Output:"},
     {0, "format", "FORMAT", CLI_CHOICE, &given.format, 0, 0, 0, FORMATS, "frames in a folder: pc2 (default) or ply, one file per frame"},
-    {0, "bone-frames", "PATH", CLI_TEXT, &given.bone_frames, 0, 0, 0, NULL,
+    {0, "bone-frames", "PATH", CLI_TEXT, &given.bone_frames, CLI_WRITES | CLI_FOLDER, 0, 0, NULL,
      "the posed bones: a folder with --format's files for each, or NAME.pvd for all of them as NAME.0000.vtp"},
-    {0, "log", "FILE", CLI_TEXT, &given.log, 0, 0, 0, NULL, "write the log to FILE instead of standard output"},
-    {0, "state", "FILE", CLI_TEXT, &given.state, 0, 0, 0, NULL, "write the state to FILE at the end, or where --stop-after stops"},
+    {0, "log", "FILE", CLI_TEXT, &given.log, CLI_WRITES | CLI_IN_PLACE, 0, 0, NULL, "write the log to FILE instead of standard output"},
+    {0, "state", "FILE", CLI_TEXT, &given.state, CLI_WRITES | CLI_STATE, 0, 0, NULL,
+     "write the state to FILE at the end, or where --stop-after stops"},
     {0, "save-every", "N", CLI_INTEGER, &given.save_every, 0, 1, 1e9, NULL, "and after every N frames on the way"},
-    {0, "from", "FILE", CLI_TEXT, &given.from, 0, 0, 0, NULL, "go on from the state in FILE: to the same bytes"},
+    {0, "from", "FILE", CLI_TEXT, &given.from, CLI_READS | CLI_STATE, 0, 0, NULL, "go on from the state in FILE: to the same bytes"},
     {0, "plan", NULL, CLI_FLAG, &given.plan, 0, 0, 0, NULL, "print the scene with every default, and what would run; run nothing"},
     {0, "fail-on", "LIST", CLI_TEXT, &given.fail_on, 0, 0, 0, NULL,
      "exit with 3 where a frame breaks one of these: 'volume>0.01,triangle<0.1'"},
@@ -101,7 +104,7 @@ static const cli_option OPTIONS[] = {
      "over that of the muscle's edges (default 10)"},
     {0, NULL, NULL, CLI_HEADING, NULL, 0, 0, 0, NULL, "Fibres through the volume, absent unless asked for:"},
     {0, "fibers", NULL, CLI_FLAG, &given.fibers.frames, 0, 0, 0, NULL, "with -o: their frames too, as VTP, PVD and PC2"},
-    {0, "lengths", "FILE", CLI_TEXT, &given.fibers.lengths, 0, 0, 0, NULL,
+    {0, "lengths", "FILE", CLI_TEXT, &given.fibers.lengths, CLI_WRITES, 0, 0, NULL,
      "the length of every fibre over time, m: FILE.sto for OpenSim, else tab-separated"},
     {0, "smooth-lengths", NULL, CLI_FLAG, &given.fibers.smooth, 0, 0, 0, NULL, "smooth them: five times (l-1 + 4 l + l+1) / 6"},
     {0, "blend", "EXPONENT", CLI_NUMBER, &given.fibers.blend, 0, 1e-3, 1e3, NULL,
@@ -161,6 +164,8 @@ typedef struct job {
     outcome outcome;
     sn_index stop[3];     /* frame, substep, iteration */
     int stop_parts;       /* how many of them were given */
+    sn_index continued;   /* targets that go on with what is there */
+    sn_resume resume;     /* with --from */
     sn_index first, last; /* frames that the run writes: the scene's, or what is left of them after a state's (choose_range) */
     double setup_seconds;
     bool exploded; /* the run ended at a frame that is not finite, which is not written */
@@ -310,6 +315,7 @@ static sn_status load_scene(job *j, sn_error *error) {
     if (status != SN_OK) return status;
     bool bones = given.fibers.penetration || given.bone_frames != NULL || contacts_wanted(&j->c, &given.contact) || given.externals;
     status = sn_scene_parse(&blob, bones, &j->scene, error);
+    if (status == SN_OK && !bones) status = sn_scene_check_bones(blob.name, &j->scene, error);
     if (status == SN_OK) status = choose_setting(j, &blob, error);
     if (status == SN_OK) {
         apply_options(j);
@@ -339,6 +345,7 @@ static void choose_range(job *j) {
         cli_usage_error(&j->c, "--from %s: the state %s frame %d, before the scene's first, %d; to go on from there write --frames %d:%d",
                         given.from, at, (int)frame, (int)first, (int)next, (int)last);
     j->first = next;
+    j->resume = (sn_resume){.frame = frame, .next = next, .rate = j->scene.rate, .reached = frame};
     check_stop(j, next, false);
 }
 
@@ -390,6 +397,27 @@ static bool one_file(const job *j) {
     return true;
 }
 
+/* Frames that will be written, as far as --stop-after lets the run go. */
+static frame_range range_of(const job *j) {
+    sn_index last = j->stop_parts > 0 && j->stop[0] < j->last ? j->stop[0] : j->last;
+    return (frame_range){.first = j->first, .last = last, .goes_on = given.from != NULL};
+}
+
+static sn_resume *resume_of(job *j) { return given.from != NULL ? &j->resume : NULL; }
+
+/* Is there one to go on with? */
+static sn_status resume_target(job *j, sn_index muscle, sn_error *error) {
+    target *t = &j->targets[muscle];
+    bool goes_on = false;
+    sn_vec3 *positions = given.format == FORMAT_PC2 ? t->positions : t->mesh.positions;
+    sn_state_positions(j->model, j->state, muscle, positions);
+    sn_status status = given.format == FORMAT_PLY
+                           ? earlier_sequence(t->path, &t->mesh, &j->resume, &goes_on, error)
+                           : sn_pc2_resume(t->path, j->model->muscles[muscle].vertex_count, &j->resume, positions, &t->cache, error);
+    j->continued += goes_on || t->cache != NULL;
+    return status;
+}
+
 static sn_status open_target(job *j, sn_index muscle, bool file, sn_error *error) {
     const sn_model_muscle *m = &j->model->muscles[muscle];
     target *t = &j->targets[muscle];
@@ -397,10 +425,14 @@ static sn_status open_target(job *j, sn_index muscle, bool file, sn_error *error
     t->path = file ? sn_strdup(j->c.output) : frame_path(j->c.output, m->source->name, suffix);
     t->positions = SN_NEW(sn_vec3, m->vertex_count);
     if (t->path == NULL || t->positions == NULL) return sn_fail_memory(error, "the frames");
-    sn_status status = fibers_open_frames(&j->fibers, muscle, t->path, j->first, error);
-    if (status != SN_OK) return status;
-    if (given.format == FORMAT_PC2) return sn_pc2_create(t->path, m->vertex_count, j->first, 1.0, &t->cache, error);
-    return sn_mesh_copy(&m->source->rig.mesh, &t->mesh, error);
+    const fiber_start start = {.range = range_of(j), .resume = resume_of(j)};
+    sn_status status = SN_OK;
+    if (given.format == FORMAT_PLY) status = frame_sequence_check(t->path, ".ply", &start.range, error);
+    if (given.format == FORMAT_PLY && status == SN_OK) status = sn_mesh_copy(&m->source->rig.mesh, &t->mesh, error);
+    if (status == SN_OK && given.from != NULL) status = resume_target(j, muscle, error);
+    if (status == SN_OK) status = fibers_open_frames(&j->fibers, muscle, t->path, &start, error);
+    if (status != SN_OK || given.format == FORMAT_PLY || t->cache != NULL) return status;
+    return sn_pc2_create(t->path, m->vertex_count, j->first, 1.0, &t->cache, error);
 }
 
 /* Would two of them be one file in the folder? That of b's fibres is named after b's. */
@@ -425,14 +457,16 @@ static sn_status open_targets(job *j, sn_error *error) {
     if (status == SN_OK && !file) status = frame_folder_make(j->c.output, error);
     if (status == SN_OK && (j->targets = SN_NEW(target, j->model->muscle_count)) == NULL) status = sn_fail_memory(error, "the frames");
     for (sn_index i = 0; status == SN_OK && i < j->model->muscle_count; i++) status = open_target(j, i, file, error);
-    return status;
+    return status == SN_OK ? earlier_whole(j->c.output, j->continued, j->model->muscle_count, error) : status;
 }
 
 static sn_status open_bones(job *j, sn_error *error) {
     const bone_request request = {.path = given.bone_frames,
                                   .ply = given.format == FORMAT_PLY,
                                   .output = cli_given(&j->c, "output") ? j->c.output : NULL,
-                                  .first = j->first};
+                                  .range = range_of(j),
+                                  .resume = resume_of(j),
+                                  .at = j->state};
     return bone_frames_open(&j->bones, &j->c, &request, &j->scene, error);
 }
 
@@ -443,19 +477,26 @@ static sn_status write_frames(job *j, sn_error *error) {
         sn_state_positions(j->model, j->state, i, t->cache != NULL ? t->positions : t->mesh.positions);
         status =
             t->cache != NULL ? sn_pc2_append(t->cache, t->positions, error) : frame_write_ply(t->path, j->state->frame, &t->mesh, error);
+        if (status == SN_OK && t->cache != NULL) status = sn_pc2_publish(t->cache, error);
     }
     return status;
 }
 
+/* The first failure is kept, and what comes after it is done all the same. */
+static void keep_first(sn_status *status, sn_status next) {
+    if (*status == SN_OK) *status = next;
+}
+
 static sn_status commit_targets(job *j, sn_error *error) {
     sn_status status = SN_OK;
-    for (sn_index i = 0; j->targets != NULL && status == SN_OK && i < j->model->muscle_count; i++) {
+    for (sn_index i = 0; j->targets != NULL && i < j->model->muscle_count; i++) {
         sn_pc2 *cache = j->targets[i].cache;
         j->targets[i].cache = NULL;
-        if (cache != NULL) status = sn_pc2_commit(cache, error);
+        if (cache != NULL) keep_first(&status, sn_pc2_commit(cache, status == SN_OK ? error : NULL));
     }
-    if (status == SN_OK) status = bone_frames_commit(&j->bones, error);
-    return status == SN_OK ? fibers_commit(&j->fibers, error) : status;
+    keep_first(&status, bone_frames_commit(&j->bones, status == SN_OK ? error : NULL));
+    keep_first(&status, fibers_commit(&j->fibers, status == SN_OK ? error : NULL));
+    return status;
 }
 
 static void free_targets(job *j) {
@@ -601,11 +642,24 @@ static sn_status write_log(job *j, bool stopped, sn_error *error) {
 
 /* ---- frame after frame ------------------------------------------------------------------------------------------------------ */
 
+/* Do the caches hold every coordinate? */
+static sn_status check_caches(job *j, sn_error *error) {
+    for (sn_index i = 0; j->targets != NULL && given.format == FORMAT_PC2 && i < j->model->muscle_count; i++) {
+        const sn_vec3 *p = j->targets[i].positions;
+        sn_state_positions(j->model, j->state, i, j->targets[i].positions);
+        for (sn_index k = 0; k < j->model->muscles[i].vertex_count; k++)
+            if (fmax(fabs(p[k].x), fmax(fabs(p[k].y), fabs(p[k].z))) > (double)FLT_MAX)
+                return outcome_overflows(&j->outcome, j->state, i, given.state != NULL, error);
+    }
+    return SN_OK;
+}
+
 /* seconds: of its step; NaN where the run begins with it. SN_STOPPED: it is not finite, and the run ends with the one before. */
 static sn_status finish_frame(job *j, bool stopped, double seconds, sn_error *error) {
     fibers_move(&j->fibers, j->state);
     sn_status status = write_log(j, stopped, error);
     if (status == SN_OK) status = outcome_check(&j->outcome, j->state, given.state != NULL, error);
+    if (status == SN_OK) status = check_caches(j, error);
     j->exploded = status == SN_STOPPED;
     if (status == SN_OK) status = write_frames(j, error);
     if (status == SN_OK) status = bone_frames_write(&j->bones, j->state, error);
@@ -640,10 +694,20 @@ static sn_status run_frames(job *j, sn_error *error) {
     return status;
 }
 
-/* Frames of the run, as far as --stop-after lets it go. */
-static int64_t rows_to_write(const job *j) {
-    sn_index last = j->stop_parts > 0 && j->stop[0] < j->last ? j->stop[0] : j->last;
-    return (int64_t)last - j->first + 1;
+static sn_status open_log(job *j, sn_error *error) {
+    if (given.from != NULL) {
+        sn_status status = earlier_log(given.log, j->model, &j->resume, &j->log, error);
+        if (status != SN_OK || j->log != NULL) return status;
+    }
+    return sn_output_open(given.log, true, &j->log, error);
+}
+
+static void say_resumed(const job *j) {
+    const sn_resume *r = &j->resume;
+    if (r->continued > 0) cli_say(&j->c, "goes on with %d outputs behind frame %d", (int)r->continued, (int)r->next - 1);
+    if (r->reached > r->frame)
+        cli_tell(&j->c, "%s and what belongs to it go to frame %d, beyond the state's, %d: what is behind that is cut off and made anew",
+                 r->name, (int)r->reached, (int)r->frame);
 }
 
 static sn_status prepare(job *j, sn_error *error) {
@@ -651,10 +715,13 @@ static sn_status prepare(job *j, sn_error *error) {
     if (status == SN_OK) status = sn_state_create(j->model, &j->state, error);
     if (status == SN_OK && given.from != NULL) status = read_state(j, error);
     if (status == SN_OK) status = fibers_bind(&j->fibers, &j->c, &given.fibers, j->model, j->pool, error);
-    if (status == SN_OK) status = fibers_open_lengths(&j->fibers, rows_to_write(j), error);
+    frame_range range = range_of(j);
+    if (status == SN_OK && given.from != NULL) fibers_move(&j->fibers, j->state);
+    if (status == SN_OK) status = fibers_open_lengths(&j->fibers, (int64_t)range.last - range.first + 1, resume_of(j), error);
     if (status == SN_OK) status = open_targets(j, error);
     if (status == SN_OK) status = open_bones(j, error);
-    if (status == SN_OK) status = sn_output_open(given.log, true, &j->log, error);
+    if (status == SN_OK) status = open_log(j, error);
+    if (status == SN_OK) say_resumed(j);
     j->setup_seconds = cli_seconds() - j->c.started;
     return status;
 }
@@ -663,17 +730,12 @@ static sn_status simulate(job *j, sn_error *error) {
     sn_status status = prepare(j, error);
     if (status == SN_OK) status = run_frames(j, error);
     bool done = status == SN_OK || status == SN_STOPPED;
-    if (j->log != NULL) { /* its lines stay, whatever happened */
-        sn_status committed = sn_output_commit(j->log, done ? error : NULL);
-        if (done && committed != SN_OK) return committed;
-    }
+    sn_status kept = SN_OK;
+    if (j->log != NULL) kept = sn_output_commit(j->log, done ? error : NULL); /* its lines stay, whatever happened */
     if (!done) return status;
-    if (given.state != NULL && !j->exploded) {
-        sn_status saved = write_state(j, error);
-        if (saved != SN_OK) return saved;
-    }
-    sn_status committed = commit_targets(j, error);
-    return committed != SN_OK ? committed : status;
+    keep_first(&kept, commit_targets(j, kept == SN_OK ? error : NULL));
+    if (given.state != NULL && !j->exploded) keep_first(&kept, write_state(j, kept == SN_OK ? error : NULL));
+    return kept != SN_OK ? kept : status;
 }
 
 /* ---- plan and report -------------------------------------------------------------------------------------------------------- */

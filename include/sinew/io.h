@@ -35,11 +35,20 @@ typedef struct sn_blob {
 SN_MUST_CHECK sn_status sn_blob_read(const char *path, sn_blob *out, sn_error *error);
 /* The bytes as they are: data without a signature, whose first bytes may look like anything. */
 SN_MUST_CHECK sn_status sn_blob_read_bytes(const char *path, sn_blob *out, sn_error *error);
+/* Is it a regular file, as what documents name must be? A device or a pipe may never end. */
+SN_MUST_CHECK sn_status sn_file_check(const char *path, sn_error *error);
+/* sn_blob_read of a file that a document names. */
+SN_MUST_CHECK sn_status sn_blob_read_named(const char *path, sn_blob *out, sn_error *error);
 void sn_blob_free(sn_blob *blob);
 
 typedef struct sn_output sn_output;
 /* Open for writing; nothing is seen at path before commit. stream = true: whole lines go out as they are written (logs). */
 SN_MUST_CHECK sn_status sn_output_open(const char *path, bool stream, sn_output **out, sn_error *error);
+/* Go on behind the first `keep` bytes of a regular file that is there: what is behind them goes with the first write, nothing before. */
+SN_MUST_CHECK sn_status sn_output_open_behind(const char *path, uint64_t keep, bool stream, sn_output **out, sn_error *error);
+/* What was written until now is seen at path, whatever happens from here on; no flush to the disk. tail (nullable): is behind it until the
+ * next write. What is held in memory stays there. */
+sn_status sn_output_publish(sn_output *output, const char *tail, sn_error *error);
 /* One that stays in memory, until sn_output_take makes a blob of what was written, of that name ("-", NULL: "<stdout>"), and frees it. */
 SN_MUST_CHECK sn_status sn_output_open_memory(sn_output **out, sn_error *error);
 SN_MUST_CHECK sn_status sn_output_take(sn_output *output, const char *name, sn_blob *out, sn_error *error);
@@ -225,6 +234,9 @@ bool sn_polylines_detect(const sn_blob *blob);
 
 /* ---- the scene document (lib/io/scene_document.c) -------------------------------------------------------------------------- */
 
+/* Look at the files of the bones, where a run does not read them: one that is not there draws a warning, one that is no file is an error.
+ * document: the name of the scene's. */
+SN_MUST_CHECK sn_status sn_scene_check_bones(const char *document, const sn_scene *scene, sn_error *error);
 /* Is this a scene document, by its "format" member? false for anything else, also for what is malformed (lib/io/detect.c). */
 bool sn_scene_detect(const sn_blob *blob);
 /* Parse a scene and load the rigs of its enabled muscles; bone meshes only if load_bones. Relative paths are relative to the scene. */
@@ -258,13 +270,41 @@ typedef struct sn_landmarks {
 SN_MUST_CHECK sn_status sn_landmarks_read(const char *path, sn_landmarks *out, sn_error *error);
 void sn_landmarks_free(sn_landmarks *landmarks);
 
+/* ---- outputs that a run goes on with (lib/io/resume.c) ------------------------------------------------------------------------ */
+
+/* The state that a run goes on from, and what the outputs that it goes on with came to. */
+typedef struct sn_resume {
+    sn_index frame; /* that the state has reached, or is in the middle of */
+    sn_index next;  /* the first one that will be written: the one after, or `frame` where the state is in the middle of it */
+    double rate;    /* frames a second */
+    /* out: */
+    sn_index continued; /* how many outputs are gone on with */
+    sn_index first;     /* the frame that they begin with */
+    sn_index reached;   /* the last frame that one of them holds */
+    char name[128];     /* of the first of them, for messages */
+} sn_resume;
+
+/* Is there an output that could be gone on with: a regular file that is not empty? */
+bool sn_resume_exists(const char *path);
+/* An output at path holds the frames `first` to `last`. *goes_on: false = it begins with the first one that will be written, or has none:
+ * it is to be written anew. SN_ERROR_USAGE: it is not the earlier part of this run. */
+SN_MUST_CHECK sn_status sn_resume_take(sn_resume *resume, const char *path, int64_t first, int64_t last, bool *goes_on, sn_error *error);
+/* SN_ERROR_USAGE: what an output at path holds for the state's frame is not what the state says. */
+sn_status sn_resume_differs(const sn_resume *resume, const char *path, sn_error *error);
+
 /* ---- frames (lib/io/frames_pc2.c) -------------------------------------------------------------------------------------------- */
 
 typedef struct sn_pc2 sn_pc2;
-/* A PC2 point cache: float32 positions of point_count points per sample. The count of samples is patched in at the end. */
+/* A PC2 point cache: float32 positions of point_count points per sample. The count of samples is patched in at the end, and by publish. */
 SN_MUST_CHECK sn_status sn_pc2_create(const char *path, sn_index point_count, double start_frame, double sample_rate, sn_pc2 **out,
                                       sn_error *error);
 SN_MUST_CHECK sn_status sn_pc2_append(sn_pc2 *cache, const sn_vec3 *positions, sn_error *error);
+/* The samples until now are a cache at path, whatever happens from here on: its header never counts more than it holds. */
+SN_MUST_CHECK sn_status sn_pc2_publish(sn_pc2 *cache, sn_error *error);
+/* Go on with a cache of one sample a frame. positions (point_count): those of the state, which the cache must have for its frame. *out
+ * NULL: there is none to go on with (sn_resume_exists, sn_resume_take). Nothing changes before the first append. */
+SN_MUST_CHECK sn_status sn_pc2_resume(const char *path, sn_index point_count, sn_resume *resume, const sn_vec3 *positions, sn_pc2 **out,
+                                      sn_error *error);
 SN_MUST_CHECK sn_status sn_pc2_commit(sn_pc2 *cache, sn_error *error); /* frees cache */
 void sn_pc2_abort(sn_pc2 *cache);                                      /* frees cache; NULL is fine */
 
@@ -273,6 +313,7 @@ typedef struct sn_pc2_data {
     double start_frame, sample_rate;
     float *positions; /* (sample_count x point_count x 3) */
 } sn_pc2_data;
+/* Of a file that was cut short the whole samples that are there, with a warning in the log; at least one. */
 SN_MUST_CHECK sn_status sn_pc2_read(const char *path, sn_pc2_data *out, sn_error *error);
 void sn_pc2_free(sn_pc2_data *data);
 
@@ -304,21 +345,25 @@ sn_lines_format sn_lines_format_from_name(const char *path); /* .vtp, .obj */
 SN_MUST_CHECK sn_status sn_lines_write(const sn_fibers *fibers, sn_lines_format format, sn_output *output, sn_error *error);
 
 /* Lines that move (lib/io/frames_vtp.c): PREFIX.0000.vtp, numbered by frame, with `length` and `stretch` (over the rest length) of each
- * line; and PREFIX.pvd, a collection with the time of each. A frame's file appears whole with its append, the collection with commit.
+ * line; and PREFIX.pvd, a collection with the time of each. A frame's file appears whole with its append, and so does the collection.
  * start (line_count + 1): line i has the points start[i] .. start[i + 1] - 1; it and rest_lengths (line_count) are copied. */
 typedef struct sn_line_frames sn_line_frames;
 SN_MUST_CHECK sn_status sn_line_frames_create(const char *prefix, sn_index line_count, const sn_index *start, const double *rest_lengths,
                                               sn_line_frames **out, sn_error *error);
 SN_MUST_CHECK sn_status sn_line_frames_append(sn_line_frames *frames, sn_index frame, double time, const sn_vec3 *points,
                                               const double *lengths, sn_error *error);
+/* Go on with the collection that is there, before anything is appended; *goes_on: there was one. */
+SN_MUST_CHECK sn_status sn_line_frames_resume(sn_line_frames *frames, sn_resume *resume, bool *goes_on, sn_error *error);
 SN_MUST_CHECK sn_status sn_line_frames_commit(sn_line_frames *frames, sn_error *error); /* frees frames */
 void sn_line_frames_abort(sn_line_frames *frames);                                      /* frees frames; NULL is fine */
 
 /* Meshes that move (lib/io/frames_mesh.c): PREFIX.0000.vtp, numbered by frame, attributes as point data, labels as strings of field data;
- * and PREFIX.pvd, a collection with the time of each, s. A frame's file appears whole with its append, the collection with commit. */
+ * and PREFIX.pvd, a collection with the time of each, s. A frame's file appears whole with its append, and so does the collection. */
 typedef struct sn_mesh_frames sn_mesh_frames;
 SN_MUST_CHECK sn_status sn_mesh_frames_create(const char *prefix, sn_mesh_frames **out, sn_error *error);
 SN_MUST_CHECK sn_status sn_mesh_frames_append(sn_mesh_frames *frames, sn_index frame, double time, const sn_mesh *mesh, sn_error *error);
+/* Go on with the collection that is there, before anything is appended; *goes_on: there was one. */
+SN_MUST_CHECK sn_status sn_mesh_frames_resume(sn_mesh_frames *frames, sn_resume *resume, bool *goes_on, sn_error *error);
 SN_MUST_CHECK sn_status sn_mesh_frames_commit(sn_mesh_frames *frames, sn_error *error); /* frees frames */
 void sn_mesh_frames_abort(sn_mesh_frames *frames);                                      /* frees frames; NULL is fine */
 
@@ -374,7 +419,7 @@ SN_MUST_CHECK sn_status sn_fit_table_parse(const sn_blob *blob, sn_fit_table *ou
 
 /* Numbers over time (lib/io/table.c): a row of names, then rows of numbers, with tabs between them; a path that ends in .sto or .mot gets
  * OpenSim's storage header before them. Smoothing is [K21] 4.4's: `rounds` times x'_i = (x_{i-1} + 4 x_i + x_{i+1}) / 6 over the rows;
- * the first and the last row keep their values. Nothing is seen at path before commit. */
+ * the first and the last row keep their values. Nothing is seen at path before commit or publish. */
 typedef struct sn_table_params {
     const char *title;        /* first line of a storage file */
     int64_t rows;             /* that will be appended, at most: a storage file's header tells how many there are */
@@ -382,12 +427,17 @@ typedef struct sn_table_params {
     const char *const *names; /* (columns) white space in them becomes '_' */
     sn_index smoothed_from;   /* columns before this stay as they are */
     int rounds;               /* 0 = no smoothing */
+    /* to go on with the table that is there, its first column a frame's time, not smoothed; rows are those behind it */
+    sn_resume *resume;    /* nullable */
+    const double *at_row; /* (columns) of the state's frame, which the table must have */
 } sn_table_params;
 typedef struct sn_table sn_table;
 SN_MUST_CHECK sn_status sn_table_create(const char *path, const sn_table_params *params, sn_table **out, sn_error *error);
 SN_MUST_CHECK sn_status sn_table_append(sn_table *table, const double *row, sn_error *error); /* row (columns) */
-SN_MUST_CHECK sn_status sn_table_commit(sn_table *table, sn_error *error);                    /* frees table */
-void sn_table_abort(sn_table *table);                                                         /* frees table; NULL is fine */
+/* The rows until now are a table at path, whatever happens from here on. */
+SN_MUST_CHECK sn_status sn_table_publish(sn_table *table, sn_error *error);
+SN_MUST_CHECK sn_status sn_table_commit(sn_table *table, sn_error *error); /* frees table */
+void sn_table_abort(sn_table *table);                                      /* frees table; NULL is fine */
 
 /* ---- sensors and the activations that they give ------------------------------------------------------------------------------------- */
 

@@ -10,6 +10,7 @@
 #include <poll.h>
 #include <signal.h>
 #include <stdlib.h>
+#include <sys/prctl.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -76,6 +77,12 @@ static void die_plainly(void) {
     for (size_t i = 0; i < sizeof signals / sizeof *signals; i++) signal(signals[i], SIG_DFL);
 }
 
+/* A parent that was killed leaves no child at work; one that is gone already sends no signal. */
+static void die_with(pid_t parent) {
+    prctl(PR_SET_PDEATHSIG, SIGKILL);
+    if (getppid() != parent) _exit(1);
+}
+
 static void be_child(sn_child_work work, void *user, const sn_child_limits *limits, int out) {
     die_plainly();
     set_limits(limits);
@@ -88,8 +95,9 @@ sn_status sn_child_run(sn_child_work work, void *user, const sn_child_limits *li
     size_t size = 0;
     *answer = (sn_child_answer){0};
     if (pipe(ends) != 0) return sn_fail(error, SN_ERROR_INTERNAL, "no pipe to a child process could be made");
-    pid_t child = fork();
+    pid_t parent = getpid(), child = fork();
     if (child == 0) {
+        die_with(parent);
         close(ends[0]);
         be_child(work, user, limits, ends[1]);
     }

@@ -80,7 +80,8 @@ sn_status sn_motion_bone_load(const sn_motion_bone *bone, double fallback, sn_me
     sn_mesh_frame frame = {0};
     sn_error why = {0};
     *out = (sn_mesh){0};
-    sn_status status = sn_mesh_read(bone->path, out, &frame, &why);
+    sn_status status = sn_file_check(bone->path, &why);
+    if (status == SN_OK) status = sn_mesh_read(bone->path, out, &frame, &why);
     if (status == SN_OK) status = sn_mesh_validate(out, &why);
     if (status != SN_OK) {
         sn_mesh_free(out);

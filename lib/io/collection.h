@@ -15,8 +15,10 @@ typedef struct sn_collection {
 SN_MUST_CHECK sn_status sn_collection_open(sn_collection *collection, const char *prefix, sn_error *error);
 /* PREFIX.0000.vtp: the path of a frame, good until the next call. */
 const char *sn_collection_frame(sn_collection *collection, sn_index frame);
-/* The frame at hand is in it, at a time in seconds. */
-void sn_collection_list(sn_collection *collection, double time);
+/* The frame at hand is in it, at a time in seconds; the collection until now is seen at its path. */
+SN_MUST_CHECK sn_status sn_collection_list(sn_collection *collection, double time, sn_error *error);
+/* Begin with the lines of the collection that is there. */
+SN_MUST_CHECK sn_status sn_collection_resume(sn_collection *collection, sn_resume *resume, bool *goes_on, sn_error *error);
 SN_MUST_CHECK sn_status sn_collection_close(sn_collection *collection, sn_error *error);
 void sn_collection_drop(sn_collection *collection); /* one that is closed, or all zeros, is fine */
 

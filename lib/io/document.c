@@ -162,7 +162,7 @@ static sn_status parse_mesh_reference(const sn_json_value *value, sn_mesh *mesh,
     sn_blob blob = {0};
     sn_status status = sn_json_get_text(&member, &uri, error);
     if (status == SN_OK && (path = sn_path_beside(sn_json_name(value->tree), uri)) == NULL) status = sn_fail_memory(error, "a path");
-    if (status == SN_OK) status = sn_blob_read(path, &blob, error);
+    if (status == SN_OK) status = sn_blob_read_named(path, &blob, error);
     if (status == SN_OK) status = check_hash(&hash, &blob, error);
     if (status == SN_OK) status = sn_mesh_parse(&blob, false, mesh, error);
     sn_blob_free(&blob);

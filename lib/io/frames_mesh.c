@@ -26,8 +26,11 @@ sn_status sn_mesh_frames_append(sn_mesh_frames *frames, sn_index frame, double t
         status = sn_output_commit(output, error);
     else
         sn_output_abort(output);
-    if (status == SN_OK) sn_collection_list(&frames->collection, time);
-    return status;
+    return status == SN_OK ? sn_collection_list(&frames->collection, time, error) : status;
+}
+
+sn_status sn_mesh_frames_resume(sn_mesh_frames *frames, sn_resume *resume, bool *goes_on, sn_error *error) {
+    return sn_collection_resume(&frames->collection, resume, goes_on, error);
 }
 
 sn_status sn_mesh_frames_commit(sn_mesh_frames *frames, sn_error *error) {

@@ -113,11 +113,14 @@ sn_status sn_line_frames_append(sn_line_frames *frames, sn_index frame, double t
     write_elements(frames, output);
     write_arrays(frames, points, lengths, output);
     status = sn_output_commit(output, error); /* a failed write comes out here */
-    if (status == SN_OK) sn_collection_list(&frames->collection, time);
-    return status;
+    return status == SN_OK ? sn_collection_list(&frames->collection, time, error) : status;
 }
 
 /* ---- the end ---------------------------------------------------------------------------------------------------------------- */
+
+sn_status sn_line_frames_resume(sn_line_frames *frames, sn_resume *resume, bool *goes_on, sn_error *error) {
+    return sn_collection_resume(&frames->collection, resume, goes_on, error);
+}
 
 sn_status sn_line_frames_commit(sn_line_frames *frames, sn_error *error) {
     sn_status status = sn_collection_close(&frames->collection, error);

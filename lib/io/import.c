@@ -47,7 +47,7 @@ typedef struct child {
     const char *first;    /* what its answer begins with */
     const char *noun;     /* what it is, for messages: "mesh" */
     char path[PATH_MAX + 64];
-    pid_t pid;
+    pid_t pid, parent;
     int input, output, messages; /* its stdin, its stdout and its stderr; -1 = closed */
     sn_watch watch;
     char *answer;
@@ -112,6 +112,7 @@ static void limit(int resource, uint64_t most) {
 static _Noreturn void become_program(const child *c, int output, int messages, char *const *argv) {
     setpgid(0, 0);
     prctl(PR_SET_PDEATHSIG, SIGKILL);
+    if (getppid() != c->parent) _exit(127);
 #if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__) /* these reserve terabytes */
     limit(RLIMIT_AS, MEMORY_BASE + MEMORY_SHARE * (uint64_t)c->blob->size);
 #endif
@@ -121,6 +122,8 @@ static _Noreturn void become_program(const child *c, int output, int messages, c
     sigset_t none;
     sigemptyset(&none);
     sigprocmask(SIG_SETMASK, &none, NULL);
+    if (c->input == STDIN_FILENO)
+        fcntl(STDIN_FILENO, F_SETFD, 0); /* of a program that was started without one: dup2 would leave it closed */
     if (dup2(c->input, STDIN_FILENO) >= 0 && dup2(output, STDOUT_FILENO) >= 0 && dup2(messages, STDERR_FILENO) >= 0) execv(c->path, argv);
     _exit(127);
 }
@@ -348,6 +351,7 @@ static void pass_warnings(child *c) {
 
 /* Ask the child, and judge how it ended; its answer is in c, also on failure. */
 static sn_status ask(child *c, sn_error *error) {
+    c->parent = getpid();
     c->pid = c->input = c->output = c->messages = -1;
     sn_status status = find_program(c, error);
     if (status == SN_OK) status = start(c, error);

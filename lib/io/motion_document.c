@@ -357,7 +357,7 @@ static sn_status read_beside(const sn_json_value *uri, sn_json_tree **out, sn_er
     *out = NULL;
     sn_status status = sn_json_get_text(uri, &text, error);
     if (status == SN_OK && (path = sn_path_beside(sn_json_name(uri->tree), text)) == NULL) status = sn_fail_memory(error, "a path");
-    if (status == SN_OK) status = sn_blob_read(path, &blob, error);
+    if (status == SN_OK) status = sn_blob_read_named(path, &blob, error);
     if (status == SN_OK) status = sn_json_parse(&blob, out, error);
     sn_blob_free(&blob);
     free(path);

@@ -101,7 +101,8 @@ static sn_status load_bone(const sn_json_value *mesh, bool has_units, sn_scene_b
     char *path = sn_path_beside(sn_json_name(mesh->tree), out->uri);
     if (path == NULL) return sn_fail_memory(error, "a path");
     sn_mesh_frame frame;
-    sn_status status = sn_mesh_read(path, &out->mesh, &frame, error);
+    sn_status status = sn_file_check(path, error);
+    if (status == SN_OK) status = sn_mesh_read(path, &out->mesh, &frame, error);
     free(path);
     if (status != SN_OK) return status;
     sn_mesh_convert(&out->mesh, 1.0, frame.up == SN_UP_Y);
@@ -302,7 +303,7 @@ static sn_status load_rig(const sn_json_value *rig, sn_scene_muscle *out, const 
     sn_blob blob = {0};
     sn_document *document = NULL;
     char *path = sn_path_beside(sn_json_name(rig->tree), out->uri);
-    sn_status status = path != NULL ? sn_blob_read(path, &blob, error) : sn_fail_memory(error, "a path");
+    sn_status status = path != NULL ? sn_blob_read_named(path, &blob, error) : sn_fail_memory(error, "a path");
     if (status == SN_OK) status = sn_muscle_parse(&blob, &options, &out->rig, &document, error);
     sn_document_free(document);
     sn_blob_free(&blob);
@@ -410,6 +411,23 @@ static sn_status parse(const sn_blob *blob, reader in, sn_error *error) {
     if (status == SN_OK) return SN_OK;
     sn_error_set_file(error, blob->name);
     sn_scene_free(in.scene);
+    return status;
+}
+
+sn_status sn_scene_check_bones(const char *document, const sn_scene *scene, sn_error *error) {
+    sn_status status = SN_OK;
+    for (sn_index i = 0; i < scene->bone_count && status == SN_OK; i++) {
+        sn_error why = {0};
+        char *path = sn_path_beside(document, scene->bones[i].uri);
+        status = path != NULL ? sn_file_check(path, &why) : sn_fail_memory(&why, "a path");
+        if (status == SN_ERROR_IO) {
+            sn_log(SN_LOG_WARNING, "%s: bone \"%s\": %s; this run does without its surface", path, scene->bones[i].name, why.text);
+            status = SN_OK;
+        }
+        if (status != SN_OK)
+            sn_fail_at(error, status, path != NULL ? path : document, 0, "bone \"%s\": %s", scene->bones[i].name, why.text);
+        free(path);
+    }
     return status;
 }
 

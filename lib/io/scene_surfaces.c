@@ -87,7 +87,7 @@ static sn_status find_joints(const sn_scene *scene, sn_scene_surface *surface, s
 
 static sn_status load_envelope(const char *path, const sn_scene *scene, sn_scene_surface *surface, sn_error *error) {
     sn_blob blob;
-    sn_status status = sn_blob_read(path, &blob, error);
+    sn_status status = sn_blob_read_named(path, &blob, error);
     if (status != SN_OK) return status;
     status = sn_envelope_parse(&blob, &surface->envelope, error);
     sn_blob_free(&blob);
@@ -170,7 +170,8 @@ static sn_status load_frames(const char *document, const sn_scene *scene, bool u
 
 static sn_status load_driven(const char *document, const sn_scene *scene, const char *path, sn_scene_surface *surface, sn_error *error) {
     sn_mesh_frame frame;
-    sn_status status = sn_mesh_read(path, &surface->envelope.mesh, &frame, error);
+    sn_status status = sn_file_check(path, error);
+    if (status == SN_OK) status = sn_mesh_read(path, &surface->envelope.mesh, &frame, error);
     if (status != SN_OK) return status;
     if (surface->envelope.mesh.vertex_count < 1) return sn_fail_at(error, SN_ERROR_INPUT, path, 0, "has no vertices");
     if (!(surface->meters_per_unit > 0.0))

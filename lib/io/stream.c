@@ -3,7 +3,8 @@
  *
  * A regular target is written as a file without a name in the target's folder (O_TMPFILE), flushed, then linked and renamed over the
  * target: a reader sees the old file or the new one, and a killed process leaves nothing behind. What cannot be renamed over (stdout,
- * devices, pipes) is held in memory until commit, so that a failure leaves it untouched; a line stream alone is written at once.
+ * devices, pipes) is held in memory until commit, so that a failure leaves it untouched; a line stream alone is written at once. What is
+ * published (sn_output_publish) takes its name before it is whole, and grows there: that much of it outlives a killed process.
  */
 #include "sinew/io.h"
 
@@ -113,6 +114,20 @@ sn_status sn_blob_read(const char *path, sn_blob *out, sn_error *error) {
     return status;
 }
 
+sn_status sn_file_check(const char *path, sn_error *error) {
+    struct stat info;
+    if (stat(path, &info) != 0) return sn_fail_at(error, SN_ERROR_IO, path, 0, "cannot be opened: %s", strerror(errno));
+    if (S_ISDIR(info.st_mode)) return sn_fail_at(error, SN_ERROR_IO, path, 0, "is a directory; name a file in it");
+    if (S_ISREG(info.st_mode)) return SN_OK;
+    return sn_fail_at(error, SN_ERROR_INPUT, path, 0, "is a device or a pipe, which may not end; a document names files");
+}
+
+sn_status sn_blob_read_named(const char *path, sn_blob *out, sn_error *error) {
+    *out = (sn_blob){0};
+    sn_status status = sn_file_check(path, error);
+    return status == SN_OK ? sn_blob_read(path, out, error) : status;
+}
+
 void sn_blob_free(sn_blob *blob) {
     free(blob->name);
     free(blob->data);
@@ -128,7 +143,9 @@ struct sn_output {
     int fd;
     bool hold;        /* keep everything in memory until commit */
     bool stream;      /* whole lines go out at once */
-    bool untruncated; /* a regular file written in place, whose old content goes with the first write */
+    bool untruncated; /* a regular file written in place, whose old content goes with the first write, but for: */
+    bool published;   /* it has its name already */
+    uint64_t keep;    /* bytes of the old content that stay */
     char *buffer;
     size_t used, capacity;
     uint64_t written; /* bytes handed to fd */
@@ -253,6 +270,24 @@ sn_status sn_output_open(const char *path, bool stream, sn_output **out, sn_erro
     return SN_OK;
 }
 
+sn_status sn_output_open_behind(const char *path, uint64_t keep, bool stream, sn_output **out, sn_error *error) {
+    sn_output *output = *out = SN_NEW(sn_output, 1);
+    if (!output || !(output->name = sn_strdup(path))) {
+        free(output);
+        *out = NULL;
+        return sn_fail_memory(error, "an output");
+    }
+    output->stream = stream;
+    output->untruncated = true;
+    output->keep = output->written = keep;
+    output->fd = open(path, O_WRONLY | O_CLOEXEC);
+    if (output->fd >= 0) return SN_OK;
+    sn_status status = sn_fail_at(error, SN_ERROR_IO, path, 0, "cannot be written: %s", strerror(errno));
+    sn_output_abort(output);
+    *out = NULL;
+    return status;
+}
+
 sn_status sn_output_open_memory(sn_output **out, sn_error *error) {
     *out = NULL;
     sn_output *output = SN_NEW(sn_output, 1);
@@ -302,7 +337,8 @@ static bool write_fully(int fd, const char *data, size_t size) {
 /* Hand the first `size` bytes of the buffer to the system. */
 static sn_status flush_bytes(sn_output *output, size_t size) {
     if (output->untruncated) {
-        if (ftruncate(output->fd, 0) != 0) return keep_system_failure(output);
+        off_t keep = (off_t)output->keep;
+        if (ftruncate(output->fd, keep) != 0 || lseek(output->fd, keep, SEEK_SET) != keep) return keep_system_failure(output);
         output->untruncated = false;
     }
     if (!write_fully(output->fd, output->buffer, size)) return keep_system_failure(output);
@@ -393,19 +429,40 @@ static void name_temporary(sn_output *output) {
     keep_system_failure(output);
 }
 
+static void take_name(sn_output *output) {
+    if (rename(output->temporary, output->target) != 0) {
+        keep_system_failure(output);
+        return;
+    }
+    free(output->temporary);
+    output->temporary = NULL;
+    output->published = true;
+}
+
 static void replace_target(sn_output *output) {
     if (fsync(output->fd) != 0) keep_system_failure(output);
-    if (output->failure.code == SN_OK && !output->temporary) name_temporary(output);
+    if (output->failure.code == SN_OK && !output->temporary && !output->published) name_temporary(output);
     int fd = output->fd;
     output->fd = -1;
     if (close(fd) != 0) keep_system_failure(output);
-    if (output->failure.code != SN_OK) return;
-    if (rename(output->temporary, output->target) != 0) {
-        keep_system_failure(output);
-    } else {
-        free(output->temporary);
-        output->temporary = NULL;
+    if (output->failure.code == SN_OK && !output->published) take_name(output);
+}
+
+/* Behind what was written, without moving on: the next write takes its place. */
+static void write_tail(sn_output *output, const char *tail) {
+    ssize_t size = (ssize_t)strlen(tail);
+    if (pwrite(output->fd, tail, (size_t)size, (off_t)output->written) != size) keep_system_failure(output);
+}
+
+sn_status sn_output_publish(sn_output *output, const char *tail, sn_error *error) {
+    if (output->hold || output->failure.code != SN_OK) return report_failure(output, error);
+    flush_bytes(output, output->used);
+    if (output->failure.code == SN_OK && tail) write_tail(output, tail);
+    if (output->failure.code == SN_OK && output->target && !output->published) {
+        if (!output->temporary) name_temporary(output);
+        if (output->failure.code == SN_OK) take_name(output);
     }
+    return report_failure(output, error);
 }
 
 static void finish_in_place(sn_output *output) {

@@ -5,6 +5,7 @@
  */
 #include "mesh_reader.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -30,6 +31,8 @@ static bool ends_with(const char *text, const char *ending) {
     return length > tail && strcasecmp(text + length - tail, ending) == 0;
 }
 
+static bool is_storage(const char *path) { return ends_with(path, ".sto") || ends_with(path, ".mot"); }
+
 /* ---- the head --------------------------------------------------------------------------------------------------------------- */
 
 /* The lines that OpenSim's readers ask for, in the order of the files that it writes itself. Returns where the number of rows is. */
@@ -47,6 +50,11 @@ static void write_names(sn_output *output, const sn_table_params *params) {
         sn_write_name(output, params->names[i], false);
     }
     sn_output_print(output, "\n");
+}
+
+/* Without the end of its line. */
+static void put_row(sn_output *output, sn_index columns, const double *row) {
+    for (sn_index i = 0; i < columns; i++) sn_write_number(output, i > 0 ? '\t' : '\0', row[i]);
 }
 
 /* As sn_write_name writes it. */
@@ -82,31 +90,111 @@ static sn_status allocate(sn_table *table, sn_error *error) {
     return enough ? SN_OK : sn_fail_memory(error, "a table");
 }
 
+/* ---- going on with one ------------------------------------------------------------------------------------------------------ */
+
+/* The rows of a table that is there, behind its head; NULL = it has another head. */
+static const char *find_rows(const char *path, const sn_table_params *params, const char *text, sn_error *error) {
+    sn_output *memory = NULL;
+    sn_blob names = {0};
+    if (sn_output_open_memory(&memory, error) != SN_OK) return NULL;
+    write_names(memory, params);
+    if (sn_output_take(memory, path, &names, error) != SN_OK) return NULL;
+    const char *at = is_storage(path) ? strstr(text, "\nendheader\n") : text;
+    if (at != NULL && is_storage(path)) at += strlen("\nendheader\n");
+    bool same = at != NULL && strncmp(at, names.data, names.size) == 0;
+    if (!same) (void)sn_fail_at(error, SN_ERROR_USAGE, path, 0, "has other columns than the run would write; name another file");
+    if (same) at += names.size;
+    sn_blob_free(&names);
+    return same ? at : NULL;
+}
+
+/* Whole rows from `at` on, at most `most`; *end: behind them. */
+static int64_t count_rows(const char *at, int64_t most, const char **end) {
+    int64_t count = 0;
+    for (const char *line; count < most && (line = strchr(at, '\n')) != NULL; count++) at = line + 1;
+    *end = at;
+    return count;
+}
+
+/* Is the row at `at` that of the state's frame, to the last digit? */
+static bool is_row(const sn_table_params *params, const char *at) {
+    sn_output *memory = NULL;
+    sn_blob row = {0};
+    if (sn_output_open_memory(&memory, NULL) != SN_OK) return false;
+    put_row(memory, params->columns, params->at_row);
+    if (sn_output_take(memory, "", &row, NULL) != SN_OK) return false;
+    bool same = strncmp(at, row.data, row.size) == 0;
+    sn_blob_free(&row);
+    return same;
+}
+
+/* Which rows of the text stay: none of a table that is to be written anew. */
+static sn_status check_rows(const char *path, const sn_table_params *params, const char *text, sn_blob *keep, sn_error *error) {
+    sn_resume *resume = params->resume;
+    const char *rows = find_rows(path, params, text, error), *end, *at;
+    double time;
+    bool goes_on;
+    if (rows == NULL) return SN_ERROR_USAGE;
+    if (!sn_scan_number(rows, rows + strlen(rows), &end, &time)) return SN_OK;
+    double first = rint(time * resume->rate);
+    if (!(fabs(first) <= SN_INDEX_MAX) || first / resume->rate != time) return sn_resume_differs(resume, path, error);
+    int64_t count = count_rows(rows, INT64_MAX, &end), from = (int64_t)first;
+    sn_status status = sn_resume_take(resume, path, from, from + count - 1, &goes_on, error);
+    if (status != SN_OK || !goes_on) return status;
+    (void)count_rows(rows, resume->frame - from, &at);
+    if (params->rounds > 0)
+        return sn_fail_at(error, SN_ERROR_USAGE, path, 0, "smoothed lengths cannot be gone on with; name another file to begin one there");
+    if (!is_row(params, at) || at[-1] != '\n') return sn_resume_differs(resume, path, error);
+    keep->size = (size_t)count_rows(rows, resume->next - from, &end);
+    keep->data = sn_strndup(rows, (size_t)(end - rows));
+    return keep->data != NULL ? SN_OK : sn_fail_memory(error, "a table");
+}
+
+/* keep: the text of the rows that stay, and in its size their count. */
+static sn_status find_earlier(const char *path, const sn_table_params *params, sn_blob *keep, sn_error *error) {
+    sn_blob text = {0};
+    if (params->resume == NULL || !sn_resume_exists(path)) return SN_OK;
+    sn_status status = sn_blob_read_bytes(path, &text, error);
+    if (status == SN_OK) status = check_rows(path, params, text.data, keep, error);
+    sn_blob_free(&text);
+    return status;
+}
+
+/* ---- opening ---------------------------------------------------------------------------------------------------------------- */
+
+static void write_head(sn_table *table, const char *path, const sn_table_params *params, const sn_blob *earlier) {
+    sn_table_params whole = *params;
+    table->written = (int64_t)earlier->size;
+    table->promised = whole.rows = params->rows + table->written;
+    if (is_storage(path)) table->rows_at = write_storage_head(table->output, &whole);
+    write_names(table->output, params);
+    if (earlier->data != NULL) sn_output_write(table->output, earlier->data, strlen(earlier->data), NULL);
+}
+
 sn_status sn_table_create(const char *path, const sn_table_params *params, sn_table **out, sn_error *error) {
     sn_table *table = *out = SN_NEW(sn_table, 1);
     if (table == NULL) return sn_fail_memory(error, "a table");
     table->columns = params->columns;
     table->smoothed_from = params->smoothed_from;
     table->rounds = params->rounds;
-    table->promised = params->rows;
+    sn_blob earlier = {0};
     sn_status status = allocate(table, error);
     if (status == SN_OK) status = warn_of_twins(path, params, error);
+    if (status == SN_OK) status = find_earlier(path, params, &earlier, error);
     if (status == SN_OK) status = sn_output_open(path, false, &table->output, error);
-    if (status != SN_OK) {
-        sn_table_abort(table);
-        *out = NULL;
-        return status;
-    }
-    if (ends_with(path, ".sto") || ends_with(path, ".mot")) table->rows_at = write_storage_head(table->output, params);
-    write_names(table->output, params);
-    return SN_OK;
+    if (status == SN_OK) write_head(table, path, params, &earlier);
+    free(earlier.data);
+    if (status == SN_OK) return SN_OK;
+    sn_table_abort(table);
+    *out = NULL;
+    return status;
 }
 
 /* ---- rows ------------------------------------------------------------------------------------------------------------------- */
 
 static sn_status write_row(sn_table *table, const double *row, sn_error *error) {
     table->written++;
-    for (sn_index i = 0; i < table->columns; i++) sn_write_number(table->output, i > 0 ? '\t' : '\0', row[i]);
+    put_row(table->output, table->columns, row);
     return sn_output_write(table->output, "\n", 1, error);
 }
 
@@ -149,9 +237,14 @@ static sn_status release(sn_table *table, sn_error *error) {
 static sn_status correct_head(sn_table *table, sn_error *error) {
     char digits[24], right[24];
     int length = snprintf(digits, sizeof digits, "%lld", (long long)table->promised);
-    if (table->rows_at == 0 || table->written >= table->promised) return SN_OK;
+    if (table->rows_at == 0 || table->written > table->promised) return SN_OK;
     snprintf(right, sizeof right, "%0*lld", length, (long long)table->written);
     return sn_output_patch(table->output, table->rows_at, right, (size_t)length, error);
+}
+
+sn_status sn_table_publish(sn_table *table, sn_error *error) {
+    sn_status status = sn_output_publish(table->output, NULL, error);
+    return status == SN_OK ? correct_head(table, error) : status;
 }
 
 sn_status sn_table_commit(sn_table *table, sn_error *error) {

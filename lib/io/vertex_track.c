@@ -99,7 +99,8 @@ static sn_status read_mdd(const sn_blob *blob, const sn_track_options *options, 
 
 static sn_status read_cache(const char *path, const sn_track_options *options, sn_vertex_track *out, sn_error *error) {
     sn_blob blob;
-    sn_status status = sn_blob_read_bytes(path, &blob, error);
+    sn_status status = sn_file_check(path, error);
+    if (status == SN_OK) status = sn_blob_read_bytes(path, &blob, error);
     if (status != SN_OK) return status;
     bool pc2 = blob.size >= 11 && memcmp(blob.data, "POINTCACHE2", 11) == 0;
     if (!pc2) status = read_mdd(&blob, options, out, error);
@@ -190,7 +191,8 @@ static void warn_of_gaps(const char *pattern, const sequence *s) {
 
 static sn_status read_file(const char *path, const sn_track_options *options, float *positions, sn_error *error) {
     sn_mesh mesh;
-    sn_status status = sn_mesh_read(path, &mesh, NULL, error);
+    sn_status status = sn_file_check(path, error);
+    if (status == SN_OK) status = sn_mesh_read(path, &mesh, NULL, error);
     if (status != SN_OK) return status;
     status = check_count(path, mesh.vertex_count, options, error);
     for (sn_index v = 0; v < mesh.vertex_count && status == SN_OK; v++, positions += 3) {

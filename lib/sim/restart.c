@@ -261,7 +261,7 @@ static sn_status check_moment(const sn_model *model, const sn_state *read, const
         return sn_fail(error, SN_ERROR_INPUT, "this state says that it has %ld muscles, and holds %ld; write it anew", (long)h->muscles,
                        (long)model->muscle_count);
     if (h->rate != model->scene->rate)
-        return sn_fail(error, SN_ERROR_INPUT, "this state was made at %g frames a second, and the scene has %g; go on with --rate %g",
+        return sn_fail(error, SN_ERROR_USAGE, "this state was made at %g frames a second, and the scene has %g; go on with --rate %g",
                        h->rate, model->scene->rate, h->rate);
     if (read->frame < -SN_FRAME_LIMIT || read->frame > SN_FRAME_LIMIT)
         return sn_fail(error, SN_ERROR_INPUT, "this state is of frame %ld, and frames go from %d to %d; write it anew", (long)read->frame,

@@ -579,3 +579,13 @@ END
     done
     [ "$(ls -A | wc -l)" -eq 14 ]
 }
+
+@test "a closed standard descriptor is no way for the importer to lose its file" {
+    "$scene" glb a.glb
+    "$clean" a.glb -o open.json
+    "$clean" a.glb -o closed.json <&-
+    cmp open.json closed.json
+    run -0 sh -c "'$clean' -q a.glb -o shut.json <&- 2>&-"
+    cmp open.json shut.json
+    run -1 sh -c "'$clean' a.glb >&-" # an error as before, not a file that nobody sees
+}

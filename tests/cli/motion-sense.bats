@@ -356,3 +356,20 @@ for column in columns:
 END
     done
 }
+
+@test "gnuplot dies with the tool" {
+    mkdir -p fake
+    printf '#!/bin/sh\nexec sleep 4711.0818\n' > fake/gnuplot
+    chmod +x fake/gnuplot
+    PATH=$PWD/fake:$BIN:$PATH motion-sense --sensors elbow.sensors.json --chart none.svg elbow.bvh -o a.json > out 2>&1 &
+    tool=$!
+    until pgrep -f 'sleep 4711.0818' > found || ! kill -0 $tool; do sleep 0.1; done
+    [ -s found ]
+    kill -KILL $tool
+    for i in $(seq 300); do # it dies soon, and how soon is the machine's affair
+        pgrep -f 'sleep 4711.0818' > /dev/null || break
+        sleep 0.1
+    done
+    run pgrep -f 'sleep 4711.0818'
+    [ "$status" -ne 0 ]
+}

@@ -140,6 +140,7 @@ END
         if [ $solver = xpbd ]; then stops="1 2 2:3 3:16 4:16:1"; else stops="1 2 2:1:1 4:1:2"; fi
         for stop in $stops; do
             $run --stop-after $stop --state stop.state > log.jsonl
+            rm -f end.pc2
             $run --frames ${stop%%:*}:4 --from stop.state --state end.state -o end.pc2 > end.jsonl
             cmp end.state whole.state
             tail -n 1 end.jsonl | cmp - wanted
@@ -490,20 +491,24 @@ samples() { python3 -c 'import struct, sys; print(struct.unpack("<i", open(sys.a
     for options in "--solver qn" "--solver xpbd" "--scheme romeo"; do
         rm -f out.pc2 end.state
         run -3 --separate-stderr simulate nan.scene.json --frames 0:12 $options -o out.pc2 --log log.jsonl --state end.state --report report.json
-        [[ "$stderr" == *'frame 6: muscle "biceps" has exploded, '*"not finite"*"the run ends with frame 5, and writes no state; "* ]]
-        [ "$(samples out.pc2)" -eq 6 ]
-        [ "$(values log.jsonl frame | tr '\n' ' ')" = "0 1 2 3 4 5 6 " ]
+        [[ "$stderr" == *'frame 5: muscle "biceps" is farther away than the single precision of a point cache can tell'*"the run ends with frame 4, and writes no state"* ]]
+        [ "$(samples out.pc2)" -eq 5 ]
+        [ "$(values log.jsonl frame | tr '\n' ' ')" = "0 1 2 3 4 5 " ]
         refute [ -e end.state ]
         python3 -c 'import json
-r = json.load(open("report.json")); assert r["frames"] == 6 and r["steppedFrames"] == 5 and "points" in r["outcome"]["exploded"][0]["signs"], r["outcome"]'
+r = json.load(open("report.json")); assert r["frames"] == 5 and r["steppedFrames"] == 4 and "points" in r["outcome"]["exploded"][0]["signs"], r["outcome"]'
         simulate nan.scene.json --frames 0:4 $options -o whole.pc2 --log log.jsonl
         head -c $((32 + 5 * 12 * 521)) out.pc2 | tail -c +33 > a
         tail -c +33 whole.pc2 | cmp - a
+        run -3 --separate-stderr simulate nan.scene.json --frames 0:12 $options -o far --format ply --log log.jsonl --state end.state
+        [[ "$stderr" == *'frame 6: muscle "biceps" has exploded, '*"not finite"*"the run ends with frame 5, and writes no state; "* ]]
+        [ "$(ls far | wc -l)" -eq 6 ]
+        [ "$(values log.jsonl frame | tr '\n' ' ')" = "0 1 2 3 4 5 6 " ]
     done
     run -3 simulate nan.scene.json --frames 0:12 --save-every 2 --state end.state --log log.jsonl
     [ -e end.state ] # of frame 4
-    run -3 simulate nan.scene.json --frames 5:5 --from end.state -o rest.pc2 --log log.jsonl # its bones are 1e308 m apart
-    [ "$(samples rest.pc2)" -eq 1 ]
+    run -1 simulate nan.scene.json --frames 5:5 --from end.state -o rest.pc2 --log rest.jsonl # its bones are 1e308 m apart
+    refute [ -e rest.pc2 ]
     run -1 --separate-stderr simulate nan.scene.json --frames 6:8 -o none.pc2 --log log.jsonl
     [[ "$stderr" == *'frame 6: muscle "biceps" has '*" points that are not finite"* ]]
     refute [ -e none.pc2 ]
@@ -767,7 +772,7 @@ s["muscles"][0].update(rig="bare.muscle.json", tone=0); json.dump(s, open("bare.
 @test "a state of another rate is refused, and says which" {
     one_muscle
     simulate -q one.scene.json --frames 0:2 --state s.state > /dev/null
-    run -1 simulate -q one.scene.json --rate 48 --frames 3:4 --from s.state
+    run -2 simulate -q one.scene.json --rate 48 --frames 3:4 --from s.state
     [[ "$output" == *"made at 24 frames a second, and the scene has 48"* ]]
     simulate -q one.scene.json --rate 48 --frames 0:2 --state t.state > /dev/null
     simulate -q one.scene.json --rate 48 --frames 3:4 --from t.state > /dev/null
@@ -939,4 +944,214 @@ count = int(head.split(b"element vertex ")[1].split()[0])
 size = {b"float": 4, b"double": 8}[head.split(b"property ")[1].split()[0]]
 z = [struct.unpack_from("<d" if size == 8 else "<f", body, size * (3 * i + 2))[0] for i in range(count)]
 assert abs(min(z) - 0.001) < 2e-5 and abs(max(z) - 0.007) < 2e-5, (min(z), max(z))'
+
+# filled.scene.json: the biceps alone, with fibres
+filled_scene() {
+    one_muscle
+    fiber-fill -q biceps.muscle.json -o filled.muscle.json
+    sed 's/biceps.muscle.json/filled.muscle.json/' one.scene.json > filled.scene.json
+}
+# everything that a run can write frame by frame, into the folder $1; and what comes of it without the reports of runs
+everything() { local to=$1; shift; mkdir -p $to; simulate -q "$@" -o $to/frames --fibers --lengths $to/lengths.sto --bone-frames $to/bones.pvd --log $to/log.jsonl; }
+
+@test "--from goes on with the outputs of the run before: the bytes of one that did not stop" {
+    filled_scene
+    run="filled.scene.json --solver xpbd --substeps 4"
+    everything all $run --frames 0:8 --blend 1
+    simulate -q $run --frames 0:8 --format ply -o all/meshes --bone-frames all/bones --log all/log2.jsonl
+    simulate -q $run --frames 0:8 -o all/caches --bone-frames all/caches/bones --lengths all/lengths.tsv --log all/log3.jsonl
+    for stop in 4 4:2 4:2:1; do # at the end of a frame, in it, in a substep
+        rm -rf out
+        everything out $run --frames 0:8 --blend 1 --stop-after $stop --state s.state
+        everything out $run --blend 1 --frames 4:8 --from s.state
+        simulate -q $run --frames 0:8 --format ply -o out/meshes --bone-frames out/bones --log out/log2.jsonl --stop-after $stop
+        simulate -q $run --frames 4:8 --format ply -o out/meshes --bone-frames out/bones --log out/log2.jsonl --from s.state
+        simulate -q $run --frames 0:8 -o out/caches --bone-frames out/caches/bones --lengths out/lengths.tsv --log out/log3.jsonl --stop-after $stop
+        simulate -q $run --frames 4:8 -o out/caches --bone-frames out/caches/bones --lengths out/lengths.tsv --log out/log3.jsonl --from s.state
+        diff -r all out
+    done
+    # into new ones from the state on, and there again: as any other run writes anew what is there
+    for again in 1 2; do
+        everything new $run --blend 1 --frames 4:8 --from s.state
+        [ "$(samples new/frames/biceps.pc2)" -eq 5 ]
+    done
+    # a head of another number of digits
+    simulate -q $run --frames 0:8 --lengths few.sto --state nine.state > few.jsonl
+    simulate -q $run --frames 0:10 --lengths many.sto > many.jsonl
+    simulate -q $run --frames 9:10 --lengths few.sto --from nine.state --log few.jsonl
+    cmp few.sto many.sto
+    cmp few.jsonl many.jsonl
+}
+
+# went_on TEXT OPTION...: going on is refused with status 2, and nothing in out changes
+went_on() {
+    local text=$1; shift
+    rm -rf before; cp -r out before
+    run -2 --separate-stderr simulate -q filled.scene.json --solver xpbd --substeps 4 --from s.state "$@"
+    [[ "$stderr" == *"$text"* ]] || { echo "$stderr"; return 1; }
+    [ "$(wc -l <<< "$stderr")" -eq 1 ]
+    diff -r before out
+}
+
+@test "--from refuses outputs that are not of its run, before any work" {
+    filled_scene
+    run="filled.scene.json --solver xpbd --substeps 4"
+    everything out $run --frames 0:8 --stop-after 4 --state s.state
+    simulate -q $run --frames 0:8 --format ply -o out/meshes --log out/log2.jsonl --stop-after 4
+    simulate -q $run --frames 0:8 --stop-after 1 --state one.state > /dev/null
+    everything later $run --frames 2:8 --from one.state
+    simulate -q $run --frames 0:2 -o out/short.pc2 --lengths out/short.tsv --log out/short.jsonl
+    simulate -q filled.scene.json --solver xpbd --substeps 5 --frames 0:6 -o out/near.pc2 --lengths out/near.tsv --log out/near.jsonl
+    cp -r later out/later
+    went_on "ends with frame 2, before the state's frame 4" -o out/short.pc2
+    went_on "ends with frame 2, before the state's frame 4" --lengths out/short.tsv
+    went_on "ends with frame 2, before the state's frame 4" --log out/short.jsonl
+    went_on "its frame 4 is not that of the state" -o out/near.pc2
+    went_on "its frame 4 is not that of the state" --lengths out/near.tsv
+    went_on "begins with frame 0, but out/later/frames/biceps.pc2 with frame 2" -o out/later/frames --log out/log.jsonl
+    # smoothed lengths depend on what comes after them
+    simulate -q $run --frames 0:8 --stop-after 4 --lengths out/smooth.tsv --smooth-lengths > /dev/null
+    went_on "smoothed lengths cannot be gone on with" --lengths out/smooth.tsv --smooth-lengths
+    # other columns, other points, nothing of the kind
+    went_on "has other columns" --lengths out/lengths.sto --blend 1
+    python3 -c 'import struct
+d = bytearray(open("out/frames/biceps.pc2", "rb").read()); struct.pack_into("<i", d, 16, 100); open("out/points.pc2", "wb").write(d)
+d = bytearray(open("out/frames/biceps.pc2", "rb").read()); struct.pack_into("<f", d, 24, 2); open("out/rate.pc2", "wb").write(d)'
+    went_on "has 100 points, and the run has 521" -o out/points.pc2
+    went_on "has frames 2 apart from frame 0 on" -o out/rate.pc2
+    echo "{}" > out/no.jsonl
+    went_on "is not the log of an earlier run" --log out/no.jsonl
+    sed 2d out/log.jsonl > out/gap.jsonl
+    went_on "does not hold every frame" --log out/gap.jsonl
+    rm out/frames/biceps-fibers.pvd
+    went_on "holds 1 of 2 outputs of the earlier run" -o out/frames --fibers
+    cp out/meshes/biceps.0003.ply out/meshes/biceps.0004.ply
+    went_on "its frame 4 is not that of the state" --format ply -o out/meshes
+    rm out/meshes/biceps.0002.ply
+    went_on "some are missing" --format ply -o out/meshes
+    # what goes beyond the state is cut off, which is said
+    cp out/near.pc2 beyond.pc2
+    simulate -q $run --frames 0:7 -o beyond.pc2 --log beyond.jsonl
+    run -0 --separate-stderr simulate $run --frames 5:6 --from s.state -o beyond.pc2 --log beyond.jsonl
+    [[ "$stderr" == *"beyond.pc2 and what belongs to it go to frame 7, beyond the state's, 4: what is behind that is cut off"* ]]
+    [ "$(samples beyond.pc2)" -eq 7 ]
+    [ "$(stat -c %s beyond.pc2)" -eq $((32 + 7 * 12 * 521)) ]
+    [ "$(wc -l < beyond.jsonl)" -eq 7 ]
+}
+
+@test "a run that was killed at any moment is gone on with to the bytes of one that was not" {
+    filled_scene
+    cat > killed.py <<'END2'
+import filecmp, os, random, shutil, signal, subprocess, struct, time
+random.seed(7)
+base = ["simulate", "-q", "filled.scene.json", "--solver", "xpbd", "--substeps", "2"]
+def outputs(to): return ["-o", to, "--fibers", "--lengths", to + "/lengths.sto", "--bone-frames", to + "/bones.pvd", "--log", to + "/log.jsonl"]
+def launch(to, *more):
+    os.makedirs(to, exist_ok=True)
+    return subprocess.Popen(base + outputs(to) + list(more))
+def run(to, *more): assert launch(to, *more).wait() == 0
+began = time.monotonic()
+run("all", "--frames", "0:59", "--save-every", "3", "--state", "all.state")
+whole = time.monotonic() - began
+names = sorted(os.listdir("all"))
+mid_run = 0
+for k in range(20):
+    shutil.rmtree("out", ignore_errors=True)
+    if os.path.exists("s.state"): os.unlink("s.state")
+    p = launch("out", "--frames", "0:59", "--save-every", "3", "--state", "s.state")
+    time.sleep(whole * random.uniform(0.02, 0.95))
+    p.send_signal(signal.SIGKILL)
+    p.wait()
+    leftovers = [n for n in os.listdir("out") if n.endswith("~")]
+    assert not leftovers, leftovers
+    if os.path.exists("out/biceps.pc2"): # no moment at which it counts more than it holds
+        data = open("out/biceps.pc2", "rb").read()
+        points, count = struct.unpack("<i", data[16:20])[0], struct.unpack("<i", data[28:32])[0]
+        assert count >= 0 and 32 + 12 * points * count <= len(data)
+    frame = struct.unpack("<i", open("s.state", "rb").read()[160:164])[0] if os.path.exists("s.state") else -1
+    if 0 <= frame < 59:
+        mid_run += 1
+        run("out", "--from", "s.state")
+    elif frame < 0:
+        run("out", "--frames", "0:59")
+    assert sorted(os.listdir("out")) == names, k
+    same = filecmp.cmpfiles("all", "out", names, shallow=False)
+    assert len(same[0]) == len(names), (k, same[1:])
+print(mid_run, "of 20 had a state")
+assert mid_run > 0
+END2
+    python3 -c 'import json
+s = json.load(open("filled.scene.json")); s["frames"] = [0, 59]; json.dump(s, open("filled.scene.json", "w"))'
+    python3 killed.py
+}
+
+@test "an older sequence that would mix with the run's frames is refused before any work" {
+    filled_scene
+    simulate -q filled.scene.json --frames 0:3 -o out --format ply --bone-frames bones --log log.jsonl
+    simulate -q filled.scene.json --frames 0:3 -o fibres --fibers --bone-frames bones.pvd --log log.jsonl
+    for options in "-o out --format ply" "--bone-frames bones --format ply" "-o fibres --fibers" "--bone-frames bones.pvd"; do
+        run -2 --separate-stderr simulate -q filled.scene.json --frames 0:2 $options --log other.jsonl
+        [[ "$stderr" == *".0003."*"is of an older sequence, whose frames 0 to 3 would mix with the run's, 0 to 2"* ]]
+        run -2 simulate -q filled.scene.json --frames 1:4 $options --log other.jsonl
+        simulate -q filled.scene.json --frames 0:4 $options --log other.jsonl
+        rm other.jsonl
+        run -2 simulate -q filled.scene.json --frames 0:3 $options --log other.jsonl
+        refute [ -e other.jsonl ]
+    done
+}
+
+@test "documents that name pipes, devices or nothing are refused at once" {
+    mkfifo pipe
+    ln -s /dev/zero zero.json
+    for file in pipe /dev/zero zero.json; do
+        for change in "s['muscles'][0]['rig']=f" "s['bones'][0]['mesh']=f" "s['motion']={'uri':f}"; do
+            python3 -c "import json,sys; s=json.load(open('arm.scene.json')); f=sys.argv[1]; $change; json.dump(s,open('odd.scene.json','w'))" $file
+            for option in --plan "--frames 0:0" "--contact --frames 0:0"; do
+                run -1 --separate-stderr timeout 20 simulate odd.scene.json $option
+                [[ "$stderr" == *"${file##*/}"*"is a device or a pipe"* ]] || { echo "$change $option: $stderr"; return 1; }
+                [ -z "$output" ]
+            done
+        done
+    done
+    sed 's/"ulna.ply"/"nowhere.ply"/' arm.scene.json > odd.scene.json # also where no run looks at it
+    for option in --plan "--frames 0:0"; do
+        run -0 --separate-stderr simulate odd.scene.json $option
+        [[ "$stderr" == *'warning: '*'nowhere.ply: bone "ulna": cannot be opened'*"this run does without its surface"* ]]
+    done
+    run -1 simulate odd.scene.json --contact --frames 0:0
+}
+
+@test "outputs that cannot be written are told before any work; one file twice is wrong usage" {
+    one_muscle
+    mkdir shut
+    for option in --state --report --trace --lengths; do
+        run -1 --separate-stderr simulate one.scene.json --frames 0:1 $option nowhere/file --log log.jsonl
+        [[ "$stderr" == *"nowhere/file: cannot be written"* ]]
+        run -1 simulate one.scene.json --frames 0:1 $option shut --log log.jsonl
+        [[ "$output" == *"shut: is a directory"* ]]
+    done
+    refute [ -e log.jsonl ]
+    ln one.scene.json linked
+    ln -s log.jsonl again
+    simulate -q one.scene.json --frames 0:1 --log log.jsonl --state s.state -o out.pc2
+    sum=$(cat one.scene.json log.jsonl s.state out.pc2 | sha256sum)
+    while read -r options; do
+        run -2 --separate-stderr simulate -q $options
+        [[ "$stderr" == *"are one file"* ]] || { echo "$options: $stderr"; return 1; }
+        [ "$(wc -l <<< "$stderr")" -eq 1 ]
+        [ "$(cat one.scene.json log.jsonl s.state out.pc2 | sha256sum)" = "$sum" ]
+    done << 'END'
+one.scene.json --log new --report new
+one.scene.json --log new --state ./new
+one.scene.json --log log.jsonl --report again
+one.scene.json --log one.scene.json
+one.scene.json --report linked
+one.scene.json --from s.state --frames 2:3 --log s.state
+one.scene.json -o out.pc2 --log out.pc2
+END
+    simulate -q one.scene.json --from s.state --frames 2:3 --state s.state --log log.jsonl -o out.pc2
+    simulate -q one.scene.json --frames 0:1 --log /dev/null --trace /dev/null
+    simulate -q one.scene.json --frames 0:1 -o moved --report moved/report.json --state moved/end.state > /dev/null
+    [ -s moved/report.json ]
+    [ -s moved/end.state ]
 }

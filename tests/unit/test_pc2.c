@@ -89,14 +89,52 @@ static void files_that_lie_are_refused(void **state) {
     assert_int_equal(sn_blob_read(path, &blob, NULL), SN_OK);
     unsigned char *bytes = (unsigned char *)blob.data;
     expect_refused(bytes, 20, "not a PC2");
-    expect_refused(bytes, blob.size - 1, "cut short");
+    expect_refused(bytes, 32 + 35, "cut short"); /* no whole sample */
     memset(bytes + 28, 0xff, 4);
     expect_refused(bytes, blob.size, "cannot be");
-    bytes[31] = 0x7f; /* 2^31 - 1 samples */
-    expect_refused(bytes, blob.size, "promises");
     bytes[12] = 9;
     expect_refused(bytes, blob.size, "version");
     sn_blob_free(&blob);
+}
+
+/* A run that was killed, or a disk that was full. */
+static void of_a_file_cut_short_the_whole_samples_are_read(void **state) {
+    (void)state;
+    for (int lost = 0; lost <= 2; lost++) {
+        write_cache(3, 2);
+        assert_int_equal(truncate(path, 32 + 2 * 36 - (lost == 2 ? 36 : lost)), 0);
+        sn_pc2_data data;
+        assert_int_equal(sn_pc2_read(path, &data, NULL), SN_OK);
+        assert_int_equal(data.sample_count, lost == 0 ? 2 : 1);
+        sn_pc2_free(&data);
+    }
+}
+
+/* Each time that it is published it is whole, though nothing ends it. */
+static void what_is_published_outlives_its_writer(void **state) {
+    (void)state;
+    sn_vec3 positions[3] = {{1, 2, 3}, {4, 5, 6}, {7, 8, 9}};
+    sn_pc2 *cache;
+    sn_pc2_data data;
+    write_cache(5, 7);
+    assert_int_equal(sn_pc2_create(path, 3, 4.0, 1.0, &cache, NULL), SN_OK);
+    for (int samples = 1; samples <= 3; samples++) {
+        assert_int_equal(sn_pc2_append(cache, positions, NULL), SN_OK);
+        assert_int_equal(sn_pc2_publish(cache, NULL), SN_OK);
+        assert_int_equal(sn_pc2_read(path, &data, NULL), SN_OK);
+        assert_true(data.point_count == 3 && data.sample_count == samples && data.start_frame == 4.0);
+        sn_pc2_free(&data);
+    }
+    sn_pc2_abort(cache);
+    sn_resume resume = {.frame = 5, .next = 6, .rate = 24, .reached = 5};
+    assert_int_equal(sn_pc2_resume(path, 3, &resume, positions, &cache, NULL), SN_OK);
+    assert_non_null(cache);
+    assert_int_equal(resume.reached, 6);
+    assert_int_equal(sn_pc2_append(cache, positions, NULL), SN_OK); /* in the place of frame 6 */
+    assert_int_equal(sn_pc2_commit(cache, NULL), SN_OK);
+    assert_int_equal(sn_pc2_read(path, &data, NULL), SN_OK);
+    assert_int_equal(data.sample_count, 3);
+    sn_pc2_free(&data);
 }
 
 static void an_aborted_cache_changes_nothing(void **state) {
@@ -120,6 +158,8 @@ int main(void) {
         cmocka_unit_test(the_header_is_as_specified),
         cmocka_unit_test(what_was_written_is_read),
         cmocka_unit_test(files_that_lie_are_refused),
+        cmocka_unit_test(of_a_file_cut_short_the_whole_samples_are_read),
+        cmocka_unit_test(what_is_published_outlives_its_writer),
         cmocka_unit_test(an_aborted_cache_changes_nothing),
     };
     return cmocka_run_group_tests(tests, make_name, remove_name);

@@ -265,6 +265,31 @@ static bool give_up(void *user, int out) {
     return false;
 }
 
+static bool hold_on(void *user, int out) {
+    (void)out;
+    return write(*(int *)user, "x", 1) == 1 && never_end(NULL, out);
+}
+
+/* The child holds an end of a pipe: when it is gone, the other end reads to its end. */
+static void a_child_dies_with_its_parent(void **state) {
+    (void)state;
+    int ends[2];
+    char byte;
+    assert_int_equal(pipe(ends), 0);
+    pid_t parent = fork();
+    if (parent == 0) {
+        sn_child_answer answer;
+        close(ends[0]);
+        _exit(sn_child_run(hold_on, &ends[1], &(sn_child_limits){.seconds = 300.0, .most_answer = 100}, &answer, NULL) == SN_OK);
+    }
+    close(ends[1]);
+    assert_int_equal(read(ends[0], &byte, 1), 1);
+    assert_int_equal(kill(parent, SIGKILL), 0);
+    assert_int_equal(read(ends[0], &byte, 1), 0);
+    close(ends[0]);
+    assert_int_equal(waitpid(parent, NULL, 0), parent);
+}
+
 static void a_child_answers(void **state) {
     (void)state;
     int n = 21;
@@ -352,6 +377,7 @@ int main(void) {
         cmocka_unit_test(what_is_inside_is_not_lost_what_sticks_out_is),
         cmocka_unit_test(labels_are_carried_unmixed),
         cmocka_unit_test(a_child_answers),
+        cmocka_unit_test(a_child_dies_with_its_parent),
         cmocka_unit_test(a_child_that_fails_dies_or_never_ends_is_an_error),
         cmocka_unit_test(a_loaded_machine_ends_no_child_early),
         cmocka_unit_test(crossings_are_removed_or_left_but_never_made_worse),
