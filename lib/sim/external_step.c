@@ -138,12 +138,12 @@ static sn_vec3 place_ahead(const look *from, sn_index member, sn_index point, sn
     return sn_add(at, apart <= from->g->members[member]->mean_edge ? moves : surface_moves);
 }
 
-/* Where a vertex slides: on the nearest of its targets, at that signed distance. */
-static void find_slide(const look *from, const sn_externals *all, const sn_external_row *row, sn_index member, sliding seat, double *side,
-                       sn_external_hold *hold) {
+/* Where a vertex slides: on the nearest of its targets. Returns the signed distance to it; 0 where there is none. */
+static double find_slide(const look *from, const sn_externals *all, const sn_external_row *row, sn_index member, sliding seat,
+                         sn_external_hold *hold) {
     sn_vec3 at = from->points[from->g->first[member] + row->point], normal = {0, 0, 0};
     sn_closest best = {.triangle = SN_NONE};
-    double least = INFINITY;
+    double least = INFINITY, side = 0.0;
     const sn_external_target *on = NULL;
     for (sn_index c = row->begin; c < row->end; c++) {
         const sn_external_target *t = &from->g->targets[all->candidates[c]];
@@ -153,16 +153,17 @@ static void find_slide(const look *from, const sn_externals *all, const sn_exter
         double distance = known ? foot.distance / from->much_nearer : foot.distance;
         if (!(distance < least)) continue;
         best = foot, on = t, least = distance;
-        *side = sn_moving_side(&shape, &foot, at, &normal);
+        side = sn_moving_side(&shape, &foot, at, &normal);
     }
-    if (on == NULL) return;
+    if (on == NULL) return 0.0;
     *seat.on = (sn_index)(on - from->g->targets), *seat.at = best.triangle;
     hold->normal = normal;
     hold->slide = foot_of(from, on, &best, member);
-    if (on->member != SN_NONE || from->g->one_way) return;
+    if (on->member != SN_NONE || from->g->one_way) return side;
     sn_moving_shape before = shape_of(from, on), after = shape_after(from->s, on); /* it will look again from where it is then */
     sn_vec3 surface_moves = sn_sub(sn_moving_point(&after, &best), sn_moving_point(&before, &best));
     hold->slide.place = place_ahead(from, member, row->point, at, surface_moves);
+    return side;
 }
 
 /* Where it slides at the end of the step, beside what moves by itself, in the boxes of that moment; `place` says where the vertex is then.
@@ -221,9 +222,8 @@ static void find_member(const look *from, sn_index member) {
     for (sn_index r = 0; r < m->external_count; r++) {
         const sn_external_row *row = &all->rows[r];
         bool slides = row->weights[SN_EXTERNAL_SLIDE] > 0.0 || row->least > -INFINITY;
-        double side;
         holds[r].normal = sn_v3(0, 0, 0);
-        if (slides) find_slide(from, all, row, member, seat_of(s, r), &side, &holds[r]);
+        if (slides) find_slide(from, all, row, member, seat_of(s, r), &holds[r]);
         if (row->weights[SN_EXTERNAL_SOFT] > 0.0 || row->weights[SN_EXTERNAL_HARD] > 0.0) find_bound(from, all, row, member, &holds[r]);
     }
 }
@@ -308,9 +308,7 @@ static void measure_row(const look *from, sn_index member, sn_index r, sn_statis
     const sn_external_row *row = &all->rows[r];
     sn_index on = *seat_of(from->s->members[member], r).on, at = *seat_of(from->s->members[member], r).at; /* as they are */
     sn_external_hold hold = {.normal = {0, 0, 0}};
-    double side = 0.0;
-    find_slide(from, all, row, member, (sliding){&on, &at}, &side, &hold);
-    double depth = fmin(0.0, row->distance) - side;
+    double depth = fmin(0.0, row->distance) - find_slide(from, all, row, member, (sliding){&on, &at}, &hold);
     if (!(sn_norm2(hold.normal) > 0.0) || !(depth > out->entered) || !(depth > DEPTH_NOISE * m->diagonal)) return;
     if (is_outside(from, on, from->points[from->g->first[member] + row->point])) return;
     out->entered = depth;

@@ -354,7 +354,8 @@ static void table_of(const char *name, int rows, int columns, const double *valu
     char path[320];
     snprintf(path, sizeof path, "%s/%s", folder, name);
     const char *names[] = {"time", "a muscle.1", "a muscle.2"};
-    const sn_table_params params = {"a title", rows, columns, names, 1, rounds};
+    const sn_table_params params = {
+        .title = "a title", .rows = rows, .columns = columns, .names = names, .smoothed_from = 1, .rounds = rounds};
     sn_table *table;
     assert_ok(sn_table_create(path, &params, &table, NULL));
     for (int i = 0; i < rows; i++) assert_ok(sn_table_append(table, values + i * columns, NULL));
@@ -469,7 +470,7 @@ static void test_an_aborted_table_leaves_nothing(void **state) {
     const char *names[] = {"time"};
     const double row[1] = {0.0};
     sn_table *table;
-    sn_table_params params = {"t", 1, 1, names, 1, 5};
+    sn_table_params params = {.title = "t", .rows = 1, .columns = 1, .names = names, .smoothed_from = 1, .rounds = 5};
     assert_ok(sn_table_create(path, &params, &table, NULL));
     assert_ok(sn_table_append(table, row, NULL));
     sn_table_abort(table);
