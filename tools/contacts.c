@@ -135,6 +135,13 @@ void contacts_log(const sn_model *model, const sn_statistics *s, const sn_plan_m
     sn_json_text(json, "penetration_bone", sn_scene_touched_name(model->scene, s->penetration_bone));
 }
 
+static bool tied_by_corotated(const sn_model *model) {
+    const sn_solver_settings *solver = &model->scene->solver;
+    bool tied = false;
+    for (sn_index i = 0; i < model->muscle_count; i++) tied = tied || sn_row_count(model, i, SN_ROWS_EXTERNAL) > 0;
+    return tied && solver->method == SN_SOLVER_QN && solver->preconditioner == SN_PRECONDITION_COROTATED;
+}
+
 /* Muscles in what they are tied to. */
 static void say_ties(const cli *c, const sn_model *model) {
     sn_index inside = 0, muscles = 0;
@@ -144,6 +151,8 @@ static void say_ties(const cli *c, const sn_model *model) {
         inside += plan->ties_inside, muscles += plan->ties_inside > 0;
         deepest = fmax(deepest, plan->deepest_tie);
     }
+    if (tied_by_corotated(model))
+        cli_warn(c, "muscles that are tied to each other go by the scalar matrix: the corotated one knows one muscle alone");
     if (inside > 0)
         cli_tell(c, "at rest %d vertices of %d muscle%s lie in what they are tied to, %.3g mm deep at most%s", (int)inside, (int)muscles,
                  muscles == 1 ? "" : "s", 1e3 * deepest, model->scene->externals.resolve > 0.0 ? "" : " (--resolve takes them out)");
