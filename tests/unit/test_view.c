@@ -489,7 +489,7 @@ static void a_palette_has_other_colours_for_other_names(void **state) {
     sn_palette palette = {0};
     sn_color colors[100];
     for (int i = 0; i < 100; i++) {
-        char name[8];
+        char name[16];
         snprintf(name, sizeof name, "b%d", i);
         assert_int_equal(sn_palette_color(&palette, name, &colors[i], NULL), SN_OK);
         for (int k = 0; k < i; k++) assert_memory_not_equal(&colors[i], &colors[k], sizeof(sn_color));
