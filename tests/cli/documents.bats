@@ -172,7 +172,7 @@ END
     member plan.json 'd["scene"]' > b.scene.json
     valid scene b.scene.json
     "$BIN/simulate" --plan b.scene.json > again.json
-    for plan in plan again; do grep -v millisecondsPerFrame $plan.json > $plan.unmeasured; done
+    for plan in plan again; do grep -iv milliseconds $plan.json > $plan.unmeasured; done
     cmp plan.unmeasured again.unmeasured
 }
 
