@@ -137,6 +137,7 @@ END
     [[ "$output" == *"--write-bones bones.xyz: no mesh format has this ending"* ]]
     [ ! -e bones.xyz ]
     run -0 "$BIN/envelope-bind" --bones bend.motion.json --write-bones ./bones
+    mkdir folder.ply
     for name in x.stl x folder.ply/x .; do
         run -2 "$BIN/envelope-bind" --units m skin.obj --bones bend.motion.json --frames "$name" -o kept.envelope.json
         [[ "$output" == *"--frames $name:"* ]]
