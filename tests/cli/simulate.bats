@@ -944,6 +944,7 @@ count = int(head.split(b"element vertex ")[1].split()[0])
 size = {b"float": 4, b"double": 8}[head.split(b"property ")[1].split()[0]]
 z = [struct.unpack_from("<d" if size == 8 else "<f", body, size * (3 * i + 2))[0] for i in range(count)]
 assert abs(min(z) - 0.001) < 2e-5 and abs(max(z) - 0.007) < 2e-5, (min(z), max(z))'
+}
 
 # filled.scene.json: the biceps alone, with fibres
 filled_scene() {
