@@ -160,9 +160,9 @@ END
     python3 - << 'END'
 import hashlib, struct
 data = bytearray(open("half.state", "rb").read())
-# the model, the moment; per group: progress, still; counters and residual, inputs, motion of the bones, when margins began to grow; energy, stretch, abrupt, pairs, why
+# the model, the moment; per group: progress, still; counters and residual, inputs, motion of the bones, when margins began to grow, how far ties have parted; energy, stretch, abrupt, pairs, why
 # it stopped, turned and torn
-head, points = 12 + 4 + 72, 72 + 16 + 16 + 4 + 14 * 8 + 4 * 8 + 80 + 8 + 2 * 8 + 1 + 3 * 4 + 2
+head, points = 12 + 4 + 72, 72 + 16 + 16 + 4 + 14 * 8 + 4 * 8 + 80 + 8 + 8 + 2 * 8 + 1 + 3 * 4 + 2
 data[head + points:head + points + 8] = struct.pack("d", float("nan"))
 data[16:88] = b"sha256:" + hashlib.sha256(data[88:]).hexdigest().encode() + b"\0"
 open("nan.state", "wb").write(data)

@@ -328,19 +328,20 @@ END
     told bones 340,d,inf
     told bones 412,d,-1
     told resolve_begin 420,d,inf
-    told stretch_before 436,d,nan
-    told abrupt 444,B,7
-    for count in -1 9 2147483647; do told pair_count 445,i,$count; done
-    told pair_next 445,i,8 449,i,-2147483648
-    told stopped 453,i,77
-    told turned 457,B,2
-    told torn 458,B,200
-    told points 459,d,nan
-    told points 483,d,12345
+    told parted 428,d,2
+    told stretch_before 444,d,nan
+    told abrupt 452,B,7
+    for count in -1 9 2147483647; do told pair_count 453,i,$count; done
+    told pair_next 453,i,8 457,i,-2147483648
+    told stopped 461,i,77
+    told turned 465,B,2
+    told torn 466,B,200
+    told points 467,d,nan
+    told points 491,d,12345
     told factor_stiffness -16,d,inf
     refute [ -e forged.png ]
     for far in 1e3 1e38 1e160 1e300; do # a place that no muscle comes to, and still a place
-        forge good.state forged.state "$(((459 + 32 * 200))),d,$far"
+        forge good.state forged.state "$(((467 + 32 * 200))),d,$far"
         for tool in "simulate -q one.scene.json --from" "rig-view -q one.scene.json -o forged.png --state"; do
             code=0
             $tool forged.state > out 2> err || code=$?
