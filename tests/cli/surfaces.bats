@@ -173,7 +173,7 @@ for name in sys.argv[2:]: jsonschema.Draft202012Validator(schema).validate(json.
     [[ "$output" == *"--envelope: '' names no file"* ]]
     run -2 "$BIN/scene-build" rigs --motion elbow.motion.json --envelope skin= -o a.scene.json
     run -1 "$BIN/scene-build" rigs --motion elbow.motion.json --envelope skin.envelope.json -o nowhere/a.scene.json
-    [[ "$output" == *"nowhere/a.scene.json: its folder is not there"* ]]
+    [[ "$output" == *"nowhere/a.scene.json: cannot be written"* ]]
 }
 
 @test "wrong frames are refused in one sentence that names the file" {
