@@ -89,7 +89,7 @@ static const char *try_state(simulation *s, const char *bytes, size_t size, sn_s
     *error = (sn_error){0};
     *status = sn_state_unpack(s->model, bytes, size, s->state, error);
     if (*status == SN_OK) return sn_step(s->model, s->state, NULL, error) == SN_OK ? NULL : "no step leads on from it";
-    if (*status != SN_ERROR_INPUT) return "the status is none of bad input";
+    if (*status != SN_ERROR_INPUT && *status != SN_ERROR_USAGE) return "the status is none of bad input"; /* usage: of another rate */
     return error->text[0] == '\0' || strpbrk(error->text, "\r\n") != NULL ? "the error is not one line" : NULL;
 }
 
