@@ -105,9 +105,8 @@ bool sn_externals_moved(const sn_group *g, const sn_group_state *s);
 void sn_externals_reset(const sn_group *g, sn_group_state *s);
 /* Does each slide on one of its targets? Not in a state that is damaged. */
 bool sn_externals_sound(const sn_group *g, const sn_group_state *s);
-/* What each row holds on to in a step of h s, whose `previous` points are set, and velocities those before it, or predicted. Asked again it
- * says the same. */
-void sn_externals_find(const sn_group *g, sn_group_state *s, double h);
+/* What each row holds on to in the step, whose `previous` points are set. Asked again it says the same. */
+void sn_externals_find(const sn_group *g, sn_group_state *s);
 /* Of a group that goes one way: where points and targets are as an iteration begins; what the rows of a member hold on to now; that member
  * has been moved. */
 void sn_externals_begin(const sn_group *g, sn_group_state *s);

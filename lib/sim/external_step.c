@@ -3,7 +3,7 @@
  * start to its end.   bodies.md 3
  *
  * The point that a vertex slides on is looked for where the step begins. Beside a member of the group it stays the same mean of that
- * member's points, with its normal as it was; beside what moves by itself the search goes on from there, from where the vertex goes.
+ * member's points, with its normal as it was; beside what moves by itself the search goes on from there with the vertex carried along.
  */
 #include "external.h"
 
@@ -64,7 +64,6 @@ typedef struct look {
     const sn_group_state *s;
     const sn_vec3 *points;  /* of the group */
     const sn_vec3 *targets; /* of those that move by themselves */
-    double h;               /* s: for a step of that length, from where it begins; 0: for where it is */
     double much_nearer;
 } look;
 
@@ -73,12 +72,12 @@ typedef struct look {
 static const double MUCH_NEARER = 1.5;
 
 /* For a step; of a group that goes one way, to the letter of [R18], the nearest is the nearest. */
-static look look_from(const sn_group *g, const sn_group_state *s, double h) {
-    if (g->one_way) return (look){g, s, s->previous, s->target_points, 0.0, 1.0};
-    return (look){g, s, s->previous, s->target_points_placed, h, MUCH_NEARER};
+static look look_from(const sn_group *g, const sn_group_state *s) {
+    if (g->one_way) return (look){g, s, s->previous, s->target_points, 1.0};
+    return (look){g, s, s->previous, s->target_points_placed, MUCH_NEARER};
 }
 
-static look look_here(const sn_group *g, const sn_group_state *s) { return (look){g, s, s->here, s->target_points, 0.0, 1.0}; }
+static look look_here(const sn_group *g, const sn_group_state *s) { return (look){g, s, s->here, s->target_points, 1.0}; }
 
 static const sn_vec3 *positions_of(const look *from, const sn_external_target *t) {
     return t->member != SN_NONE ? from->points + from->g->first[t->member] : from->targets + t->first_point;
@@ -129,15 +128,6 @@ typedef struct sliding {
 
 static sliding seat_of(const sn_muscle_state *s, sn_index row) { return (sliding){&s->inputs->slides_on[row], &s->inputs->slides_at[row]}; }
 
-/* Where a vertex may be at the end of a step, beside something that moves by itself: where its own velocity brings it, or where the surface
- * under it goes, if that is farther from there than a mean edge: what jumps takes it along. Were it always the surface, a bone that spins
- * about its own axis would drag along what slides on it: by 15 mm in a second at 2 rad/s. */
-static sn_vec3 place_ahead(const look *from, sn_index member, sn_index point, sn_vec3 at, sn_vec3 surface_moves) {
-    sn_vec3 moves = sn_scale(from->s->velocities[from->g->first[member] + point], from->h);
-    double apart = sn_distance(moves, surface_moves);
-    return sn_add(at, apart <= from->g->members[member]->mean_edge ? moves : surface_moves);
-}
-
 /* Where a vertex slides: on the nearest of its targets. Returns the signed distance to it; 0 where there is none. */
 static double find_slide(const look *from, const sn_externals *all, const sn_external_row *row, sn_index member, sliding seat,
                          sn_external_hold *hold) {
@@ -160,9 +150,8 @@ static double find_slide(const look *from, const sn_externals *all, const sn_ext
     hold->normal = normal;
     hold->slide = foot_of(from, on, &best, member);
     if (on->member != SN_NONE || from->g->one_way) return side;
-    sn_moving_shape before = shape_of(from, on), after = shape_after(from->s, on); /* it will look again from where it is then */
-    sn_vec3 surface_moves = sn_sub(sn_moving_point(&after, &best), sn_moving_point(&before, &best));
-    hold->slide.place = place_ahead(from, member, row->point, at, surface_moves);
+    sn_moving_shape before = shape_of(from, on), after = shape_after(from->s, on); /* the vertex is carried along, and will look again */
+    hold->slide.place = sn_add(at, sn_sub(sn_moving_point(&after, &best), sn_moving_point(&before, &best)));
     return side;
 }
 
@@ -237,9 +226,9 @@ static void find_member_ahead(const look *from, sn_index member) {
     }
 }
 
-void sn_externals_find(const sn_group *g, sn_group_state *s, double h) {
+void sn_externals_find(const sn_group *g, sn_group_state *s) {
     if (g->row_count == 0) return;
-    const look from = look_from(g, s, h);
+    const look from = look_from(g, s);
     fit_all(&from);
     for (sn_index i = 0; i < g->count; i++) find_member(&from, i);
     if (g->target_points == 0 || g->one_way) return;

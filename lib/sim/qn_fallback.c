@@ -82,7 +82,7 @@ static void restart(const sn_group *g, sn_group_state *s, sn_index member, doubl
     sn_point *wreck = sn_qn_of(s)->trial + g->first[member];
     size_t bytes = (size_t)m->point_count * sizeof *wreck;
     for (sn_index i = 0; i < g->point_count && g->row_count > 0; i++) s->previous[i] = sn_point_position(&s->points[i]);
-    sn_externals_find(g, s, h);
+    sn_externals_find(g, s);
     double wrecked = energy_at_rest(g, s, h);
     memcpy(wreck, muscle->points, bytes);
     sn_kinematics_carry(m, muscle, muscle->points);

@@ -100,7 +100,7 @@ static bone_way aim(const sn_group *g, sn_group_state *s, const sn_substep *subs
         sn_contacts_gather(g->members[i], s->members[i], substep);
         way.meets = way.meets || s->members[i]->inputs->near_count > 0;
     }
-    sn_externals_find(g, s, substep->h);
+    sn_externals_find(g, s);
     qn->abrupt = way.abrupt;
     return way;
 }
@@ -226,7 +226,7 @@ void sn_qn_resume(const sn_group *g, sn_group_state *s, const sn_substep *subste
     sn_qn *qn = sn_qn_of(s);
     bool changed;
     for (sn_index i = 0; i < g->count; i++) sn_contacts_gather(g->members[i], s->members[i], substep);
-    sn_externals_find(g, s, substep->h);
+    sn_externals_find(g, s);
     sn_qn_take_stiffness(g, s);
     qn->energy = sn_objective_evaluate(&(sn_objective){g, s, h}, s->points, qn->gradient); /* the residual needs it, iterations or not */
     if (qn->stopped != SN_STOP_ITERATIONS) return;

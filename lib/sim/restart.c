@@ -138,7 +138,7 @@ static void find_externals(const sn_group *g, sn_group_state *s) {
     sn_vec3 *previous = s->previous, *points = g->row_count > 0 && !inside ? SN_NEW(sn_vec3, g->point_count) : NULL;
     for (sn_index i = 0; points != NULL && i < g->point_count; i++) points[i] = sn_point_position(&s->points[i]);
     if (points != NULL) s->previous = points;
-    sn_externals_find(g, s, 0.0);
+    sn_externals_find(g, s);
     s->previous = previous;
     free(points);
 }

@@ -144,7 +144,7 @@ static void reset_externals(const sn_group *g, sn_group_state *s, const sn_scene
     sn_externals_keep(g, s);
     for (sn_index i = 0; i < g->point_count; i++) s->previous[i] = sn_point_position(&s->points[i]);
     sn_externals_reset(g, s);
-    sn_externals_find(g, s, 0.0);
+    sn_externals_find(g, s);
 }
 
 void sn_state_reset(const sn_model *model, sn_state *state) {

@@ -34,13 +34,13 @@ static sn_verdict start(const sn_group *g, sn_group_state *s, const sn_substep *
         sn_contacts_gather(m, s->members[i], substep);
         if (m->single) sn_single_enter(m, s->members[i]);
     }
-    sn_externals_find(g, s, substep->h);
+    sn_externals_find(g, s);
     return SN_STEP_HOLDS;
 }
 
 static void resume(const sn_group *g, sn_group_state *s, const sn_substep *substep) {
     for (sn_index i = 0; i < g->count; i++) sn_contacts_gather(g->members[i], s->members[i], substep);
-    sn_externals_find(g, s, substep->h);
+    sn_externals_find(g, s);
 }
 
 static void project_kind(const sn_model_muscle *m, sn_muscle_state *s, sn_row_kind kind, const sn_scheme_rules *rules, double h,

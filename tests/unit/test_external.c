@@ -524,11 +524,11 @@ static void targets_switch_where_one_is_much_nearer(void **state) {
     static const int is_high[] = {0, 0, 0, 1, 1, 1, 0};
     for (int i = 0; i < 7; i++) {
         s.state->groups[0].previous[v] = sn_v3(0.03, 0.0, 0.1 + over[i]);
-        sn_externals_find(&s.model->groups[0], &s.state->groups[0], 0.0);
+        sn_externals_find(&s.model->groups[0], &s.state->groups[0]);
         const sn_index *slides_on = &s.state->muscles[0].inputs->slides_on[r];
         const sn_external_target *on = &s.model->groups[0].targets[*slides_on];
         assert_int_equal(on->touched == scene.bone_count - 1, is_high[i]);
-        sn_externals_find(&s.model->groups[0], &s.state->groups[0], 0.0); /* asked again, as where a run goes on, it says the same */
+        sn_externals_find(&s.model->groups[0], &s.state->groups[0]); /* asked again, as where a run goes on, it says the same */
         assert_ptr_equal(&s.model->groups[0].targets[*slides_on], on);
     }
     finish(&s);
@@ -567,7 +567,7 @@ static void rigid_motion_costs_nothing(void **state) {
         g->previous[v] = sn_rigid_apply(by, sn_point_position(&g->points[v]));
         sn_put(&g->points[v], g->previous[v]);
     }
-    sn_externals_find(&s.model->groups[0], g, 0.0);
+    sn_externals_find(&s.model->groups[0], g);
     for (sn_index k = 0; k < 2; k++) assert_true(greatest_error(&s, k) * s.model->muscles[k].mean_edge < 1e-10);
     finish(&s);
 }
@@ -582,7 +582,7 @@ static void what_enters_a_neighbour_is_measured_and_named(void **state) {
     sn_group_state *points = &s.state->groups[0];
     sn_index pushed = g->muscles[0] == 0 ? 0 : 1; /* which member the fusiform is */
     for (sn_index v = 0; v < g->point_count; v++) points->previous[v] = sn_point_position(&points->points[v]);
-    sn_externals_find(g, points, 0.0);
+    sn_externals_find(g, points);
     sn_externals_measure(g, points);
     for (int k = 0; k < 2; k++) {
         const sn_statistics *at_rest = &s.state->muscles[k].statistics;
@@ -605,7 +605,7 @@ static double deepest_inside(simulation *s) {
     sn_group_state *points = &s->state->groups[0];
     double deepest = 0.0;
     for (sn_index v = 0; v < g->point_count; v++) points->previous[v] = sn_point_position(&points->points[v]);
-    sn_externals_find(g, points, 0.0);
+    sn_externals_find(g, points);
     for (sn_index k = 0; k < 2; k++) {
         const sn_model_muscle *m = &s->model->muscles[k];
         const sn_external_hold *holds = sn_external_holds_of(&s->state->muscles[k]);
