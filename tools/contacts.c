@@ -137,9 +137,7 @@ void contacts_log(const sn_model *model, const sn_statistics *s, const sn_plan_m
 
 static bool tied_by_corotated(const sn_model *model) {
     const sn_solver_settings *solver = &model->scene->solver;
-    bool tied = false;
-    for (sn_index i = 0; i < model->muscle_count; i++) tied = tied || sn_row_count(model, i, SN_ROWS_EXTERNAL) > 0;
-    return tied && solver->method == SN_SOLVER_QN && solver->preconditioner == SN_PRECONDITION_COROTATED;
+    return sn_model_tied(model) && solver->method == SN_SOLVER_QN && solver->preconditioner == SN_PRECONDITION_COROTATED;
 }
 
 /* Muscles in what they are tied to. */

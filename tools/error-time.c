@@ -160,6 +160,27 @@ static sn_status load_settings(job *j, sn_error *error) {
     return status;
 }
 
+/* Whether the setting asks for the corotated matrix. */
+static bool goes_corotated(job *j, const sn_setting *setting) {
+    sn_setting_apply(setting, &j->scene);
+    return j->scene.solver.method == SN_SOLVER_QN && j->scene.solver.preconditioner == SN_PRECONDITION_COROTATED;
+}
+
+/* Tied muscles go by the scalar matrix, whatever a setting asks for: the corotated one would be measured a second time as another. */
+static sn_status leave_out_corotated(job *j, sn_error *error) {
+    sn_index kept = 0, *count = &j->report.setting_count, given_count = *count;
+    for (sn_index i = 0; i < given_count; i++)
+        if (!goes_corotated(j, &j->settings[i])) j->settings[kept++] = j->settings[i];
+    *count = kept;
+    if (kept == 0)
+        return sn_fail(error, SN_ERROR_INPUT,
+                       "all settings ask for the corotated matrix, which muscles that are tied to each other do not go by");
+    if (given.settings != NULL && kept < given_count)
+        cli_warn(&j->c, "muscles that are tied to each other go by the scalar matrix: %d settings with the corotated one are left out",
+                 (int)(given_count - kept));
+    return SN_OK;
+}
+
 /* The names, and the masses that differences are weighted with: those of the reference's model. */
 static sn_status describe_scene(job *j, sn_error *error) {
     sn_error_time *r = &j->report;
@@ -180,6 +201,7 @@ static sn_status describe_scene(job *j, sn_error *error) {
         r->muscle_vertices[i] = model->muscles[i].vertex_count;
         if (r->muscle_names[i] == NULL) status = sn_fail_memory(error, "the report");
     }
+    if (status == SN_OK && sn_model_tied(model)) status = leave_out_corotated(j, error);
     r->scene_name = sn_strdup(j->scene.name);
     r->equilibrium = given.equilibrium;
     r->first_frame = j->scene.first_frame;
@@ -319,7 +341,11 @@ static sn_status add_motion_point(job *j, const repeated *r, sn_index setting, s
     const sn_track *track = &r->first.track;
     sn_index moments = track->moment_count;
     double scratch[1000];
-    sn_error_point p = {.setting = setting, .total = {NAN, NAN, NAN}, .solver = {NAN, NAN, NAN}, .cpu = NAN, .wall = NAN};
+    sn_error_point p = {.setting = setting,
+                        .total = {NAN, NAN, NAN, SN_NONE, SN_NONE},
+                        .solver = {NAN, NAN, NAN, SN_NONE, SN_NONE},
+                        .cpu = NAN,
+                        .wall = NAN};
     if (moments < j->request.moment_count) return add_point(j, &p, error); /* over time, or no longer finite */
     p.cpu = median_time(j, r, r->cpu, moments - 1, scratch);
     p.wall = median_time(j, r, r->wall, moments - 1, scratch);

@@ -33,9 +33,10 @@ void sn_track_free(sn_track *track);
 
 /* Over several moments together. NaN where a point of either run is not finite. */
 typedef struct sn_difference {
-    double worst; /* RMS of the worst muscle, each point weighted by its mass: the one that claims are made with */
-    double scene; /* RMS over the points of all muscles */
-    double most;  /* of any single point */
+    double worst;           /* RMS of the worst muscle, each point weighted by its mass: the one that claims are made with */
+    double scene;           /* RMS over the points of all muscles */
+    double most;            /* of any single point */
+    sn_index muscle, point; /* which one: a vertex of the muscle, or, from its vertices on, a sample inside; SN_NONE = all are alike */
 } sn_difference;
 /* a, b: (moment_count x yardstick's points); muscles (muscle_count, nullable): the RMS of each. */
 sn_difference sn_difference_between(const sn_yardstick *yardstick, sn_index moment_count, const sn_vec3 *a, const sn_vec3 *b,

@@ -433,6 +433,8 @@ void sn_trial_matrix_destroy(sn_trial_matrix *trial); /* NULL is fine */
 
 /* Rows of a kind that run; of the volume 1 or 0. */
 sn_index sn_row_count(const sn_model *model, sn_index muscle, sn_row_kind kind);
+/* Whether any muscle has rows of kind `external`: it is tied to others, or to what moves by itself. */
+bool sn_model_tied(const sn_model *model);
 /* The points of a row. Returns how many (sn_row_info); 0 for the volume, which has all vertices. */
 int sn_row_points(const sn_model *model, sn_index muscle, sn_row_kind kind, sn_index row, sn_index points[4]);
 /* |C| of every row of a kind now: errors (sn_row_count), in the units of sn_statistics; NaN: a hinge that has no angle (its guard). */

@@ -168,12 +168,24 @@ static void write_reference(const sn_reference *reference, sn_json *json) {
     sn_json_close(json);
 }
 
-static void write_point(const sn_error_point *p, sn_json *json) {
+/* Which point was farthest off. */
+static void write_farthest(const sn_error_time *report, const sn_difference *total, sn_json *json) {
+    if (total->muscle == SN_NONE) return;
+    sn_index vertices = report->muscle_vertices[total->muscle];
+    bool inside = total->point >= vertices;
+    sn_json_object(json, "farthest");
+    sn_json_text(json, "muscle", report->muscle_names[total->muscle]);
+    sn_json_integer(json, inside ? "sample" : "vertex", inside ? total->point - vertices : total->point);
+    sn_json_close(json);
+}
+
+static void write_point(const sn_error_time *report, const sn_error_point *p, sn_json *json) {
     sn_json_object_line(json, NULL);
     sn_json_integer(json, "held", p->held);
     sn_json_number(json, "error", p->total.worst);
     sn_json_number(json, "sceneError", p->total.scene);
     sn_json_number(json, "farthestError", p->total.most);
+    write_farthest(report, &p->total, json);
     sn_json_number(json, "solverError", p->solver.worst);
     sn_json_number(json, "cpuSeconds", p->cpu);
     sn_json_number(json, "wallSeconds", p->wall);
@@ -207,7 +219,7 @@ static void write_setting(const sn_error_time *report, sn_index i, sn_json *json
     if (s->muscle_errors != NULL) sn_json_numbers(json, "muscleErrors", s->muscle_errors, (size_t)report->muscle_count);
     sn_json_array(json, "points");
     for (sn_index k = 0; k < report->point_count; k++)
-        if (report->points[k].setting == i) write_point(&report->points[k], json);
+        if (report->points[k].setting == i) write_point(report, &report->points[k], json);
     sn_json_close(json);
     sn_json_close(json);
 }
@@ -312,7 +324,7 @@ static sn_status parse_point(const sn_json_value *value, sn_index setting, sn_er
         return sn_fail_memory(error, "the report");
     sn_error_point *p = &out->points[out->point_count++];
     sn_json_value held = sn_json_member(value, "held");
-    *p = (sn_error_point){.setting = setting, .solver = {NAN, NAN, NAN}};
+    *p = (sn_error_point){.setting = setting, .total = {.muscle = SN_NONE}, .solver = {NAN, NAN, NAN, SN_NONE, SN_NONE}};
     sn_status status = sn_json_get_index(&held, 0, SN_INDEX_MAX, &p->held, error);
     if (status == SN_OK) status = parse_number(value, "error", &p->total.worst, error);
     if (status == SN_OK) status = parse_number(value, "sceneError", &p->total.scene, error);

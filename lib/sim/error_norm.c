@@ -40,14 +40,14 @@ void sn_track_free(sn_track *track) {
     *track = (sn_track){0};
 }
 
-/* Sums of mass and of mass times squared distance over L; *most grows. */
+/* Sums of mass and of mass times squared distance over L; the greatest square and the muscle's point that has it. */
 typedef struct sums {
-    double mass, square;
+    double mass, square, most;
+    sn_index point;
 } sums;
 
-static sums add_up(const sn_yardstick *yardstick, sn_index muscle, sn_index moment_count, const sn_vec3 *a, const sn_vec3 *b,
-                   double *most) {
-    sums sum = {0};
+static sums add_up(const sn_yardstick *yardstick, sn_index muscle, sn_index moment_count, const sn_vec3 *a, const sn_vec3 *b) {
+    sums sum = {.point = SN_NONE};
     double scale = 1.0 / (yardstick->diagonal[muscle] * yardstick->diagonal[muscle]);
     for (sn_index moment = 0; moment < moment_count; moment++) {
         size_t at = (size_t)moment * (size_t)yardstick->point_count;
@@ -56,7 +56,9 @@ static sums add_up(const sn_yardstick *yardstick, sn_index muscle, sn_index mome
             double square = scale * sn_norm2(sn_sub(a[at + (size_t)i], b[at + (size_t)i]));
             sum.mass += yardstick->mass[i];
             sum.square += yardstick->mass[i] * square;
-            if (!(square <= *most) && !isnan(*most)) *most = square; /* NaN stays */
+            if (square <= sum.most || isnan(sum.most)) continue; /* NaN stays */
+            sum.most = square;
+            sum.point = i - yardstick->start[muscle];
         }
     }
     return sum;
@@ -66,14 +68,16 @@ static double root_mean(sums sum) { return sum.mass > 0.0 ? sqrt(sum.square / su
 
 sn_difference sn_difference_between(const sn_yardstick *yardstick, sn_index moment_count, const sn_vec3 *a, const sn_vec3 *b,
                                     double *muscles) {
-    sn_difference difference = {0};
+    sn_difference difference = {.muscle = SN_NONE, .point = SN_NONE};
     sums all = {0};
     for (sn_index i = 0; i < yardstick->muscle_count; i++) {
-        double most = 0.0;
-        sums sum = add_up(yardstick, i, moment_count, a, b, &most);
-        double rms = root_mean(sum);
+        sums sum = add_up(yardstick, i, moment_count, a, b);
+        double rms = root_mean(sum), most = sqrt(sum.most);
         if (!(rms <= difference.worst)) difference.worst = isnan(difference.worst) ? NAN : rms;
-        if (!(sqrt(most) <= difference.most)) difference.most = isnan(difference.most) ? NAN : sqrt(most);
+        if (!(most <= difference.most) && !isnan(difference.most)) {
+            difference.most = most;
+            difference.muscle = i, difference.point = sum.point;
+        }
         if (muscles != NULL) muscles[i] = rms;
         all.mass += sum.mass;
         all.square += sum.square;

@@ -7,6 +7,12 @@ sn_index sn_row_count(const sn_model *model, sn_index muscle, sn_row_kind kind) 
     return sn_row_ops_of(kind)->count(&model->muscles[muscle], kind);
 }
 
+bool sn_model_tied(const sn_model *model) {
+    bool tied = false;
+    for (sn_index i = 0; i < model->muscle_count; i++) tied = tied || sn_row_count(model, i, SN_ROWS_EXTERNAL) > 0;
+    return tied;
+}
+
 int sn_row_points(const sn_model *model, sn_index muscle, sn_row_kind kind, sn_index row, sn_index points[4]) {
     const sn_row_ops *ops = sn_row_ops_of(kind);
     int count = ops->info.points;

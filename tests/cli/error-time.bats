@@ -293,3 +293,34 @@ on, off = last("on.pc2"), last("off.pc2")
 assert max(abs(a - b) for a, b in zip(on, off)) > 0.003
 END
 }
+
+@test "tied muscles: the corotated matrix is no setting of its own, and the farthest point is named" {
+    python3 -c 'import json
+s = json.load(open("tip/two.scene.json"))
+d = json.load(open("tip/fusiform.muscle.json"))
+y = d["mesh"]["vertices"][1::3]
+width = max(y) - min(y)
+d["mesh"]["vertices"][1::3] = [v + 0.98 * width for v in y]
+json.dump(d, open("tip/beside.muscle.json", "w"))
+s["muscles"][1]["rig"] = "beside.muscle.json"
+s["externals"] = True
+json.dump(s, open("tip/tied.scene.json", "w"))'
+    attach-detect -q tip/fusiform.muscle.json --glue right=tip/beside.muscle.json --reach 6mm -o tip/left.muscle.json
+    mv tip/left.muscle.json tip/fusiform.muscle.json
+    [ "$(simulate -q tip/tied.scene.json --plan | python3 -c 'import json, sys; print(len(json.load(sys.stdin)["plan"]["coupled"]))')" = 1 ]
+    printf 'qn iterations=4\nqn preconditioner=corotated\n' > tied.txt
+    error-time tip/tied.scene.json --settings tied.txt --runs 1 --reference 4 -o tied 2> said
+    grep -q "warning: .*1 settings with the corotated one are left out" said
+    [ "$(tail -n +2 tied/error-time.tsv | cut -f1)" = "qn iterations=4" ]
+    python3 -c 'import json
+point, = json.load(open("tied/error-time.json"))["settings"][0]["points"]
+assert point["farthest"]["muscle"] in ("left", "right") and point["farthest"]["vertex"] >= 0, point'
+    echo 'qn preconditioner=corotated' > corotated.txt
+    run -1 error-time tip/tied.scene.json --settings corotated.txt --runs 1 --reference 4
+    [[ "$output" == *"all settings ask for the corotated matrix"* ]]
+    # the same muscles without ties: both settings are measured
+    python3 -c 'import json
+s = json.load(open("tip/tied.scene.json")); s["externals"] = False; json.dump(s, open("tip/apart.scene.json", "w"))'
+    error-time -q tip/apart.scene.json --settings tied.txt --runs 1 --reference 4 -o apart
+    [ "$(tail -n +2 apart/error-time.tsv | wc -l)" -eq 2 ]
+}

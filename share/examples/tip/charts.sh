@@ -54,7 +54,13 @@ END
 tied_leg() { # CASE MOTION
     "$here/../dog/$1.sh" "$bin" "$data/dog-dmcontrol" "$out/$1.scene" 2> "$out/$1.said"
     "$here/../dog/tie.sh" "$bin" "$out/$1.scene" "$2" 2>> "$out/$1.said"
-    measure "$1" "$out/$1.scene/tied.scene.json" "twelve muscles of a dog's ${1%-leg} leg, tied to each other" --frames 0:40 --reference 8 --most-seconds 30
+    printf 'qn iterations=%d\n' 3 5 10 20 40 > "$out/$1.settings"
+    printf 'qn substeps=2 iterations=%d\n' 5 10 20 >> "$out/$1.settings"
+    printf 'qn substeps=4 iterations=%d\n' 5 10 >> "$out/$1.settings"
+    printf 'qn iterations=%d preconditioner=two-level\n' 3 5 10 20 >> "$out/$1.settings"
+    printf 'xpbd substeps=%d iterations=%d\n' 1 16 4 4 16 1 16 4 64 1 256 1 >> "$out/$1.settings"
+    measure "$1" "$out/$1.scene/tied.scene.json" "twelve muscles of a dog's ${1%-leg} leg, tied to each other" \
+        --settings "$out/$1.settings" --frames 0:40 --reference 8 --most-seconds 30
 }
 
 for case in "$@"; do
