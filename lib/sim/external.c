@@ -228,7 +228,8 @@ static size_t row_bytes(const sn_model_muscle *m) {
 static size_t own_bytes(const sn_model_muscle *m, sn_row_kind kind) {
     const sn_externals *all = m->own[kind];
     if (all == NULL) return 0;
-    return sizeof *all + (size_t)m->external_count * sizeof *all->rows + (size_t)all->candidate_count * sizeof *all->candidates;
+    return sizeof *all + (size_t)m->external_count * sizeof *all->rows +
+           (size_t)all->candidate_count * (sizeof *all->candidates + sizeof *all->rest_sides);
 }
 
 static void destroy(sn_model_muscle *m, sn_row_kind kind) {
@@ -236,6 +237,7 @@ static void destroy(sn_model_muscle *m, sn_row_kind kind) {
     if (all == NULL) return;
     free(all->rows);
     free(all->candidates);
+    free(all->rest_sides);
     free(all);
     m->own[kind] = NULL;
 }

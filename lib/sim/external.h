@@ -3,9 +3,10 @@
  * a driven mesh.   [R18] 4.3, bodies.md 3, methods.md 8.5
  *
  * Slide: C = n.(x - q) - d0, q the nearest point of all of the vertex's targets where the step begins, n the unit gradient of the signed
- * distance there, both frozen for the step. Soft: C = |x - q0| - |d0|, q0 the point of the target that it was bound to. Hard: C = x - t, t
- * at its place in the tangent frame of that point. Minimum: the slide's n.(x - q) >= least, with what the
- * slide's weight leaves of 1: what slides alone keeps its distance anyway. Muscles that touch each other so are a group.
+ * distance there, both frozen for the step. A target that it was outside of at rest and has entered comes before all that are nearer. Soft:
+ * C = |x - q0| - |d0|, q0 the point of the target that it was bound to. Hard: C = x - t, t at its place in the tangent frame of that point.
+ * Minimum: the slide's n.(x - q) >= least, with what the slide's weight leaves of 1: what slides alone keeps its distance anyway. Muscles
+ * that touch each other so are a group.
  *
  * Rows belong to the muscle of the vertex. Their points are numbered from its own first one: those of other members are below 0, or beyond
  * its last. A row between two muscles is as stiff as the softer of them makes it. With the k of its own, one that is a million times as
@@ -27,6 +28,7 @@ typedef struct sn_external_target {
     sn_index touched;     /* else: a bone or a surface, as sn_scene_touched_name counts them */
     sn_moving moving;     /* of its triangles; of a surface: of those near to the group */
     sn_index *vertices;   /* (moving.vertex_count) by itself: of the scene's mesh; NULL of a member */
+    bool closed;          /* it has no rim: one is in it or out of it */
     sn_index first_point; /* by itself: of the group's target points */
     sn_index first_box;   /* of the group's target boxes */
 } sn_external_target;
@@ -48,6 +50,7 @@ typedef struct sn_external_row {
 typedef struct sn_externals {
     sn_external_row *rows; /* (m->external_count) by point */
     sn_index *candidates;  /* targets of the group */
+    double *rest_sides;    /* (candidate_count) signed distance of the vertex to that target at rest, m */
     sn_index candidate_count;
     double factor; /* stiffness over that of the muscle's edges */
 } sn_externals;

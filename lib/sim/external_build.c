@@ -218,6 +218,12 @@ static sn_index triangles_of(const work *w, const sn_external_target *t) {
                                           : scene->surfaces[t->touched - scene->bone_count].envelope.mesh.triangle_count;
 }
 
+static bool is_closed(const sn_moving *moving) {
+    bool closed = true;
+    for (sn_index i = 0; i < moving->vertex_count && closed; i++) closed = !moving->rim[i];
+    return closed;
+}
+
 static bool place_triangles(const work *w, const sn_external_target *t, place_list *out) {
     *out = (place_list){triangles_of(w, t), SN_NEW(sn_index, triangles_of(w, t))};
     if (out->of == NULL) return false;
@@ -251,6 +257,7 @@ static sn_status take_target(work *w, const aim *at, sn_index *number, sn_error 
     *t = (sn_external_target){.member = member, .touched = at->touched};
     w->places[g->target_count++] = (place_list){0};
     sn_status status = member != SN_NONE ? make_member_target(w, t, error) : make_own_target(w, t, error);
+    t->closed = status == SN_OK && is_closed(&t->moving);
     if (status == SN_OK) status = add_boxes(w, t, error);
     if (status == SN_OK && !place_triangles(w, t, &w->places[*number])) status = sn_fail_memory(error, "external constraints");
     return status;
@@ -330,19 +337,19 @@ void sn_external_frame(const sn_moving_shape *shape, sn_index triangle, sn_vec3 
     axes[1] = sn_cross(axes[2], axes[0]);
 }
 
-/* The distance to the nearest of all its targets at rest. */
-static double nearest_distance(const work *w, const sn_externals *all, const sn_external_row *row, sn_vec3 at) {
+/* The distance to the nearest of all its targets at rest; to each of them into all->rest_sides. */
+static double nearest_distance(const work *w, sn_externals *all, const sn_external_row *row, sn_vec3 at) {
     double best = INFINITY;
     for (sn_index c = row->begin; c < row->end; c++) {
         sn_moving_shape shape = rest_shape(w, target_of(w, all->candidates[c]));
         sn_closest foot = sn_moving_closest(&shape, row->triangle, at);
-        double side = sn_moving_side(&shape, &foot, at, NULL);
+        double side = all->rest_sides[c] = sn_moving_side(&shape, &foot, at, NULL);
         if (fabs(side) < fabs(best)) best = side;
     }
     return best;
 }
 
-static void bind_row(const work *w, const sn_model_muscle *m, const sn_externals *all, const found *f, sn_external_row *row) {
+static void bind_row(const work *w, const sn_model_muscle *m, sn_externals *all, const found *f, sn_external_row *row) {
     sn_moving_shape shape = rest_shape(w, target_of(w, f->target));
     sn_closest at = {.triangle = w->places[f->target].of[f->triangle],
                      .barycentric = {f->barycentric[0], f->barycentric[1], f->barycentric[2]}};
@@ -365,7 +372,8 @@ static sn_status make_rows(const work *w, sn_model_muscle *m, sn_error *error) {
     all->factor = w->model->scene->externals.stiffness;
     all->rows = SN_NEW(sn_external_row, w->found_count);
     all->candidates = SN_NEW(sn_index, w->found_count);
-    if (all->rows == NULL || all->candidates == NULL) return sn_fail_memory(error, "external constraints");
+    all->rest_sides = SN_NEW(double, w->found_count);
+    if (all->rows == NULL || all->candidates == NULL || all->rest_sides == NULL) return sn_fail_memory(error, "external constraints");
     for (sn_index i = 0; i < w->found_count;) {
         sn_index first = i, vertex = w->found[i].vertex;
         sn_external_row *row = &all->rows[m->external_count++];

@@ -62,7 +62,7 @@ bool sn_externals_moved(const sn_group *g, const sn_group_state *s) {
 typedef struct look {
     const sn_group *g;
     const sn_group_state *s;
-    const sn_vec3 *points;  /* of the group */
+    sn_vec3 *points;        /* of the group */
     const sn_vec3 *targets; /* of those that move by themselves */
     double much_nearer;
 } look;
@@ -128,31 +128,65 @@ typedef struct sliding {
 
 static sliding seat_of(const sn_muscle_state *s, sn_index row) { return (sliding){&s->inputs->slides_on[row], &s->inputs->slides_at[row]}; }
 
-/* Where a vertex slides: on the nearest of its targets. Returns the signed distance to it; 0 where there is none. */
-static double find_slide(const look *from, const sn_externals *all, const sn_external_row *row, sn_index member, sliding seat,
+/* No turns around a vertex: it is outside of that member, to the last digits. O(triangles). */
+static const double NO_TURN = 1e-3;
+
+static bool is_outside(const look *from, sn_index target, sn_vec3 at) {
+    const sn_external_target *t = &from->g->targets[target];
+    if (t->member == SN_NONE) return false;
+    const sn_model_muscle *m = from->g->members[t->member];
+    sn_mesh mesh = {.vertex_count = m->vertex_count,
+                    .triangle_count = m->triangle_count,
+                    .positions = from->points + from->g->first[t->member],
+                    .triangles = m->triangles};
+    return fabs(sn_winding_number(&mesh, at)) < NO_TURN;
+}
+
+/* Is a vertex within a target that it was outside of at rest? The nearest point tells the side of a surface that does not cross itself.
+ * Where a muscle has folded over, a vertex outside may see the back of a fold; no turns around it tell so. */
+static bool has_entered(const look *from, const sn_externals *all, sn_index candidate, double side, sn_vec3 at) {
+    const sn_external_target *t = &from->g->targets[all->candidates[candidate]];
+    if (from->g->one_way || !t->closed || !(side < 0.0) || all->rest_sides[candidate] < 0.0) return false;
+    return !is_outside(from, all->candidates[candidate], at);
+}
+
+/* What a vertex may slide on. */
+typedef struct choice {
+    sn_index candidate; /* of its muscle's; SN_NONE = none yet */
+    sn_closest foot;
+    double side;     /* signed distance */
+    double nearness; /* the one with the least is taken: the distance; of one that was entered, less than 0, by how deep */
+    sn_vec3 normal;
+} choice;
+
+static choice look_at(const look *from, const sn_externals *all, const sn_external_row *row, sn_index candidate, sliding seat, sn_vec3 at) {
+    sn_moving_shape shape = shape_of(from, &from->g->targets[all->candidates[candidate]]);
+    bool known = *seat.on == all->candidates[candidate];
+    choice c = {.candidate = candidate, .foot = sn_moving_closest(&shape, known ? *seat.at : row->triangle, at)};
+    c.side = sn_moving_side(&shape, &c.foot, at, &c.normal);
+    c.nearness = known ? c.foot.distance / from->much_nearer : c.foot.distance;
+    if (has_entered(from, all, candidate, c.side, at)) c.nearness = known ? c.side * from->much_nearer : c.side;
+    return c;
+}
+
+/* Where a vertex slides: on the nearest of its targets, or out of one that it has entered. */
+static choice find_slide(const look *from, const sn_externals *all, const sn_external_row *row, sn_index member, sliding seat,
                          sn_external_hold *hold) {
-    sn_vec3 at = from->points[from->g->first[member] + row->point], normal = {0, 0, 0};
-    sn_closest best = {.triangle = SN_NONE};
-    double least = INFINITY, side = 0.0;
-    const sn_external_target *on = NULL;
+    sn_vec3 at = from->points[from->g->first[member] + row->point];
+    choice best = {.candidate = SN_NONE, .nearness = INFINITY};
     for (sn_index c = row->begin; c < row->end; c++) {
-        const sn_external_target *t = &from->g->targets[all->candidates[c]];
-        sn_moving_shape shape = shape_of(from, t);
-        bool known = *seat.on == all->candidates[c];
-        sn_closest foot = sn_moving_closest(&shape, known ? *seat.at : row->triangle, at);
-        double distance = known ? foot.distance / from->much_nearer : foot.distance;
-        if (!(distance < least)) continue;
-        best = foot, on = t, least = distance;
-        side = sn_moving_side(&shape, &foot, at, &normal);
+        choice next = look_at(from, all, row, c, seat, at);
+        if (next.nearness < best.nearness) best = next;
     }
-    if (on == NULL) return 0.0;
-    *seat.on = (sn_index)(on - from->g->targets), *seat.at = best.triangle;
-    hold->normal = normal;
-    hold->slide = foot_of(from, on, &best, member);
-    if (on->member != SN_NONE || from->g->one_way) return side;
+    if (best.candidate == SN_NONE) return best;
+    const sn_external_target *on = &from->g->targets[all->candidates[best.candidate]];
+    *seat.on = all->candidates[best.candidate], *seat.at = best.foot.triangle;
+    hold->normal = best.normal;
+    hold->slide = foot_of(from, on, &best.foot, member);
+    if (on->member != SN_NONE || from->g->one_way) return best;
     sn_moving_shape before = shape_of(from, on), after = shape_after(from->s, on); /* the vertex is carried along, and will look again */
-    hold->slide.place = sn_add(at, sn_sub(sn_moving_point(&after, &best), sn_moving_point(&before, &best)));
-    return side;
+    hold->slide.place = sn_add(at, sn_sub(sn_moving_point(&after, &best.foot), sn_moving_point(&before, &best.foot)));
+    return best;
 }
 
 /* Where it slides at the end of the step, beside what moves by itself, in the boxes of that moment; `place` says where the vertex is then.
@@ -276,28 +310,15 @@ static bool is_finite(const sn_group *g, const sn_group_state *s) {
     return true;
 }
 
-/* The nearest point tells the side of a surface that does not cross itself. Where a muscle has folded over, a vertex outside may see the
- * back of a fold; no turns around it tell so, of a closed surface to the last digits. O(triangles). */
-static const double NO_TURN = 1e-3;
-
-static bool is_outside(const look *from, sn_index target, sn_vec3 at) {
-    const sn_external_target *t = &from->g->targets[target];
-    if (t->member == SN_NONE) return false;
-    const sn_model_muscle *m = from->g->members[t->member];
-    sn_mesh mesh = {.vertex_count = m->vertex_count,
-                    .triangle_count = m->triangle_count,
-                    .positions = from->s->here + from->g->first[t->member],
-                    .triangles = m->triangles};
-    return fabs(sn_winding_number(&mesh, at)) < NO_TURN;
-}
-
 static void measure_row(const look *from, sn_index member, sn_index r, sn_statistics *out) {
     const sn_model_muscle *m = from->g->members[member];
     const sn_externals *all = sn_externals_of(m);
     const sn_external_row *row = &all->rows[r];
     sn_index on = *seat_of(from->s->members[member], r).on, at = *seat_of(from->s->members[member], r).at; /* as they are */
     sn_external_hold hold = {.normal = {0, 0, 0}};
-    double depth = fmin(0.0, row->distance) - find_slide(from, all, row, member, (sliding){&on, &at}, &hold);
+    choice found = find_slide(from, all, row, member, (sliding){&on, &at}, &hold);
+    if (found.candidate == SN_NONE) return;
+    double depth = fmin(0.0, all->rest_sides[found.candidate]) - found.side;
     if (!(sn_norm2(hold.normal) > 0.0) || !(depth > out->entered) || !(depth > DEPTH_NOISE * m->diagonal)) return;
     if (is_outside(from, on, from->points[from->g->first[member] + row->point])) return;
     out->entered = depth;

@@ -534,6 +534,29 @@ static void targets_switch_where_one_is_much_nearer(void **state) {
     finish(&s);
 }
 
+/* What a vertex was outside of at rest, and is within now, comes before a target that it slides on and that is nearer. */
+static void what_was_entered_comes_before_what_is_near(void **state) {
+    (void)state;
+    sn_scene scene;
+    make_beside_two(&scene);
+    simulation s = start(&scene);
+    sn_index r = row_of_two(&s), v = sn_externals_of(&s.model->muscles[0])->rows[r].point;
+    static const double at[][2] = {
+        {0.03, 0.094}, {0.036, 0.1039}, {0.030, 0.094}}; /* beside the low one; 4 mm in the high one, 3.9 mm off the low one */
+    static const int is_high[] = {0, 1, 0};
+    for (int i = 0; i < 3; i++) {
+        s.state->groups[0].previous[v] = sn_v3(at[i][0], 0.0, at[i][1]);
+        sn_externals_find(&s.model->groups[0], &s.state->groups[0]);
+        const sn_external_target *on = &s.model->groups[0].targets[s.state->muscles[0].inputs->slides_on[r]];
+        assert_int_equal(on->touched == scene.bone_count - 1, is_high[i]);
+    }
+    sn_put(&s.state->muscles[0].points[v], sn_v3(0.036, 0.0, 0.1039));
+    sn_externals_measure(&s.model->groups[0], &s.state->groups[0]);
+    assert_float_equal(s.state->muscles[0].statistics.entered, 0.0039, 1e-9); /* out by its end, which is the nearest */
+    assert_int_equal(s.state->muscles[0].statistics.entered_vertex, v);
+    finish(&s);
+}
+
 /* The plate turns and moves: what hangs on it by hard constraints alone goes along, to what its inertia allows. */
 static void what_is_hard_goes_along_with_a_bone(void **state) {
     (void)state;
@@ -710,6 +733,7 @@ int main(void) {
         cmocka_unit_test(what_slides_on_a_ball_does_not_feel_it_spin),
         cmocka_unit_test(past_the_border_of_a_target_the_rim_is_nearest),
         cmocka_unit_test(targets_switch_where_one_is_much_nearer),
+        cmocka_unit_test(what_was_entered_comes_before_what_is_near),
         cmocka_unit_test(what_is_hard_goes_along_with_a_bone),
         cmocka_unit_test(rigid_motion_costs_nothing),
         cmocka_unit_test(what_enters_a_neighbour_is_measured_and_named),
