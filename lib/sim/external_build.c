@@ -151,9 +151,14 @@ static sn_status lend_mesh(const sn_scene *scene, sn_index touched, sn_mesh *out
     return SN_OK;
 }
 
-/* Of a surface, what is near to the group: within the box of each member and a quarter of its diagonal around it. Of a bone all: muscles go
- * along it as far as others take them, and where it ended they would slide on its rim. */
+/* Of an envelope, which goes along with the muscles' bones, what is near to the group: within the box of each member and a quarter of its
+ * diagonal around it. Of a bone, and of a surface that goes as its own frames say, all: muscles go along it as far as others take them, and
+ * where it ended they would slide on its rim. */
 static const double ROOM = 0.25;
+
+static bool is_whole(const sn_scene *scene, sn_index touched) {
+    return touched < scene->bone_count || scene->surfaces[touched - scene->bone_count].kind == SN_SURFACE_DRIVEN;
+}
 
 static sn_status keep_near(const work *w, const sn_mesh *mesh, const sn_moving *whole, sn_external_target *t, sn_error *error) {
     sn_box *boxes = SN_NEW(sn_box, sn_moving_box_count(whole));
@@ -163,7 +168,7 @@ static sn_status keep_near(const work *w, const sn_mesh *mesh, const sn_moving *
         status = sn_fail_memory(error, "external constraints");
         goto cleanup;
     }
-    if (t->touched < w->model->scene->bone_count)
+    if (is_whole(w->model->scene, t->touched))
         for (sn_index i = 0; i < whole->triangle_count; i++) any = keep[i] = true;
     sn_moving_fit(whole, mesh->positions, boxes);
     for (sn_index i = 0; i < w->g->count && !any; i++) {

@@ -2,7 +2,7 @@
 # Twelve muscles of a dog's hind leg and of its fore leg, tied to each other: share/examples/dog/hind-leg.sh and fore-leg.sh, and what faces each
 # other within 6 mm, two targets a vertex, on two joints that bend by 25 and 30 degrees in a second and hold for half of one, at 60 frames a
 # second. Prints of each leg rows, then for each setting ms a frame, and the greatest distance of each muscle in any frame from the converged solve of the same
-# steps, over the muscle's size: median and worst of the muscles; all of that without contact; and the elastic energy at the end with contact of the
+# steps, over the muscle's size: median and worst of the muscles; all of that without contact; how far what slides is from what it slides on; and the elastic energy at the end with contact of the
 # bones, beside that of the converged solve. Usage: BIN=... DATA=... tests/bench/coupled.sh [OUT]
 set -eu
 export LC_ALL=C
@@ -24,7 +24,7 @@ make_leg() { # LEG MOTION
 make_leg hind hip
 make_leg fore shoulder
 
-/usr/bin/python3 - "$bin" <<'END'
+/usr/bin/python3 - "$bin" "$here/tests/slide-distances.py" <<'END'
 import json, math, os, shutil, statistics, struct, subprocess, sys
 
 simulate = sys.argv[1] + "/simulate"
@@ -73,6 +73,8 @@ def measure():
         off = {m: distance("now/" + m, "converged/" + m) for m in sorted(os.listdir("converged"))}
         worst = max(off, key=off.get)
         print("%-34s%8.1f%10.1e%10.1e  %s" % (name, milliseconds, statistics.median(off.values()), off[worst], worst[:-4]))
+    run("now", [])
+    subprocess.run([sys.executable, sys.argv[2], "tied", "now"], check=True)
     run("touching", ["--contact"] + converged)
     least = energy("touching")
     run("now", ["--contact"])

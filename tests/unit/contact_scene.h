@@ -89,6 +89,30 @@ static inline sn_mesh *add_solid(sn_scene *scene, const char *name, sn_pose_key 
     return &bone->mesh;
 }
 
+static inline sn_scene_surface *add_surface(sn_scene *scene, sn_scene_surface_kind what) {
+    scene->surfaces = sn_realloc(scene->surfaces, (size_t)scene->surface_count + 1, sizeof *scene->surfaces);
+    sn_scene_surface *s = &scene->surfaces[scene->surface_count++];
+    *s = (sn_scene_surface){.name = sn_strdup("skin"), .uri = sn_strdup("memory"), .kind = what, .loaded = true, .solid = true};
+    return s;
+}
+
+typedef sn_vec3 path_of(sn_vec3 rest, double time);
+
+/* A host's frames: samples in `seconds`, each vertex where `move` has it. */
+static inline void drive(sn_scene_surface *s, sn_index samples, double seconds, path_of *move) {
+    const sn_mesh *mesh = &s->envelope.mesh;
+    s->track = (sn_vertex_track){samples, mesh->vertex_count, SN_NEW(double, samples),
+                                 SN_NEW(float, 3 * (size_t)samples * (size_t)mesh->vertex_count)};
+    for (sn_index i = 0; i < samples; i++) {
+        s->track.times[i] = seconds * i / (samples - 1);
+        for (sn_index v = 0; v < mesh->vertex_count; v++) {
+            float *p = s->track.positions + 3 * (i * mesh->vertex_count + v);
+            sn_vec3 at = move(mesh->positions[v], s->track.times[i]);
+            p[0] = (float)at.x, p[1] = (float)at.y, p[2] = (float)at.z;
+        }
+    }
+}
+
 static inline sn_rigid shifted(sn_vec3 by) { return (sn_rigid){sn_quat_identity(), by}; }
 
 /* From rest to `by` between two times, s. */

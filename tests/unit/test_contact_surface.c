@@ -19,13 +19,6 @@ static void make_soft(sn_scene *scene, sn_solver_method method) {
     scene->muscles[0].stiffness_relaxed = scene->muscles[0].stiffness_active = 500.0;
 }
 
-static sn_scene_surface *add_surface(sn_scene *scene, sn_scene_surface_kind what) {
-    scene->surfaces = sn_realloc(scene->surfaces, (size_t)scene->surface_count + 1, sizeof *scene->surfaces);
-    sn_scene_surface *s = &scene->surfaces[scene->surface_count++];
-    *s = (sn_scene_surface){.name = sn_strdup("skin"), .uri = sn_strdup("memory"), .kind = what, .loaded = true, .solid = true};
-    return s;
-}
-
 /* All of it goes with one joint. */
 static void bind_to_joint(sn_scene_surface *s, sn_index joint) {
     sn_envelope *e = &s->envelope;
@@ -36,23 +29,6 @@ static void bind_to_joint(sn_scene_surface *s, sn_index joint) {
     for (sn_index v = 0; v < e->mesh.vertex_count; v++) e->influences[v] = (sn_influence){.count = 1, .bones = {0}, .weights = {1.0}};
     s->joints = SN_NEW(sn_index, 1);
     s->joints[0] = joint;
-}
-
-typedef sn_vec3 moved(sn_vec3 rest, double time);
-
-/* A host's frames: samples in `seconds`, each vertex where `move` has it. */
-static void drive(sn_scene_surface *s, sn_index samples, double seconds, moved *move) {
-    const sn_mesh *mesh = &s->envelope.mesh;
-    s->track = (sn_vertex_track){samples, mesh->vertex_count, SN_NEW(double, samples),
-                                 SN_NEW(float, 3 * (size_t)samples * (size_t)mesh->vertex_count)};
-    for (sn_index i = 0; i < samples; i++) {
-        s->track.times[i] = seconds * i / (samples - 1);
-        for (sn_index v = 0; v < mesh->vertex_count; v++) {
-            float *p = s->track.positions + 3 * (i * mesh->vertex_count + v);
-            sn_vec3 at = move(mesh->positions[v], s->track.times[i]);
-            p[0] = (float)at.x, p[1] = (float)at.y, p[2] = (float)at.z;
-        }
-    }
 }
 
 static sn_vec3 pressing(sn_vec3 p, double time) { return sn_v3(p.x - (DEPTH + AWAY) * fmin(time / SECONDS, 1.0), p.y, p.z); }
@@ -186,7 +162,7 @@ static sn_vec3 swelling(sn_vec3 p, double time) { return sn_add_scaled(HEART, sn
 static sn_vec3 jumping(sn_vec3 p, double time) { return sn_v3(p.x - 0.1 * fmin(fmax(24.0 * time - 3.0, 0.0), 1.0), p.y, p.z); }
 static sn_vec3 collapsing(sn_vec3 p, double time) { return time > 0.2 ? HEART : p; }
 
-static void make_ball(sn_scene *scene, sn_solver_method method, double radius, moved *move) {
+static void make_ball(sn_scene *scene, sn_solver_method method, double radius, path_of *move) {
     capsule ball = {{HEART, HEART}, radius};
     make_soft(scene, method);
     sn_scene_surface *s = add_surface(scene, SN_SURFACE_DRIVEN);

@@ -488,6 +488,38 @@ static void past_the_border_of_a_target_the_rim_is_nearest(void **state) {
     }
 }
 
+static sn_vec3 going_by(sn_vec3 p, double time) { return sn_v3(p.x, p.y, p.z - 0.6 * time); }
+
+/* A driven sheet beside the muscle, 1.2 m long, in squares of 0.05 m, goes by under it: far from where it was at rest there is still sheet.
+ */
+static void a_driven_sheet_that_goes_by_has_no_end_where_it_was_near_at_rest(void **state) {
+    (void)state;
+    enum { ACROSS = 9, ALONG = 25 };
+    sn_scene scene;
+    make_free(&scene, SN_SOLVER_QN);
+    scene.last_frame = 24;
+    sn_scene_surface *s = add_surface(&scene, SN_SURFACE_DRIVEN);
+    sn_mesh *sheet = &s->envelope.mesh;
+    assert_int_equal(sn_mesh_alloc(sheet, ACROSS * ALONG, 2 * (ACROSS - 1) * (ALONG - 1), NULL), SN_OK);
+    for (sn_index v = 0; v < ACROSS * ALONG; v++) sheet->positions[v] = sn_v3(0.032, 0.05 * (v % ACROSS) - 0.2, 0.05 * (v / ACROSS) - 0.3);
+    for (sn_index i = 0, t = 0; t < sheet->triangle_count; i++) {
+        if (i % ACROSS == ACROSS - 1) continue;
+        sheet->triangles[t++] = (sn_triangle){{i, i + ACROSS, i + 1}};
+        sheet->triangles[t++] = (sn_triangle){{i + 1, i + ACROSS, i + ACROSS + 1}};
+    }
+    drive(s, 25, 1.0, going_by);
+    const sn_neighbour target = {s->name, sheet, false};
+    tie(&scene.muscles[0], 1, &target, SLIDE);
+    scene.externals.enabled = true;
+    simulation sim = start(&scene);
+    const sn_model_muscle *m = &sim.model->muscles[0];
+    assert_true(m->external_count > 4);
+    step_frames(&sim, 24, NULL);
+    for (sn_index v = 0; v < m->point_count; v++)
+        assert_true(sn_distance(sn_point_position(&sim.state->muscles[0].points[v]), m->rest[v]) < 1e-6);
+    finish(&sim);
+}
+
 /* Two plates that go on from each other at z = 0.1, a muscle beside both. */
 static void make_beside_two(sn_scene *scene) {
     fusiform small = FUSIFORM;
@@ -732,6 +764,7 @@ int main(void) {
         cmocka_unit_test(sliding_along_a_plane_is_free),
         cmocka_unit_test(what_slides_on_a_ball_does_not_feel_it_spin),
         cmocka_unit_test(past_the_border_of_a_target_the_rim_is_nearest),
+        cmocka_unit_test(a_driven_sheet_that_goes_by_has_no_end_where_it_was_near_at_rest),
         cmocka_unit_test(targets_switch_where_one_is_much_nearer),
         cmocka_unit_test(what_was_entered_comes_before_what_is_near),
         cmocka_unit_test(what_is_hard_goes_along_with_a_bone),
