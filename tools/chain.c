@@ -5,6 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "sinew/rig.h"
+
 /* One field of a line of fields parted by tabs. */
 static void print_field(sn_output *output, const char *text) {
     for (; *text != '\0'; text++) sn_output_write(output, (unsigned char)*text < ' ' ? " " : text, 1, NULL);
@@ -269,4 +271,20 @@ void cli_report_mesh(sn_json *json, const sn_mesh_report *report) {
     sn_json_bool(json, "manifold", report->manifold);
     sn_json_bool(json, "oriented", report->oriented);
     sn_json_bool(json, "outward", report->outward);
+}
+
+/* ---- ends --------------------------------------------------------------------------------------------------------------------- */
+
+void cli_report_ends(sn_json *json, const struct sn_ends_choice *choice) {
+    sn_json_text(json, "ends", choice->from);
+    sn_json_integer(json, "endsKnown", choice->known[0] + choice->known[1]);
+    if (choice->why[0] != '\0') sn_json_text(json, "endsWhy", choice->why);
+}
+
+void cli_say_ends(const cli *c, const struct sn_ends_choice *choice) {
+    int known = choice->known[0] + choice->known[1];
+    if (choice->unused)
+        cli_warn(c, "the ends are taken from %s%s: %s", choice->from, known == 1 ? " and a tip" : "", choice->why);
+    else
+        cli_say(c, "the ends are taken from %s%s%s", choice->from, choice->why[0] != '\0' ? ": " : "", choice->why);
 }

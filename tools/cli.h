@@ -168,6 +168,12 @@ SN_MUST_CHECK sn_status cli_report(cli *c, cli_report_writer write, const void *
 /* One mesh report as members of the open object. */
 void cli_report_mesh(sn_json *json, const sn_mesh_report *report);
 
+/* How a muscle's ends were chosen, as members of the open object: "ends", "endsKnown" and, where something better was not used, "endsWhy";
+ * and on stderr under -v, or as a warning where what was given for an end is not used or one end is not known. */
+struct sn_ends_choice;
+void cli_report_ends(sn_json *json, const struct sn_ends_choice *choice);
+void cli_say_ends(const cli *c, const struct sn_ends_choice *choice);
+
 /* A length option in document units; fallback where it was not given (value < 0 before parsing). */
 double cli_length(sn_length length, double meters_per_unit);
 /* Parse a selector as text: "indices:3,4,5" "near:x,y,z[,n]" "sphere:x,y,z,r" "box:x,y,z,x,y,z" "plane:px,py,pz,nx,ny,nz"

@@ -32,22 +32,22 @@ typedef struct selection {
 
 /* ---- the field between the ends ----------------------------------------------------------------------------------------- */
 
+/* known: the best known ends; else the tips. */
 static sn_status find_ends(selection *s, bool known, ends *e, sn_error *error) {
     const ends_surface surface = {s->mesh, &s->topology, &s->tips};
-    if (known && s->params->site_count > 0) return ends_from_sites(&surface, s->params->site_count, s->params->sites, e, error);
-    if (known && ends_from_attachments(s->muscle, false, e)) return SN_OK;
+    if (known) return ends_choose(&surface, s->muscle, s->params->site_count, s->params->sites, e, error);
+    e->choice = s->report.ends; /* with what it says of the better ones */
+    memset(e->choice.patches, 0, sizeof e->choice.patches);
     return ends_from_tips(&surface, e, error);
 }
 
-/* known: between sites or attachments, where there are some; else between the tips. */
 static sn_status harmonic_between(selection *s, bool known, double *u, sn_error *error) {
     ends e;
     sn_status status = ends_alloc(s->mesh->vertex_count, &e, error);
     if (!status) status = find_ends(s, known, &e, error);
-    s->report.ends = e.source;
+    s->report.ends = e.choice;
     if (!status) status = sn_harmonic_field(s->mesh, &s->topology, &(sn_fixed_values){e.count, e.vertices, e.values}, u, error);
-    if (!status &&
-        SN_TRACE(s->trace, "field", sn_trace_text("ends", sn_ends_source_names[e.source]), sn_trace_indices("fixed", e.vertices, e.count)))
+    if (!status && SN_TRACE(s->trace, "field", sn_trace_text("ends", e.choice.from), sn_trace_indices("fixed", e.vertices, e.count)))
         status = SN_STOPPED;
     ends_free(&e);
     return status;
@@ -244,8 +244,10 @@ static sn_status select_automatic(selection *s, sn_error *error) {
     double *u = SN_NEW(double, s->mesh->vertex_count);
     s->vertices = SN_NEW(sn_index, s->mesh->vertex_count > s->topology.edge_count ? s->mesh->vertex_count : s->topology.edge_count);
     sn_status status = u && s->vertices ? ring_between(s, true, u, error) : sn_fail_memory(error, "the field between the muscle's ends");
-    bool known = s->report.ends == SN_ENDS_SITES || s->report.ends == SN_ENDS_ATTACHMENTS;
-    if (!status && known && !is_mid_section(s)) status = ring_between(s, false, u, error);
+    if (!status && s->report.ends.source >= SN_ENDS_ATTACHMENTS && !is_mid_section(s)) {
+        ends_say(&s->report.ends, "%s: no ring near the middle parts them", s->report.ends.from);
+        status = ring_between(s, false, u, error);
+    }
     if (!status && s->count == 0)
         status = sn_fail(error, SN_ERROR_INPUT,
                          "no closed ring of vertices runs around the muscle's middle; close the mesh with mesh-clean, or choose the roots "

@@ -43,7 +43,7 @@ static void a_spindle_is_cut_at_its_middle_ring(void **state) {
     assert_string_equal(roots.rule, "mid-section");
     sn_index first = 1 + (RINGS / 2) * SECTORS; /* lowest vertex of the middle ring, then its lower neighbour, round to the higher one */
     for (sn_index i = 0; i < SECTORS; i++) assert_int_equal(roots.vertices[i], first + i);
-    assert_true(report.ring && report.parts == 2 && !report.fallback && report.ends == SN_ENDS_TIPS);
+    assert_true(report.ring && report.parts == 2 && !report.fallback && report.ends.source == SN_ENDS_TIPS);
     assert_true(report.centroid_offset < 1e-9 && report.genus == 0.0 && report.components == 1);
     assert_true(report.length > 0.2 && report.length < 0.25);
     sn_roots_free(&roots);
@@ -90,7 +90,7 @@ static void attachments_are_the_ends_where_there_are_two(void **state) {
     m.attachments[1] = attach_at("humerus", 1 + (RINGS - 2) * SECTORS + SECTORS / 2);
     sn_roots_report report;
     sn_roots roots = automatic(&m, &report);
-    assert_true(report.ends == SN_ENDS_ATTACHMENTS && report.ring && report.parts == 2);
+    assert_true(report.ends.source == SN_ENDS_ATTACHMENTS && report.ring && report.parts == 2);
     bool along = false; /* such a ring runs along the muscle, not around it */
     for (sn_index i = 0; i < roots.count; i++) along |= fabs(m.mesh.positions[roots.vertices[i]].z) > 0.05;
     assert_true(along);
@@ -101,7 +101,7 @@ static void attachments_are_the_ends_where_there_are_two(void **state) {
     m.attachments[0] = attach_at("radius", 5);
     m.attachment_count = 1;
     roots = automatic(&m, &report);
-    assert_true(report.ends == SN_ENDS_TIPS && roots.count == SECTORS);
+    assert_true(report.ends.source == SN_ENDS_TIPS && roots.count == SECTORS);
     sn_roots_free(&roots);
     sn_muscle_free(&m);
 }
