@@ -147,7 +147,7 @@ typedef struct sn_roots_report {
                              * NaN for manual selection */
     bool right;             /* automatic: a closed ring that parts the surface in two and the ends from each other, and spans a third or less */
     bool section;           /* automatic: across the straight line between the ends, as no contour of their field has a right ring */
-    bool fallback;          /* no single contour had a simple ring that separates: the next best curve was taken */
+    bool fallback;          /* automatic: nothing is right, and what came nearest was taken */
 } sn_roots_report;
 
 sn_roots_params sn_roots_defaults(void);

@@ -278,7 +278,6 @@ static sn_status search_ring(selection *s, double most, sn_error *error) {
     sn_status status = quantiles_build(s->mesh, s->u, &q, error);
     for (size_t i = 0; i < sizeof searches / sizeof *searches && !status && s->count == 0; i++) {
         list.count = 0;
-        s->report.fallback = i > 0;
         status = gather(s, &searches[i], s->u, &q, &list, error);
         if (!status) status = first_separating(s, &list, most, error);
     }
@@ -322,6 +321,7 @@ static sn_status search_all(selection *s, sn_error *error) {
     sn_status status = right_ring(s, true, error);
     if (!status && s->ends.choice.source >= SN_ENDS_ATTACHMENTS && !is_mid_section(s)) status = right_ring(s, false, error);
     s->report.right = !status && s->count > 0;
+    s->report.fallback = !s->report.right;
     if (!status && s->count == 0) status = next_best(s, error);
     if (!status && s->count > 0) s->report.span = span_of(s, s->count, s->vertices);
     return status;

@@ -203,12 +203,12 @@ static void process_set(const char *data, const char *name, totals *t) {
     sn_blob_free(&manifest);
 }
 
-/* Counts: a study of methods over these muscles reached 38 and 251 rings near the centroid, 11 and 34 degrees. */
+/* Counts: all root rings are right and 285 of 291 span a fifth of the length or less. A study of methods over these muscles reached 38 and 251 rings near the centroid, 11 and 34 degrees. */
 static const struct {
     const char *name;
-    int muscles, near_centroid;
+    int muscles, near_centroid, short_span;
     double percentile95;
-} sets[] = {{"leg-vhf", 38, 38, 11.0}, {"dog-dmcontrol", 253, 251, 34.0}};
+} sets[] = {{"leg-vhf", 38, 38, 37, 11.0}, {"dog-dmcontrol", 253, 251, 248, 34.0}};
 
 static int run_sets(const char *data) {
     int passed = 0, failed = 0;
@@ -218,9 +218,10 @@ static int run_sets(const char *data) {
         process_set(data, sets[i].name, &t);
         print_totals(&t, sets[i].name);
         bool complete = t.passed + t.failed == sets[i].muscles && t.near_centroid >= sets[i].near_centroid;
+        bool around = t.short_span >= sets[i].short_span && t.right == sets[i].muscles;
         bool smooth = t.percentile95 <= sets[i].percentile95 * sets[i].muscles;
-        passed += t.passed + complete + smooth;
-        failed += t.failed + !complete + !smooth;
+        passed += t.passed + complete + around + smooth;
+        failed += t.failed + !complete + !around + !smooth;
     }
     printf("%d passed, %d failed\n", passed, failed);
     return failed > 0;
