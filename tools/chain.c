@@ -139,6 +139,8 @@ static sn_status add_option(const cli *c, canonical *args, const cli_given_optio
     snprintf(name, sizeof name, "--%s", option->name);
     sn_status status = add_arg(args, sn_strdup(name), error);
     if (status != SN_OK || given->value == NULL) return status;
+    for (const char *const *word = option->choices; option->kind == CLI_TEXT && word != NULL && *word != NULL; word++)
+        if (strcmp(*word, given->value) == 0) return add_arg(args, sn_strdup(given->value), error);
     if (option->flags & CLI_FILES) return add_files(c, args, given->value, error);
     if (option->flags & CLI_FILE) return add_file(args, given->value, error);
     return add_arg(args, canonical_value(option, given->value), error);
@@ -353,6 +355,12 @@ void cli_report_mesh(sn_json *json, const sn_mesh_report *report) {
 }
 
 /* ---- ends --------------------------------------------------------------------------------------------------------------------- */
+
+const char *const cli_ends_words[] = {"auto", NULL};
+
+void cli_take_ends(const char **ends) {
+    if (*ends != NULL && strcmp(*ends, cli_ends_words[0]) == 0) *ends = NULL;
+}
 
 void cli_report_ends(sn_json *json, const struct sn_ends_choice *choice) {
     sn_json_text(json, "ends", choice->from);

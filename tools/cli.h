@@ -175,6 +175,8 @@ void cli_report_mesh(sn_json *json, const sn_mesh_report *report);
 /* How a muscle's ends were chosen, as members of the open object: "ends", "endsKnown" and, where something better was not used, "endsWhy";
  * and on stderr under -v, or as a warning where what was given for an end is not used or one end is not known. */
 struct sn_ends_choice;
+extern const char *const cli_ends_words[]; /* "auto" */
+void cli_take_ends(const char **ends); /* the value of --ends: NULL where it is "auto" */
 void cli_report_ends(sn_json *json, const struct sn_ends_choice *choice);
 void cli_say_ends(const cli *c, const struct sn_ends_choice *choice);
 

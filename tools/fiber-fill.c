@@ -35,8 +35,8 @@ static const cli_option options[] = {
      "bend the template to superficial fibres: lines of an OBJ, VTP or VTK file, or a document's"},
     {0, "map", "NAME", CLI_CHOICE, &map, CLI_RESULT, 0, 0, map_names,
      "from the template to a slice: harmonic (default), or mvc, planar mean value coordinates"},
-    {0, "ends", "FILE", CLI_TEXT, &ends_file, CLI_RESULT | CLI_FILE, 0, 0, NULL,
-     "where fibres begin and end: vertices as JSON, or fibres as --bend-to takes them"},
+    {0, "ends", "FILE", CLI_TEXT, &ends_file, CLI_RESULT | CLI_FILE, 0, 0, cli_ends_words,
+     "where fibres begin and end: vertices as JSON, or fibres as --bend-to takes them; auto (default): the best known attachments, else the tips"},
     {0, "tips", NULL, CLI_CLEAR, &params.use_attachments, CLI_RESULT, 0, 0, NULL, "let fibres end at the tips, not at the attachments"},
     {0, "smooth", "N", CLI_INTEGER, &smooth, CLI_RESULT, 0, 10000, NULL, "rounds of smoothing along each fibre (default 0)"},
     {0, "no-pull", NULL, CLI_CLEAR, &params.pull, CLI_RESULT, 0, 0, NULL, "leave fibre vertices outside the volume where they are"},
@@ -291,6 +291,7 @@ int main(int argc, char **argv) {
     sn_error error = {0};
     params = sn_fill_defaults();
     cli_start(&c, &tool, argc, argv);
+    cli_take_ends(&ends_file);
     take_options(&c);
     params.pool = sn_pool_create(c.threads);
     sn_status status = params.pool != NULL ? cli_load(&c, &muscle, &error) : sn_fail_memory(&error, "threads");

@@ -15,9 +15,9 @@ static const char *const weight_names[] = {"inverse-square", "paper", NULL}; /* 
 static const cli_option options[] = {
     {0, "field", "NAME", CLI_CHOICE, &field, CLI_RESULT, 0, 0, sn_flow_field_names,
      "where directions come from: tree, the internal structure; harmonic, a field from end to end; fibers, those of --from-fibers; auto "
-     "(default), harmonic where the ends are known by --ends or by attachment areas, else tree"},
-    {0, "ends", "FILE", CLI_TEXT, &ends, CLI_RESULT | CLI_FILE, 0, 0, NULL,
-     "known sites of both ends: lines \"origin X Y Z\" and \"insertion X Y Z\", or fibres from end to end"},
+     "(default), harmonic where the ends are known by --ends, attachment areas or pins, else tree"},
+    {0, "ends", "FILE", CLI_TEXT, &ends, CLI_RESULT | CLI_FILE, 0, 0, cli_ends_words,
+     "known sites of both ends: lines \"origin X Y Z\" and \"insertion X Y Z\", or fibres from end to end; auto (default): the best known attachments, else the tips"},
     {0, "from-fibers", "FILE", CLI_TEXT, &from_fibers, CLI_RESULT | CLI_FILE, 0, 0, NULL,
      "take each direction from the nearest of these fibres: lines of an OBJ, VTP or VTK file, or those of a document"},
     {0, "weights", "NAME", CLI_CHOICE, &weights, CLI_RESULT, 0, 0, weight_names,
@@ -126,6 +126,7 @@ int main(int argc, char **argv) {
     sn_error error = {0};
     params = sn_flow_defaults();
     cli_start(&c, &tool, argc, argv);
+    cli_take_ends(&ends);
     take_options(&c);
     sn_status status = read_extras(&sites, &given, &error);
     if (status == SN_OK) status = cli_load(&c, &muscle, &error);

@@ -26,8 +26,8 @@ static const cli_option options[] = {
      "the ring of vertices along the section nearest to a point of this plane"},
     {0, "painted", "NAME[>T]", CLI_TEXT, &painted, CLI_RESULT, 0, 0, NULL,
      "the vertices whose PLY attribute NAME is greater than T (default 0)"},
-    {0, "ends", "FILE", CLI_TEXT, &ends, CLI_RESULT | CLI_FILE, 0, 0, NULL,
-     "known sites of both ends: lines \"origin X Y Z\" and \"insertion X Y Z\", or fibres from end to end"},
+    {0, "ends", "FILE", CLI_TEXT, &ends, CLI_RESULT | CLI_FILE, 0, 0, cli_ends_words,
+     "known sites of both ends: lines \"origin X Y Z\" and \"insertion X Y Z\", or fibres from end to end; auto (default): the best known attachments, else the tips"},
     {0, "tips", "HOW", CLI_CHOICE, &tips, CLI_RESULT, 0, 0, tip_names,
      "what the ends are without sites or attachments: sweeps, the points farthest from each other (default), or eigenfunction, the "
      "extremes of the surface's slowest vibration"},
@@ -144,6 +144,7 @@ int main(int argc, char **argv) {
     sn_error error = {0};
     sn_roots_params params = sn_roots_defaults();
     cli_start(&c, &tool, argc, argv);
+    cli_take_ends(&ends);
     take_selection(&c, &params, &chosen);
     params.eigenfunction = tips == 1;
     sn_status status = ends != NULL ? sn_sites_read(ends, &params.site_count, &sites, &error) : SN_OK;

@@ -249,15 +249,22 @@ static void take_ring(selection *s, const candidate *c, sn_index count) {
     s->report.level = c->share;
 }
 
-/* The nearest candidate whose ring is right and spans `most`; most = INFINITY: whose ring separates the surface in exactly two. */
-static sn_status first_separating(selection *s, const candidates *list, double most, sn_error *error) {
+/* What a ring must be; any: it is enough that it separates the surface in exactly two. */
+typedef struct demand {
+    double span; /* at most */
+    double near; /* to the centroid, as a share of L */
+    bool any;
+} demand;
+
+/* The candidate nearest to the centroid whose ring is what is asked for. */
+static sn_status first_separating(selection *s, const candidates *list, const demand *asked, sn_error *error) {
     for (size_t i = 0; i < list->count; i++) {
-        if (most <= GOOD_SPAN && list->items[i].offset > NEAR_CENTROID * s->tips.length) return SN_OK;
+        if (list->items[i].offset > asked->near * s->tips.length) return SN_OK;
         sn_index count = 0;
         sn_status status = rebuild_ring(s, &list->items[i], s->u, &count, error);
         if (status) return status;
         sn_index parts = section_parts(&s->cut, count, s->vertices);
-        bool good = parts == 2 && (most == INFINITY || is_right(s, most, count, s->vertices));
+        bool good = parts == 2 && (asked->any || is_right(s, asked->span, count, s->vertices));
         bool stop = SN_TRACE(s->trace, "ring", sn_trace_number("share", list->items[i].share), sn_trace_number("parts", parts),
                              sn_trace_number("offset", list->items[i].offset), sn_trace_indices("vertices", s->vertices, count));
         if (good) {
@@ -269,8 +276,8 @@ static sn_status first_separating(selection *s, const candidates *list, double m
     return SN_OK;
 }
 
-/* A ring along the levels of s->u that spans `most`; INFINITY: in the end any closed ring. */
-static sn_status search_ring(selection *s, double most, sn_error *error) {
+/* A ring along the levels of s->u; asked->any: in the end any closed one. */
+static sn_status search_ring(selection *s, const demand *asked, sn_error *error) {
     static const search searches[] = {{0.10, 0.90, 0.01, true}, {0.10, 0.90, 0.01, false}, {0.02, 0.98, 0.001, false}};
     quantiles q = {0};
     candidates list = {0};
@@ -279,9 +286,9 @@ static sn_status search_ring(selection *s, double most, sn_error *error) {
     for (size_t i = 0; i < sizeof searches / sizeof *searches && !status && s->count == 0; i++) {
         list.count = 0;
         status = gather(s, &searches[i], s->u, &q, &list, error);
-        if (!status) status = first_separating(s, &list, most, error);
+        if (!status) status = first_separating(s, &list, asked, error);
     }
-    if (!status && most == INFINITY && s->count == 0 && list.count > 0) { /* nothing separates: the nearest closed ring */
+    if (!status && asked->any && s->count == 0 && list.count > 0) { /* nothing separates: the nearest closed ring */
         sn_index count = 0;
         status = rebuild_ring(s, &list.items[0], s->u, &count, error);
         if (!status) take_ring(s, &list.items[0], count);
@@ -291,18 +298,31 @@ static sn_status search_ring(selection *s, double most, sn_error *error) {
     return status;
 }
 
-/* A right ring between the ends, if there is one: along a contour of their field, else across the line between them. */
+/* A right ring between the ends, if there is one: along a contour of their field, else across the line between them; near the centroid
+ * before others. */
 static sn_status right_ring(selection *s, bool known, sn_error *error) {
+    static const struct {
+        demand asked;
+        bool section;
+    } order[] = {{{GOOD_SPAN, NEAR_CENTROID, false}, false},
+                 {{MOST_SPAN, NEAR_CENTROID, false}, false},
+                 {{MOST_SPAN, NEAR_CENTROID, false}, true},
+                 {{MOST_SPAN, INFINITY, false}, false},
+                 {{MOST_SPAN, INFINITY, false}, true}};
     sn_status status = find_ends(s, known, error);
     if (!status) status = find_along(s, error);
-    if (!status) status = harmonic_between(s, error);
-    if (!status) status = search_ring(s, GOOD_SPAN, error);
-    if (!status && s->count == 0) status = search_ring(s, MOST_SPAN, error);
-    s->report.section = false;
-    if (status || s->count > 0) return status;
-    height_between(s);
-    status = search_ring(s, MOST_SPAN, error);
-    s->report.section = s->count > 0;
+    s->count = 0;
+    for (size_t i = 0; i < sizeof order / sizeof *order && !status && s->count == 0; i++) {
+        s->report.section = order[i].section;
+        if (i == 0 || order[i].section != order[i - 1].section) {
+            if (order[i].section)
+                height_between(s);
+            else
+                status = harmonic_between(s, error);
+        }
+        if (!status) status = search_ring(s, &order[i].asked, error);
+    }
+    s->report.section &= s->count > 0;
     return status;
 }
 
@@ -313,8 +333,9 @@ static bool is_mid_section(const selection *s) {
 
 /* Nothing is right: what comes nearest to it, between the tips. */
 static sn_status next_best(selection *s, sn_error *error) {
+    static const demand any = {INFINITY, INFINITY, true};
     sn_status status = harmonic_between(s, error);
-    return status ? status : search_ring(s, INFINITY, error);
+    return status ? status : search_ring(s, &any, error);
 }
 
 static sn_status search_all(selection *s, sn_error *error) {
