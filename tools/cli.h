@@ -149,9 +149,9 @@ typedef struct cli_muscle {
 /* Read inputs.items[0] (document or bare mesh), keeping its hash for the history. Under --list: cli_list_meshes instead. */
 SN_MUST_CHECK sn_status cli_load(cli *c, cli_muscle *out, sn_error *error);
 /* Write the document to the output: the sections in `changed` from muscle, history appended. An output whose extension is a mesh
- * format's (.ply .vtp .obj .stl .off) gets the bare mesh; in .ply and .vtp with the sections painted on it (sn_muscle_paint). Attachments that
- * have changed leave the automatic roots, the structure and the fibres as they are, but these were made from other ends: a warning says
- * which tools to run again, and the report "stale" and "runAgain". */
+ * format's (.ply .vtp .obj .stl .off) gets the bare mesh; in .ply and .vtp with the sections painted on it (sn_muscle_paint). Attachments
+ * that have changed leave the automatic roots, the structure and the fibres as they are, but these were made from other ends: a warning
+ * says which tools to run again, and the report "stale" and "runAgain". */
 SN_MUST_CHECK sn_status cli_save(cli *c, const cli_muscle *muscle, unsigned changed, sn_error *error);
 void cli_free(cli_muscle *muscle);
 /* What --list asks for: a line "number, name, vertices, triangles", parted by tabs, for each mesh of a bare mesh's file to stdout.
@@ -176,7 +176,7 @@ void cli_report_mesh(sn_json *json, const sn_mesh_report *report);
  * and on stderr under -v, or as a warning where what was given for an end is not used or one end is not known. */
 struct sn_ends_choice;
 extern const char *const cli_ends_words[]; /* "auto" */
-void cli_take_ends(const char **ends); /* the value of --ends: NULL where it is "auto" */
+void cli_take_ends(const char **ends);     /* the value of --ends: NULL where it is "auto" */
 void cli_report_ends(sn_json *json, const struct sn_ends_choice *choice);
 void cli_say_ends(const cli *c, const struct sn_ends_choice *choice);
 

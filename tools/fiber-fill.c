@@ -36,7 +36,8 @@ static const cli_option options[] = {
     {0, "map", "NAME", CLI_CHOICE, &map, CLI_RESULT, 0, 0, map_names,
      "from the template to a slice: harmonic (default), or mvc, planar mean value coordinates"},
     {0, "ends", "FILE", CLI_TEXT, &ends_file, CLI_RESULT | CLI_FILE, 0, 0, cli_ends_words,
-     "where fibres begin and end: vertices as JSON, or fibres as --bend-to takes them; auto (default): the best known attachments, else the tips"},
+     "where fibres begin and end: vertices as JSON, or fibres as --bend-to takes them; auto (default): the best known attachments, else "
+     "the tips"},
     {0, "tips", NULL, CLI_CLEAR, &params.use_attachments, CLI_RESULT, 0, 0, NULL, "let fibres end at the tips, not at the attachments"},
     {0, "smooth", "N", CLI_INTEGER, &smooth, CLI_RESULT, 0, 10000, NULL, "rounds of smoothing along each fibre (default 0)"},
     {0, "no-pull", NULL, CLI_CLEAR, &params.pull, CLI_RESULT, 0, 0, NULL, "leave fibre vertices outside the volume where they are"},
@@ -119,8 +120,8 @@ static void write_report(sn_json *json, const void *data) {
 
 static void comment(cli *c, const sn_fill_report *r, bool stopped) {
     cli_say(c, "%d fibres from %s, %d slices on %d levels; mean length %.4g, pennation %.1f degrees; %d of %d vertices were outside",
-            r->fibers, r->chosen.from != NULL ? r->chosen.from : "nowhere", r->loops, r->levels, r->mean_length, r->mean_pennation * DEGREES, r->outside_before,
-            r->vertices);
+            r->fibers, r->chosen.from != NULL ? r->chosen.from : "nowhere", r->loops, r->levels, r->mean_length,
+            r->mean_pennation * DEGREES, r->outside_before, r->vertices);
     if (r->chosen.from != NULL) cli_say_ends(c, &r->chosen);
     if (!r->closed) cli_warn(c, "the surface is not closed: fibres end at its gaps, and inside is a guess; mesh-clean fills holes");
     if (stopped) return;

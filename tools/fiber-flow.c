@@ -17,7 +17,8 @@ static const cli_option options[] = {
      "where directions come from: tree, the internal structure; harmonic, a field from end to end; fibers, those of --from-fibers; auto "
      "(default), harmonic where the ends are known by --ends, attachment areas or pins, else tree"},
     {0, "ends", "FILE", CLI_TEXT, &ends, CLI_RESULT | CLI_FILE, 0, 0, cli_ends_words,
-     "known sites of both ends: lines \"origin X Y Z\" and \"insertion X Y Z\", or fibres from end to end; auto (default): the best known attachments, else the tips"},
+     "known sites of both ends: lines \"origin X Y Z\" and \"insertion X Y Z\", or fibres from end to end; auto (default): the best known "
+     "attachments, else the tips"},
     {0, "from-fibers", "FILE", CLI_TEXT, &from_fibers, CLI_RESULT | CLI_FILE, 0, 0, NULL,
      "take each direction from the nearest of these fibres: lines of an OBJ, VTP or VTK file, or those of a document"},
     {0, "weights", "NAME", CLI_CHOICE, &weights, CLI_RESULT, 0, 0, weight_names,

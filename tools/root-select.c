@@ -27,7 +27,8 @@ static const cli_option options[] = {
     {0, "painted", "NAME[>T]", CLI_TEXT, &painted, CLI_RESULT, 0, 0, NULL,
      "the vertices whose PLY attribute NAME is greater than T (default 0)"},
     {0, "ends", "FILE", CLI_TEXT, &ends, CLI_RESULT | CLI_FILE, 0, 0, cli_ends_words,
-     "known sites of both ends: lines \"origin X Y Z\" and \"insertion X Y Z\", or fibres from end to end; auto (default): the best known attachments, else the tips"},
+     "known sites of both ends: lines \"origin X Y Z\" and \"insertion X Y Z\", or fibres from end to end; auto (default): the best known "
+     "attachments, else the tips"},
     {0, "tips", "HOW", CLI_CHOICE, &tips, CLI_RESULT, 0, 0, tip_names,
      "what the ends are without sites or attachments: sweeps, the points farthest from each other (default), or eigenfunction, the "
      "extremes of the surface's slowest vibration"},
@@ -111,9 +112,11 @@ static void comment(const cli *c, const sn_roots_report *r) {
         cli_warn(c, "the sites of %s lead to no ring near the middle: they lie side by side, or all along the muscle; took the tips", ends);
     if (r->section) cli_say(c, "no contour between the ends has such a ring: took a section across the line between them");
     if (r->fallback)
-        cli_warn(c, "no ring runs around the muscle between its ends: took the next best, which spans %.0f %% of the way; look at the result, or "
-                    "choose the roots with --plane or --indices",
-                 100.0 * r->span);
+        cli_warn(
+            c,
+            "no ring runs around the muscle between its ends: took the next best, which spans %.0f %% of the way; look at the result, or "
+            "choose the roots with --plane or --indices",
+            100.0 * r->span);
     if (r->parts != 2)
         cli_warn(c, "the roots do not separate the surface in two (parts beside them: %d): fibres may run past them", r->parts);
     if (share > FAR_FROM_CENTROID) cli_warn(c, "the roots are %.0f %% of the muscle's length from its centroid", 100.0 * share);

@@ -143,11 +143,11 @@ typedef struct sn_roots_report {
     double genus;           /* of the surface; NaN where it is not closed */
     sn_index components;    /* of the surface; the automatic ring is on the one with most triangles */
     sn_ends_choice ends;    /* what the automatic selection took the ends from */
-    double span;            /* of the ring along the muscle: 0 = all of it is equally far from both ends, 1 = it reaches from one to the other;
-                             * NaN for manual selection */
-    bool right;             /* automatic: a closed ring that parts the surface in two and the ends from each other, and spans a third or less */
-    bool section;           /* automatic: across the straight line between the ends, as no contour of their field has a right ring */
-    bool fallback;          /* automatic: nothing is right, and what came nearest was taken */
+    double span;   /* of the ring along the muscle: 0 = all of it is equally far from both ends, 1 = it reaches from one to the other;
+                    * NaN for manual selection */
+    bool right;    /* automatic: a closed ring that parts the surface in two and the ends from each other, and spans a third or less */
+    bool section;  /* automatic: across the straight line between the ends, as no contour of their field has a right ring */
+    bool fallback; /* automatic: nothing is right, and what came nearest was taken */
 } sn_roots_report;
 
 sn_roots_params sn_roots_defaults(void);

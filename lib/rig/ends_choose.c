@@ -4,12 +4,12 @@
 
 #include "ends.h"
 
-#define TRUSTED_REACH 0.6    /* of found attachments: how far the surface may lie from them, over how far apart the ends are */
-#define MIDDLE 0.1           /* found attachments this near to the middle of the field lie along the belly: ends of neither side */
-#define CRUMB 0.1            /* of found attachments: smaller patches than this share of the bone's largest are left out */
-#define PIN_SHARE 0.01       /* a pin is a cap of this share of L at least: at a single vertex the field is singular */
-#define TIP_PATCH 0.05       /* around the point that is farthest from the one known end, as a share of L */
-#define GROWTH 1e-3          /* a pair that lies farther apart by less is no better */
+#define TRUSTED_REACH 0.6 /* of found attachments: how far the surface may lie from them, over how far apart the ends are */
+#define MIDDLE 0.1        /* found attachments this near to the middle of the field lie along the belly: ends of neither side */
+#define CRUMB 0.1         /* of found attachments: smaller patches than this share of the bone's largest are left out */
+#define PIN_SHARE 0.01    /* a pin is a cap of this share of L at least: at a single vertex the field is singular */
+#define TIP_PATCH 0.05    /* around the point that is farthest from the one known end, as a share of L */
+#define GROWTH 1e-3       /* a pair that lies farther apart by less is no better */
 enum { MOST_SWEEPS = 16 };
 
 static const char *const kinds[] = {[SN_ENDS_ATTACHMENTS] = "attachments", [SN_ENDS_PINS] = "pins", [SN_ENDS_AREAS] = "areas"};

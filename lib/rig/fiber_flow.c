@@ -352,7 +352,8 @@ static double angle_at_roots(const flow *f) {
 }
 
 static sn_status fill_report(const flow *f, sn_flow_report *r, sn_error *error) {
-    *r = (sn_flow_report){.vertices = f->mesh->vertex_count, .field = f->field, .ends = f->ends.choice, .farthest_fiber = f->farthest_fiber};
+    *r =
+        (sn_flow_report){.vertices = f->mesh->vertex_count, .field = f->field, .ends = f->ends.choice, .farthest_fiber = f->farthest_fiber};
     double confidence = 0.0;
     for (sn_index v = 0; v < f->mesh->vertex_count; v++) {
         r->by_field += f->rules[v] == RULE_FIELD;

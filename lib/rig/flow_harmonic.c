@@ -35,8 +35,7 @@ sn_status harmonic_directions(const flow_input *in, const ends *e, sn_vec3 *dire
     sn_status status = sn_harmonic_field(mesh, in->topology, &(sn_fixed_values){e->count, e->vertices, e->values}, u, error);
     for (sn_index v = 0; v < mesh->vertex_count; v++) directions[v] = sn_v3(0, 0, 0);
     for (sn_index t = 0; !status && t < mesh->triangle_count; t++) add_gradient(mesh, mesh->triangles[t], u, directions);
-    if (!status &&
-        SN_TRACE(in->trace, "field", sn_trace_text("ends", e->choice.from), sn_trace_indices("fixed", e->vertices, e->count)))
+    if (!status && SN_TRACE(in->trace, "field", sn_trace_text("ends", e->choice.from), sn_trace_indices("fixed", e->vertices, e->count)))
         status = SN_STOPPED;
     free(u);
     return status;

@@ -13,7 +13,7 @@
 #include "section.h"
 #include "tips.h"
 
-#define NEAR_CENTROID 0.10   /* a ring between sites or attachments must lie within this share of L of the centroid */
+#define NEAR_CENTROID 0.10    /* a ring between sites or attachments must lie within this share of L of the centroid */
 #define GOOD_SPAN 0.2         /* near the centroid, a ring that spans no more of the way from end to end is taken before others */
 #define MOST_SPAN (1.0 / 3.0) /* a ring that spans more runs along the muscle */
 
@@ -109,8 +109,8 @@ static double span_of(const selection *s, sn_index count, const sn_index *ring) 
 /* A ring around the muscle: not one along it, nor one around a part of it. */
 static bool is_right(selection *s, double most, sn_index count, const sn_index *ring) {
     const sn_fixed_values fixed = {s->ends.count, s->ends.vertices, s->ends.values};
-    return span_of(s, count, ring) <= most && section_ring_closed(&s->cut, count, ring) &&
-           section_parts(&s->cut, count, ring) == 2 && section_separates(&s->cut, count, ring, &fixed);
+    return span_of(s, count, ring) <= most && section_ring_closed(&s->cut, count, ring) && section_parts(&s->cut, count, ring) == 2 &&
+           section_separates(&s->cut, count, ring, &fixed);
 }
 
 /* ---- area quantiles of the field ------------------------------------------------------------------------------------- */
@@ -353,7 +353,8 @@ static sn_status select_automatic(selection *s, sn_error *error) {
     s->along = SN_NEW(double, s->mesh->vertex_count);
     s->vertices = SN_NEW(sn_index, s->mesh->vertex_count > s->topology.edge_count ? s->mesh->vertex_count : s->topology.edge_count);
     sn_status status = ends_alloc(s->mesh->vertex_count, &s->ends, error);
-    if (!status) status = s->u && s->along && s->vertices ? search_all(s, error) : sn_fail_memory(error, "the field between the muscle's ends");
+    if (!status)
+        status = s->u && s->along && s->vertices ? search_all(s, error) : sn_fail_memory(error, "the field between the muscle's ends");
     if (!status && s->count == 0)
         status = sn_fail(error, SN_ERROR_INPUT,
                          "no closed ring of vertices runs around the muscle's middle; close the mesh with mesh-clean, or choose the roots "

@@ -129,10 +129,11 @@ static void judge(const char *path, const sn_muscle *m, outcome *o) {
 static double offset_share(const outcome *o) { return o->roots.length > 0.0 ? o->roots.centroid_offset / o->roots.length : 0.0; }
 
 static void print_line(const char *path, const sn_muscle *m, const outcome *o) {
-    printf("%s\t%d\t%d\t%.3f\t%.2f\t%.3f\t%d\t%d\t%d\t%d\t%d\t%d\t%.2f\t%.2f\t%d\t%.0f\t%.0f\t%.0f\t%s\n", base_name(path), m->mesh.triangle_count,
-           o->roots.count, offset_share(o), o->roots.level, o->roots.span, o->roots.right, o->roots.fallback, o->structure.samples, o->structure.leaves,
-           o->structure.pruned, o->structure.outside, o->flow.mean_angle * DEGREES, o->flow.percentile95_angle * DEGREES,
-           o->flow.by_neighbours, 1e3 * o->seconds[0], 1e3 * o->seconds[1], 1e3 * o->seconds[2], o->failure ? o->failure : "ok");
+    printf("%s\t%d\t%d\t%.3f\t%.2f\t%.3f\t%d\t%d\t%d\t%d\t%d\t%d\t%.2f\t%.2f\t%d\t%.0f\t%.0f\t%.0f\t%s\n", base_name(path),
+           m->mesh.triangle_count, o->roots.count, offset_share(o), o->roots.level, o->roots.span, o->roots.right, o->roots.fallback,
+           o->structure.samples, o->structure.leaves, o->structure.pruned, o->structure.outside, o->flow.mean_angle * DEGREES,
+           o->flow.percentile95_angle * DEGREES, o->flow.by_neighbours, 1e3 * o->seconds[0], 1e3 * o->seconds[1], 1e3 * o->seconds[2],
+           o->failure ? o->failure : "ok");
 }
 
 static void add(totals *t, const outcome *o) {
@@ -169,17 +170,19 @@ static void process(const char *path, totals *t) {
 /* ---- sets ------------------------------------------------------------------------------------------------------------------- */
 
 static void print_header(void) {
-    printf("muscle\ttriangles\troots\toffset/L\tlevel\tspan\tright\tfallback\tsamples\tleaves\tpruned\toutside\tmean\tp95\tby_neighbours\troots_ms\t"
+    printf("muscle\ttriangles\troots\toffset/"
+           "L\tlevel\tspan\tright\tfallback\tsamples\tleaves\tpruned\toutside\tmean\tp95\tby_neighbours\troots_ms\t"
            "structure_ms\tflow_ms\tresult\n");
 }
 
 static void print_totals(const totals *t, const char *name) {
     int count = t->passed + t->failed;
-    printf("%s: %d of %d root rings span %.1f of the length or less, %d are right; %d of %d within 10 %% L of the centroid; %ld of %ld samples outside; degrees between neighbours: mean %.2f, 95th "
+    printf("%s: %d of %d root rings span %.1f of the length or less, %d are right; %d of %d within 10 %% L of the centroid; %ld of %ld "
+           "samples outside; degrees between neighbours: mean %.2f, 95th "
            "percentile %.2f "
            "on average, %.2f at worst; %.2f s\n",
-           name, t->short_span, count, MOST_SPAN, t->right, t->near_centroid, count, t->outside, t->samples, t->mean_angle / count, t->percentile95 / count, t->worst_percentile95,
-           t->seconds);
+           name, t->short_span, count, MOST_SPAN, t->right, t->near_centroid, count, t->outside, t->samples, t->mean_angle / count,
+           t->percentile95 / count, t->worst_percentile95, t->seconds);
 }
 
 /* Muscles of data/NAME, by its manifest: file and kind are the first two columns. */
@@ -203,7 +206,8 @@ static void process_set(const char *data, const char *name, totals *t) {
     sn_blob_free(&manifest);
 }
 
-/* Counts: all root rings are right and 285 of 291 span a fifth of the length or less. A study of methods over these muscles reached 38 and 251 rings near the centroid, 11 and 34 degrees. */
+/* Counts: all root rings are right and 285 of 291 span a fifth of the length or less. A study of methods over these muscles reached 38 and
+ * 251 rings near the centroid, 11 and 34 degrees. */
 static const struct {
     const char *name;
     int muscles, near_centroid, short_span;

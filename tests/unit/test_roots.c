@@ -144,7 +144,8 @@ static void found_attachments_must_be_trusted(void **state) {
         m.attachments = SN_NEW(sn_attachment, 2);
         for (int k = 0; k < 2; k++) {
             sn_index count = compact ? 3 * SECTORS : 4, first = k == 0 ? 1 : TOP - 3 * SECTORS;
-            m.attachments[k] = (sn_attachment){sn_strdup(k ? "a" : "b"), sn_strdup("contact"), count, SN_NEW(sn_index, count), NULL, NULL, NULL};
+            m.attachments[k] =
+                (sn_attachment){sn_strdup(k ? "a" : "b"), sn_strdup("contact"), count, SN_NEW(sn_index, count), NULL, NULL, NULL};
             for (sn_index i = 0; i < count; i++) m.attachments[k].vertices[i] = first + (compact ? i : 2 * i);
         }
         sn_roots_report report;
