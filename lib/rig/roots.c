@@ -185,6 +185,7 @@ typedef struct candidates {
 typedef struct search {
     double first, last, step; /* area shares */
     bool single;              /* only levels whose contour is one closed curve, only rings that are simple as they are */
+    section_side last_side;   /* beside the curves: low and high, or nearest, too */
 } search;
 
 static int compare_candidates(const void *left, const void *right) {
@@ -205,7 +206,7 @@ static sn_vec3 vertex_mean(const sn_mesh *mesh, sn_index count, const sn_index *
 static bool add_candidates(selection *s, const search *how, double share, candidates *list) {
     if (how->single && (s->cut.curve_count != 1 || !s->cut.curves[0].closed)) return true;
     for (sn_index c = 0; c < s->cut.curve_count; c++)
-        for (int side = SECTION_LOW; side <= SECTION_HIGH; side++) {
+        for (int side = SECTION_LOW; side <= (int)how->last_side; side++) {
             if (!s->cut.curves[c].closed) continue;
             bool simple;
             sn_index count = section_ring(&s->cut, &s->cut.curves[c], (section_side)side, s->vertices, &simple);
@@ -254,6 +255,7 @@ typedef struct demand {
     double span; /* at most */
     double near; /* to the centroid, as a share of L */
     bool any;
+    bool nearest; /* rings of the vertices nearest to a curve count, too */
 } demand;
 
 /* The candidate nearest to the centroid whose ring is what is asked for. */
@@ -278,14 +280,16 @@ static sn_status first_separating(selection *s, const candidates *list, const de
 
 /* A ring along the levels of s->u; asked->any: in the end any closed one. */
 static sn_status search_ring(selection *s, const demand *asked, sn_error *error) {
-    static const search searches[] = {{0.10, 0.90, 0.01, true}, {0.10, 0.90, 0.01, false}, {0.02, 0.98, 0.001, false}};
+    static const search searches[] = {{0.10, 0.90, 0.01, true, 0}, {0.10, 0.90, 0.01, false, 0}, {0.02, 0.98, 0.001, false, 0}};
     quantiles q = {0};
     candidates list = {0};
     s->count = 0;
     sn_status status = quantiles_build(s->mesh, s->u, &q, error);
     for (size_t i = 0; i < sizeof searches / sizeof *searches && !status && s->count == 0; i++) {
         list.count = 0;
-        status = gather(s, &searches[i], s->u, &q, &list, error);
+        search how = searches[i];
+        how.last_side = asked->nearest ? SECTION_NEAREST : SECTION_HIGH;
+        status = gather(s, &how, s->u, &q, &list, error);
         if (!status) status = first_separating(s, &list, asked, error);
     }
     if (!status && asked->any && s->count == 0 && list.count > 0) { /* nothing separates: the nearest closed ring */
@@ -304,11 +308,10 @@ static sn_status right_ring(selection *s, bool known, sn_error *error) {
     static const struct {
         demand asked;
         bool section;
-    } order[] = {{{GOOD_SPAN, NEAR_CENTROID, false}, false},
-                 {{MOST_SPAN, NEAR_CENTROID, false}, false},
-                 {{MOST_SPAN, NEAR_CENTROID, false}, true},
-                 {{MOST_SPAN, INFINITY, false}, false},
-                 {{MOST_SPAN, INFINITY, false}, true}};
+    } order[] = {{{GOOD_SPAN, NEAR_CENTROID, false, false}, false}, {{MOST_SPAN, NEAR_CENTROID, false, false}, false},
+                 {{MOST_SPAN, NEAR_CENTROID, false, false}, true},  {{MOST_SPAN, NEAR_CENTROID, false, true}, true},
+                 {{MOST_SPAN, NEAR_CENTROID, false, true}, false},  {{MOST_SPAN, INFINITY, false, true}, false},
+                 {{MOST_SPAN, INFINITY, false, true}, true}};
     sn_status status = find_ends(s, known, error);
     if (!status) status = find_along(s, error);
     s->count = 0;
@@ -333,7 +336,7 @@ static bool is_mid_section(const selection *s) {
 
 /* Nothing is right: what comes nearest to it, between the tips. */
 static sn_status next_best(selection *s, sn_error *error) {
-    static const demand any = {INFINITY, INFINITY, true};
+    static const demand any = {INFINITY, INFINITY, true, false};
     sn_status status = harmonic_between(s, error);
     return status ? status : search_ring(s, &any, error);
 }

@@ -140,7 +140,9 @@ static sn_index side_walk(const section *s, const section_curve *curve, section_
     for (sn_index i = 0; i < curve->count; i++) {
         const sn_edge *e = &s->topology->edges[s->cut_edges[curve->first + i]];
         sn_index low = s->low[e->v[0]] ? e->v[0] : e->v[1];
-        sn_index vertex = side == SECTION_LOW ? low : e->v[0] + e->v[1] - low;
+        sn_index high = e->v[0] + e->v[1] - low;
+        bool below = side == SECTION_NEAREST ? s->level - s->u[low] <= s->u[high] - s->level : side == SECTION_LOW;
+        sn_index vertex = below ? low : high;
         if (count == 0 || walk[count - 1] != vertex) walk[count++] = vertex;
     }
     if (curve->closed)

@@ -39,10 +39,12 @@ void section_free(section *s);
 /* Find the curves of {u = level}, in the order of their lowest edge. */
 SN_MUST_CHECK sn_status section_cut(section *s, const double *u, double level, sn_error *error);
 
-typedef enum section_side { SECTION_LOW, SECTION_HIGH } section_side;
+/* Beside the curve, or of each cut edge the end whose value is nearer to the level: on a coarse mesh the straighter ring. */
+typedef enum section_side { SECTION_LOW, SECTION_HIGH, SECTION_NEAREST } section_side;
 
-/* Vertices on one side of a curve, in order along it, each step an edge; ring has room for curve->count. A walk that visits a vertex twice
- * is cut there and its longest simple part kept; *simple tells whether that was needed not at all. Returns how many. */
+/* Vertices on one side of a curve, or nearest to it, in order along it, each step an edge; ring has room for curve->count. A walk that
+ * visits a vertex twice is cut there and its longest simple part kept; *simple tells whether that was needed not at all. Returns how many.
+ */
 sn_index section_ring(section *s, const section_curve *curve, section_side side, sn_index *ring, bool *simple);
 
 /* Turn a closed ring so that it starts at its lowest vertex and goes towards the lower one of that vertex's two neighbours. */
