@@ -145,7 +145,8 @@ typedef struct sn_roots_report {
     sn_ends_choice ends;    /* what the automatic selection took the ends from */
     double span;   /* of the ring along the muscle: 0 = all of it is equally far from both ends, 1 = it reaches from one to the other;
                     * NaN for manual selection */
-    bool right;    /* automatic: a closed ring that parts the surface in two and the ends from each other, and spans a third or less */
+    bool right;    /* automatic: a closed ring that parts the surface in two and the ends from each other, spans a third or
+                    * less and lies a tenth of the way or more from both ends */
     bool section;  /* automatic: across the straight line between the ends, as no contour of their field has a right ring */
     bool fallback; /* automatic: nothing is right, and what came nearest was taken */
 } sn_roots_report;

@@ -15,6 +15,7 @@
 
 #define NEAR_CENTROID 0.10    /* a ring between sites or attachments must lie within this share of L of the centroid */
 #define GOOD_SPAN 0.2         /* near the centroid, a ring that spans no more of the way from end to end is taken before others */
+#define CAP 0.1               /* a ring nearer to an end than this share of the way is no section but a cap around it */
 #define MOST_SPAN (1.0 / 3.0) /* a ring that spans more runs along the muscle */
 
 typedef struct selection {
@@ -97,6 +98,13 @@ static void height_between(selection *s) {
 
 /* ---- what a right ring is --------------------------------------------------------------------------------------------- */
 
+/* Where the ring lies on the way from end to end: the mean of its vertices. */
+static double place_of(const selection *s, sn_index count, const sn_index *ring) {
+    double sum = 0.0;
+    for (sn_index i = 0; i < count; i++) sum += s->along[ring[i]];
+    return sum / (double)count;
+}
+
 static double span_of(const selection *s, sn_index count, const sn_index *ring) {
     double low = INFINITY, high = -INFINITY;
     for (sn_index i = 0; i < count; i++) {
@@ -106,9 +114,10 @@ static double span_of(const selection *s, sn_index count, const sn_index *ring) 
     return high >= low ? high - low : NAN;
 }
 
-/* A ring around the muscle: not one along it, nor one around a part of it. */
+/* A ring around the muscle: not one along it, nor one around a part of it or the cap of an end. */
 static bool is_right(selection *s, double most, sn_index count, const sn_index *ring) {
     const sn_fixed_values fixed = {s->ends.count, s->ends.vertices, s->ends.values};
+    if (!(fabs(place_of(s, count, ring) - 0.5) <= 0.5 - CAP)) return false;
     return span_of(s, count, ring) <= most && section_ring_closed(&s->cut, count, ring) && section_parts(&s->cut, count, ring) == 2 &&
            section_separates(&s->cut, count, ring, &fixed);
 }

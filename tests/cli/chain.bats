@@ -124,3 +124,30 @@ section() { jq -c ".$2" "$1"; }
     grep -q 'the ends are taken from tips: attachments: all lie at one end or along the belly' err
     refute grep -q 'warning: the ends' err
 }
+
+# a ring of 60 x 40 mm, 5 thick: whatever parts it in two must cut both of its arms
+torus() {
+    awk 'function id(i, j) { return (i % n) * k + j % k + 1 }
+        BEGIN {
+            n = 36; k = 8
+            for (i = 0; i < n; i++) for (j = 0; j < k; j++) {
+                a = 6.283185307179586 * i / n; b = 6.283185307179586 * j / k
+                print "v", (60 + 5 * cos(b)) * cos(a), (40 + 5 * cos(b)) * sin(a), 5 * sin(b)
+            }
+            for (i = 0; i < n; i++) for (j = 0; j < k; j++) {
+                print "f", id(i, j), id(i + 1, j), id(i + 1, j + 1)
+                print "f", id(i, j), id(i + 1, j + 1), id(i, j + 1)
+            }
+        }'
+}
+
+@test "where no ring runs around the muscle between its ends, as on a handle, a warning and the report say so" {
+    torus > torus.obj
+    "$BIN/root-select" --units mm torus.obj --report r.json -o rooted.json 2> err
+    grep -q 'warning: the surface has handles (genus 1)' err
+    grep -q 'warning: no ring runs around the muscle between its ends' err
+    [ "$(jq -c '[.right, .fallback]' r.json)" = '[false,true]' ]
+    "$BIN/root-select" clean.json --report r.json -o rooted.json 2> err # the fan has one
+    [ "$(jq -c '[.right, .fallback]' r.json)" = '[true,false]' ]
+    refute grep -q 'no ring runs' err
+}
