@@ -35,8 +35,9 @@ static const cli_option options[] = {
      "bend the template to superficial fibres: lines of an OBJ, VTP or VTK file, or a document's"},
     {0, "map", "NAME", CLI_CHOICE, &map, CLI_RESULT, 0, 0, map_names,
      "from the template to a slice: harmonic (default), or mvc, planar mean value coordinates"},
-    {0, "ends", "FILE", CLI_TEXT, &ends_file, CLI_RESULT | CLI_FILE, 0, 0, NULL,
-     "where fibres begin and end: vertices as JSON, or fibres as --bend-to takes them"},
+    {0, "ends", "FILE", CLI_TEXT, &ends_file, CLI_RESULT | CLI_FILE, 0, 0, cli_ends_words,
+     "where fibres begin and end: vertices as JSON, or fibres as --bend-to takes them; auto (default): the best known attachments, else "
+     "the tips"},
     {0, "tips", NULL, CLI_CLEAR, &params.use_attachments, CLI_RESULT, 0, 0, NULL, "let fibres end at the tips, not at the attachments"},
     {0, "smooth", "N", CLI_INTEGER, &smooth, CLI_RESULT, 0, 10000, NULL, "rounds of smoothing along each fibre (default 0)"},
     {0, "no-pull", NULL, CLI_CLEAR, &params.pull, CLI_RESULT, 0, 0, NULL, "leave fibre vertices outside the volume where they are"},
@@ -62,10 +63,6 @@ typedef struct outcome {
     sn_embedding_report embedding;
     bool embedded;
 } outcome;
-
-static const char *ends_name(sn_fill_ends_kind kind) {
-    return kind == SN_FILL_ENDS_ATTACHMENTS ? "attachments" : kind == SN_FILL_ENDS_GIVEN ? "given" : "tips";
-}
 
 static void write_each(sn_json *json, const sn_fibers *lines) {
     sn_json_array(json, "each");
@@ -93,7 +90,7 @@ static void write_report(sn_json *json, const void *data) {
     const sn_fill_report *r = &o->fill;
     sn_json_integer(json, "fibers", r->fibers);
     sn_json_integer(json, "vertices", r->vertices);
-    sn_json_text(json, "ends", ends_name(r->ends));
+    if (r->chosen.from != NULL) cli_report_ends(json, &r->chosen);
     sn_json_integer(json, "leaves", r->leaves);
     sn_json_integer(json, "levels", r->levels);
     sn_json_integer(json, "loops", r->loops);
@@ -123,8 +120,9 @@ static void write_report(sn_json *json, const void *data) {
 
 static void comment(cli *c, const sn_fill_report *r, bool stopped) {
     cli_say(c, "%d fibres from %s, %d slices on %d levels; mean length %.4g, pennation %.1f degrees; %d of %d vertices were outside",
-            r->fibers, ends_name(r->ends), r->loops, r->levels, r->mean_length, r->mean_pennation * DEGREES, r->outside_before,
-            r->vertices);
+            r->fibers, r->chosen.from != NULL ? r->chosen.from : "nowhere", r->loops, r->levels, r->mean_length,
+            r->mean_pennation * DEGREES, r->outside_before, r->vertices);
+    if (r->chosen.from != NULL) cli_say_ends(c, &r->chosen);
     if (!r->closed) cli_warn(c, "the surface is not closed: fibres end at its gaps, and inside is a guess; mesh-clean fills holes");
     if (stopped) return;
     if (r->fibers < params.fibers) cli_shortfall(c, "only %d of %d fibres found their way between the ends", r->fibers, params.fibers);
@@ -294,6 +292,7 @@ int main(int argc, char **argv) {
     sn_error error = {0};
     params = sn_fill_defaults();
     cli_start(&c, &tool, argc, argv);
+    cli_take_ends(&ends_file);
     take_options(&c);
     params.pool = sn_pool_create(c.threads);
     sn_status status = params.pool != NULL ? cli_load(&c, &muscle, &error) : sn_fail_memory(&error, "threads");

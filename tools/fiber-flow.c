@@ -15,9 +15,10 @@ static const char *const weight_names[] = {"inverse-square", "paper", NULL}; /* 
 static const cli_option options[] = {
     {0, "field", "NAME", CLI_CHOICE, &field, CLI_RESULT, 0, 0, sn_flow_field_names,
      "where directions come from: tree, the internal structure; harmonic, a field from end to end; fibers, those of --from-fibers; auto "
-     "(default), harmonic where the ends are known by --ends or by attachment areas, else tree"},
-    {0, "ends", "FILE", CLI_TEXT, &ends, CLI_RESULT | CLI_FILE, 0, 0, NULL,
-     "known sites of both ends: lines \"origin X Y Z\" and \"insertion X Y Z\", or fibres from end to end"},
+     "(default), harmonic where the ends are known by --ends, attachment areas or pins, else tree"},
+    {0, "ends", "FILE", CLI_TEXT, &ends, CLI_RESULT | CLI_FILE, 0, 0, cli_ends_words,
+     "known sites of both ends: lines \"origin X Y Z\" and \"insertion X Y Z\", or fibres from end to end; auto (default): the best known "
+     "attachments, else the tips"},
     {0, "from-fibers", "FILE", CLI_TEXT, &from_fibers, CLI_RESULT | CLI_FILE, 0, 0, NULL,
      "take each direction from the nearest of these fibres: lines of an OBJ, VTP or VTK file, or those of a document"},
     {0, "weights", "NAME", CLI_CHOICE, &weights, CLI_RESULT, 0, 0, weight_names,
@@ -39,7 +40,7 @@ static void write_report(sn_json *json, const void *data) {
     const sn_flow_report *r = data;
     sn_json_integer(json, "vertices", r->vertices);
     sn_json_text(json, "field", sn_flow_field_names[r->field]);
-    if (r->field == SN_FIELD_HARMONIC) sn_json_text(json, "ends", sn_ends_source_names[r->ends]);
+    if (r->ends.from != NULL) cli_report_ends(json, &r->ends);
     sn_json_integer(json, "byField", r->by_field);
     sn_json_integer(json, "byNeighbours", r->by_neighbours);
     sn_json_integer(json, "byConvention", r->by_convention);
@@ -59,13 +60,14 @@ static void comment(const cli *c, const sn_flow_report *r) {
             "below %.1f",
             r->vertices, sn_flow_field_names[r->field], r->by_field, r->by_neighbours, r->by_convention, r->mean_angle * DEGREES,
             r->percentile95_angle * DEGREES);
+    if (r->ends.from != NULL) cli_say_ends(c, &r->ends);
     if (r->by_convention > 0)
         cli_warn(c, "%d vertices have an arbitrary direction: neither the field nor their neighbours gave one", r->by_convention);
 }
 
 /* A field from end to end means little where nobody knows the ends. */
 static void comment_ends(const cli *c, const sn_flow_report *r) {
-    if (r->field == SN_FIELD_HARMONIC && (r->ends == SN_ENDS_TIPS || r->ends == SN_ENDS_EIGEN))
+    if (r->field == SN_FIELD_HARMONIC && (r->ends.source == SN_ENDS_TIPS || r->ends.source == SN_ENDS_EIGEN))
         cli_warn(c, "the harmonic field runs between the tips of the shape; give sites with --ends, or attachment areas with attach-detect "
                     "--method area, for the muscle's true ends");
 }
@@ -125,6 +127,7 @@ int main(int argc, char **argv) {
     sn_error error = {0};
     params = sn_flow_defaults();
     cli_start(&c, &tool, argc, argv);
+    cli_take_ends(&ends);
     take_options(&c);
     sn_status status = read_extras(&sites, &given, &error);
     if (status == SN_OK) status = cli_load(&c, &muscle, &error);

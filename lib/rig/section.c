@@ -140,7 +140,9 @@ static sn_index side_walk(const section *s, const section_curve *curve, section_
     for (sn_index i = 0; i < curve->count; i++) {
         const sn_edge *e = &s->topology->edges[s->cut_edges[curve->first + i]];
         sn_index low = s->low[e->v[0]] ? e->v[0] : e->v[1];
-        sn_index vertex = side == SECTION_LOW ? low : e->v[0] + e->v[1] - low;
+        sn_index high = e->v[0] + e->v[1] - low;
+        bool below = side == SECTION_NEAREST ? s->level - s->u[low] <= s->u[high] - s->level : side == SECTION_LOW;
+        sn_index vertex = below ? low : high;
         if (count == 0 || walk[count - 1] != vertex) walk[count++] = vertex;
     }
     if (curve->closed)
@@ -208,7 +210,8 @@ bool section_ring_closed(section *s, sn_index count, const sn_index *ring) {
 
 /* ---- parts -------------------------------------------------------------------------------------------------------- */
 
-static void flood(section *s, uint32_t mark, sn_index seed) {
+/* Marks what is joined to the seed without passing vertices that are marked with `border` or already with `mark`. */
+static void flood_off(section *s, uint32_t border, uint32_t mark, sn_index seed) {
     const sn_topology *t = s->topology;
     sn_index top = 0;
     s->vertex_stamp[seed] = mark;
@@ -217,7 +220,7 @@ static void flood(section *s, uint32_t mark, sn_index seed) {
         sn_index v = s->stack[--top];
         for (sn_index k = t->vertex_start[v]; k < t->vertex_start[v + 1]; k++) {
             sn_index w = t->neighbours[k];
-            if (s->vertex_stamp[w] == mark) continue;
+            if (s->vertex_stamp[w] == mark || s->vertex_stamp[w] == border) continue;
             s->vertex_stamp[w] = mark;
             s->stack[top++] = w;
         }
@@ -232,8 +235,28 @@ sn_index section_parts(section *s, sn_index count, const sn_index *vertices) {
     for (sn_index i = 0; i < count; i++)
         for (sn_index k = t->vertex_start[vertices[i]]; k < t->vertex_start[vertices[i] + 1]; k++)
             if (s->vertex_stamp[t->neighbours[k]] != mark) {
-                flood(s, mark, t->neighbours[k]);
+                flood_off(s, mark, mark, t->neighbours[k]);
                 parts++;
             }
     return parts;
+}
+
+bool section_separates(section *s, sn_index count, const sn_index *vertices, const sn_fixed_values *ends) {
+    uint32_t border = fresh_stamp(s), mark = fresh_stamp(s);
+    if (mark < border) border = fresh_stamp(s); /* the stamps began anew */
+    for (sn_index i = 0; i < count; i++) s->vertex_stamp[vertices[i]] = border;
+    bool low = false, high = false;
+    for (sn_index i = 0; i < ends->count; i++) {
+        sn_index v = ends->vertices[i];
+        if (ends->values[i] != 0.0 || s->vertex_stamp[v] == border) continue;
+        if (s->vertex_stamp[v] != mark) flood_off(s, border, mark, v);
+        low = true;
+    }
+    for (sn_index i = 0; i < ends->count; i++) {
+        sn_index v = ends->vertices[i];
+        if (ends->values[i] == 0.0 || s->vertex_stamp[v] == border) continue;
+        if (s->vertex_stamp[v] == mark) return false;
+        high = true;
+    }
+    return low && high;
 }

@@ -7,7 +7,7 @@
 #ifndef SINEW_RIG_SECTION_H
 #define SINEW_RIG_SECTION_H
 
-#include "sinew/mesh.h"
+#include "sinew/geom.h"
 
 /* One connected curve: cut edges first .. first + count - 1 of the section, in order along it. */
 typedef struct section_curve {
@@ -39,10 +39,12 @@ void section_free(section *s);
 /* Find the curves of {u = level}, in the order of their lowest edge. */
 SN_MUST_CHECK sn_status section_cut(section *s, const double *u, double level, sn_error *error);
 
-typedef enum section_side { SECTION_LOW, SECTION_HIGH } section_side;
+/* Beside the curve, or of each cut edge the end whose value is nearer to the level: on a coarse mesh the straighter ring. */
+typedef enum section_side { SECTION_LOW, SECTION_HIGH, SECTION_NEAREST } section_side;
 
-/* Vertices on one side of a curve, in order along it, each step an edge; ring has room for curve->count. A walk that visits a vertex twice
- * is cut there and its longest simple part kept; *simple tells whether that was needed not at all. Returns how many. */
+/* Vertices on one side of a curve, or nearest to it, in order along it, each step an edge; ring has room for curve->count. A walk that
+ * visits a vertex twice is cut there and its longest simple part kept; *simple tells whether that was needed not at all. Returns how many.
+ */
 sn_index section_ring(section *s, const section_curve *curve, section_side side, sn_index *ring, bool *simple);
 
 /* Turn a closed ring so that it starts at its lowest vertex and goes towards the lower one of that vertex's two neighbours. */
@@ -53,5 +55,9 @@ bool section_ring_closed(section *s, sn_index count, const sn_index *ring);
 
 /* Connected parts of the surface, without `count` vertices, that touch those vertices. */
 sn_index section_parts(section *s, sn_index count, const sn_index *vertices);
+
+/* Do these vertices part those where value is 0 from those where it is 1: is there no way along edges past them, and are some of
+ * either not among them? */
+bool section_separates(section *s, sn_index count, const sn_index *vertices, const sn_fixed_values *ends);
 
 #endif

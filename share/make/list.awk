@@ -42,8 +42,8 @@ function is_called(pattern, kind, i) {
 
 BEGIN {
     FS = "\t"
-    split("mesh-clean root-select build-structure fiber-flow attach-detect", tool_names, " ")
-    split("clean roots structure fibers muscle", suffixes, " ")
+    split("mesh-clean attach-detect root-select build-structure fiber-flow fiber-fill", tool_names, " ")
+    split("clean attached roots structure fibers muscle", suffixes, " ")
     for (t = 1; t in tool_names; t++) tool_number[tool_names[t]] = t
     count["in"] = count["bones"] = 0
 }
@@ -87,7 +87,7 @@ function add_bones(i, words, where,    k, n, b, word, any) {
 
 function add_row(pattern, tool, words, where,    i, any) {
     if (!(tool in tool_number) && tool != "bones" && tool != "candidates")
-        complain(where "'" tool "' is none of mesh-clean, root-select, build-structure, fiber-flow, attach-detect, bones, candidates")
+        complain(where "'" tool "' is none of mesh-clean, attach-detect, root-select, build-structure, fiber-flow, fiber-fill, bones, candidates")
     if ((" " words " ") ~ / (-o|--output|--report)[ =]/) complain(where "--output and --report are given by sinew.mk")
     for (i = 1; i <= count["in"]; i++) {
         if (!is_called(pattern, "in", i)) continue
@@ -131,6 +131,7 @@ function shared_options(tool,    words) {
     if (tool == "mesh-clean" && ENVIRON["SINEW_UP"] != "") words = words " --up " ENVIRON["SINEW_UP"]
     if (tool == "attach-detect" && ENVIRON["SINEW_BONE_UNITS"] != "") words = words " --bone-units " ENVIRON["SINEW_BONE_UNITS"]
     if (tool == "attach-detect" && ENVIRON["SINEW_BONE_UP"] != "") words = words " --bone-up " ENVIRON["SINEW_BONE_UP"]
+    if (tool == "fiber-fill" && ENVIRON["SINEW_FIBERS"] != "") words = words " --fibers " ENVIRON["SINEW_FIBERS"]
     return words
 }
 
@@ -170,7 +171,7 @@ function write_muscle(i,    t, tool, words, text, rules, name) {
     rules = rules state "/candidates/" name ".done:" named_files(words) bone_sums(i) "\n"
     words = state "/in/" name "." extension["in", i]
     rules = rules stages "/" name ".clean.done: " words "\n" state "/lint/surface/" name ".done: " words "\n"
-    return rules stages "/" name ".muscle.done:" bone_sums(i) "\n"
+    return rules stages "/" name ".attached.done:" bone_sums(i) "\n"
 }
 
 function write_rules(    i, names, rules, link) {

@@ -24,7 +24,7 @@ function take_bones(    line, cell) {
 
 BEGIN {
     FS = "\t"
-    count = split("clean roots structure fibers", suffix, " ")
+    count = split("clean attached roots structure fibers", suffix, " ")
     take_bones()
 }
 

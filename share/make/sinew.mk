@@ -21,6 +21,8 @@ SINEW_UNITS ?=
 SINEW_UP ?=
 SINEW_BONE_UNITS ?=
 SINEW_BONE_UP ?=
+# fibres through the volume of every muscle; empty: of those alone to which the table gives options of fiber-fill
+SINEW_FIBERS ?=
 # rigs, logs and stages go here
 SINEW_OUT ?= rigs
 # the folder of the tools; empty: they are on the PATH
@@ -32,7 +34,7 @@ SINEW_PAGE ?= 100
 SINEW_PIXELS ?= 240x180
 SINEW_LINT ?= --self-intersections
 
-sinew_settings := SINEW_SURFACES SINEW_BONES SINEW_TABLE SINEW_UNITS SINEW_UP SINEW_BONE_UNITS SINEW_BONE_UP SINEW_OUT SINEW_BIN \
+sinew_settings := SINEW_SURFACES SINEW_BONES SINEW_TABLE SINEW_UNITS SINEW_UP SINEW_BONE_UNITS SINEW_BONE_UP SINEW_FIBERS SINEW_OUT SINEW_BIN \
     SINEW_THREADS SINEW_PAGE SINEW_PIXELS SINEW_LINT
 export $(sinew_settings)
 
@@ -87,10 +89,11 @@ $(sinew_names:%=$4): $4: $(sinew_stages)/%.$2.done
 	@test -e $$@ || { rm -f $$<; $$(MAKE) --no-print-directory -f $(sinew_makefile) SINEW_LISTED=yes $$<; }
 endef
 $(eval $(call sinew_stage,mesh-clean,clean,,$(sinew_stages)/%.clean.json))
-$(eval $(call sinew_stage,root-select,roots,$(sinew_stages)/%.clean.json,$(sinew_stages)/%.roots.json))
+$(eval $(call sinew_stage,attach-detect,attached,$(sinew_stages)/%.clean.json,$(sinew_stages)/%.attached.json))
+$(eval $(call sinew_stage,root-select,roots,$(sinew_stages)/%.attached.json,$(sinew_stages)/%.roots.json))
 $(eval $(call sinew_stage,build-structure,structure,$(sinew_stages)/%.roots.json,$(sinew_stages)/%.structure.json))
 $(eval $(call sinew_stage,fiber-flow,fibers,$(sinew_stages)/%.structure.json,$(sinew_stages)/%.fibers.json))
-$(eval $(call sinew_stage,attach-detect,muscle,$(sinew_stages)/%.fibers.json,$(SINEW_OUT)/%.muscle.json))
+$(eval $(call sinew_stage,fiber-fill,muscle,$(sinew_stages)/%.fibers.json,$(SINEW_OUT)/%.muscle.json))
 
 # a bone's checksum: a touched bone with the same bytes changes nothing
 $(sinew_bones:%=$(sinew_state)/bones/%.done): $(sinew_state)/bones/%.done:

@@ -34,8 +34,8 @@ function print_head(    t) {
 
 BEGIN {
     FS = "\t"
-    split("mesh-clean root-select build-structure fiber-flow attach-detect", tool, " ")
-    split("clean roots structure fibers muscle", suffix, " ")
+    split("mesh-clean attach-detect root-select build-structure fiber-flow fiber-fill", tool, " ")
+    split("clean attached roots structure fibers muscle", suffix, " ")
     print_head()
 }
 

@@ -11,10 +11,10 @@ name=$(awk -F '\t' '$2 == "muscle" { d = $4 - 26000; if (d < 0) d = -d; if (best
 awk -F '\t' -v dir="$meshes/" '$2 == "bone" { n = $1; sub(/\.[a-z]+$/, "", n); print n "\t" dir $1 }' "$data/leg-vhf/manifest.tsv" > "$out/bones"
 chain() {
     "$BIN/mesh-clean" --units mm "$meshes/$name" -o "$out/m.json"
+    "$BIN/attach-detect" --bones "$out/bones" "$out/m.json" -o "$out/m.json" 2> /dev/null
     "$BIN/root-select" "$out/m.json" -o "$out/m.json"
     "$BIN/build-structure" "$out/m.json" -o "$out/m.json"
     "$BIN/fiber-flow" "$out/m.json" -o "$out/m.json"
-    "$BIN/attach-detect" --bones "$out/bones" "$out/m.json" -o "$out/m.json" 2> /dev/null
 }
 for i in 1 2 3 4 5; do
     start=$(date +%s.%N)

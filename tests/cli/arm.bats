@@ -80,12 +80,12 @@ END
     bones="--bone scapula=scapula.ply --bone humerus=humerus.ply --bone ulna=ulna.ply --bone radius=radius.ply"
     cp "$HERE/arm.scene.json" .
     for threads in 1 2; do
-        "$BIN/attach-detect" biceps.fibers.json $bones --threads $threads -o "$BATS_TEST_TMPDIR/$threads.json"
+        "$BIN/attach-detect" biceps.clean.json $bones --threads $threads -o "$BATS_TEST_TMPDIR/$threads.json"
         mkdir "$BATS_TEST_TMPDIR/$threads"
         "$BIN/simulate" arm.scene.json --frames 0:2 --threads $threads -o "$BATS_TEST_TMPDIR/$threads" > "$BATS_TEST_TMPDIR/$threads/log"
     done
     cmp "$BATS_TEST_TMPDIR/1.json" "$BATS_TEST_TMPDIR/2.json"
-    cmp biceps.muscle.json "$BATS_TEST_TMPDIR/1.json"
+    cmp biceps.attached.json "$BATS_TEST_TMPDIR/1.json"
     diff -r "$BATS_TEST_TMPDIR/1" "$BATS_TEST_TMPDIR/2"
 }
 

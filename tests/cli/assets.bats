@@ -22,7 +22,7 @@ setup() {
 
 # the stages that ran, a line each as "NAME: TOOL", sorted
 build() { make -j2 "$@" > said 2> complaints || return; stages_run; }
-stages_run() { sed 's/^\[[^]]*\] //' said | grep -E ': (mesh-clean|root-select|build-structure|fiber-flow|attach-detect)$' | sort > ran || true; }
+stages_run() { sed 's/^\[[^]]*\] //' said | grep -E ': (mesh-clean|attach-detect|root-select|build-structure|fiber-flow|fiber-fill)$' | sort > ran || true; }
 row() { printf '%s\t%s\t%s\n' "$@" >> options.tsv; }
 refused() { # WORDS [MAKE ARGUMENT...]: one sentence, no work
     words=$1
@@ -35,19 +35,29 @@ refused() { # WORDS [MAKE ARGUMENT...]: one sentence, no work
 
 @test "every muscle becomes a rig, the same as by hand; summary and contact sheet come with it" {
     build
-    [ "$(wc -l < ran)" -eq 15 ]
+    [ "$(wc -l < ran)" -eq 18 ]
     for name in biceps brachialis triceps; do
         [ -s "rigs/$name.muscle.json" ]
     done
-    "$BIN/mesh-clean" muscles/biceps.ply | "$BIN/root-select" | "$BIN/build-structure" | "$BIN/fiber-flow" |
+    "$BIN/mesh-clean" muscles/biceps.ply |
         "$BIN/attach-detect" --bone humerus=bones/humerus.ply --bone radius=bones/radius.ply --bone scapula=bones/scapula.ply \
-            --bone ulna=bones/ulna.ply --no-history -o hand.muscle.json
-    "$BIN/attach-detect" rigs/biceps.muscle.json --bones rigs/state/all.bones --no-history -o rig.muscle.json
+            --bone ulna=bones/ulna.ply | "$BIN/root-select" | "$BIN/build-structure" | "$BIN/fiber-flow" --no-history -o hand.muscle.json
+    "$BIN/fiber-flow" rigs/biceps.muscle.json --no-history -o rig.muscle.json
     cmp hand.muscle.json rig.muscle.json
     [ "$(wc -l < rigs/summary.tsv)" -eq 4 ]
     awk -F '\t' 'NR == 1 { n = NF; next } NF != n || $3 != "ok" || !($8 > 100) || !($13 > 3) || !($15 > 0) || $16 < 2 || !($NF > 0) { exit 1 }' rigs/summary.tsv
     [ "$(head -c 4 rigs/sheet-1.png | tail -c 3)" = PNG ]
     [ ! -e rigs/sheet-2.png ]
+}
+
+@test "fibres through the volume are for who asks: by the table, or for all" {
+    row biceps fiber-fill '--fibers 7'
+    build
+    [ "$(jq '.fibers.polylines | length' rigs/biceps.muscle.json)" = 7 ]
+    [ "$(jq '.fibers.polylines | length' rigs/triceps.muscle.json)" = 0 ]
+    build SINEW_FIBERS=5
+    [ "$(jq '.fibers.polylines | length' rigs/triceps.muscle.json)" = 5 ]
+    [ "$(cat ran)" = "$(printf '%s: fiber-fill\n' biceps brachialis triceps)" ]
 }
 
 @test "a second run does nothing, and leaves every file alone" {
@@ -67,7 +77,7 @@ refused() { # WORDS [MAKE ARGUMENT...]: one sentence, no work
     "$BIN/mesh-clean" muscles/biceps.ply --triangles 900 -o muscles/new.ply
     mv muscles/new.ply muscles/biceps.ply
     build
-    [ "$(wc -l < ran)" -eq 5 ]
+    [ "$(wc -l < ran)" -eq 6 ]
     [ "$(cut -d : -f 1 ran | uniq)" = biceps ]
     build
     [ ! -s ran ]
@@ -77,7 +87,7 @@ refused() { # WORDS [MAKE ARGUMENT...]: one sentence, no work
     build
     row brachialis build-structure "--prune 0.2"
     build
-    [ "$(cat ran)" = "$(printf 'brachialis: %s\n' attach-detect build-structure fiber-flow)" ]
+    [ "$(cat ran)" = "$(printf 'brachialis: %s\n' build-structure fiber-fill fiber-flow)" ]
     row "tric*" root-select -v
     build
     [ "$(cat ran)" = "triceps: root-select" ]
@@ -86,7 +96,7 @@ refused() { # WORDS [MAKE ARGUMENT...]: one sentence, no work
     [ ! -s ran ]
     sed -i '/prune/d' options.tsv
     build
-    [ "$(cat ran)" = "$(printf 'brachialis: %s\n' attach-detect build-structure fiber-flow)" ]
+    [ "$(cat ran)" = "$(printf 'brachialis: %s\n' build-structure fiber-fill fiber-flow)" ]
 }
 
 @test "options are quoted as in a shell, and nothing in them is run" {
@@ -109,7 +119,7 @@ refused() { # WORDS [MAKE ARGUMENT...]: one sentence, no work
     [ "$(cat ran)" = "biceps: attach-detect" ]
 }
 
-@test "a changed bone rebuilds attachments only; a touched one nothing; a chosen one only who chose it" {
+@test "a changed bone rebuilds from the attachments on; a touched one nothing; a chosen one only who chose it" {
     row biceps bones "scapula rad*"
     build
     refute grep -q '"bone": *"ulna"' rigs/biceps.muscle.json
@@ -119,10 +129,10 @@ refused() { # WORDS [MAKE ARGUMENT...]: one sentence, no work
     "$BIN/mesh-clean" bones/ulna.ply --triangles 200 -o bones/new.ply
     mv bones/new.ply bones/ulna.ply
     build
-    [ "$(cat ran)" = "$(printf '%s: attach-detect\n' brachialis triceps)" ]
+    [ "$(cat ran)" = "$(for name in brachialis triceps; do printf "$name: %s\n" attach-detect build-structure fiber-fill fiber-flow root-select; done)" ]
     rm bones/ulna.ply
     build
-    [ "$(cat ran)" = "$(printf '%s: attach-detect\n' brachialis triceps)" ]
+    [ "$(cat ran)" = "$(for name in brachialis triceps; do printf "$name: %s\n" attach-detect build-structure fiber-fill fiber-flow root-select; done)" ]
 }
 
 @test "a broken muscle fails alone, is named, leaves no stale rig, and heals" {
@@ -139,10 +149,10 @@ refused() { # WORDS [MAKE ARGUMENT...]: one sentence, no work
     row biceps build-structure "--prune 0.2" # the others are still built beside it
     if build; then false; fi
     stages_run
-    grep -q 'biceps: attach-detect' ran
+    grep -q 'biceps: fiber-fill' ran
     cp good.ply muscles/triceps.ply
     build
-    [ "$(wc -l < ran)" -eq 5 ]
+    [ "$(wc -l < ran)" -eq 6 ]
     [ -s rigs/triceps.muscle.json ]
 }
 
@@ -153,7 +163,7 @@ refused() { # WORDS [MAKE ARGUMENT...]: one sentence, no work
     [ "$(cat ran)" = "$(printf 'biceps: %s\n' build-structure root-select)" ]
     rm rigs/biceps.muscle.json
     build
-    [ "$(cat ran)" = "biceps: attach-detect" ]
+    [ "$(cat ran)" = "biceps: fiber-fill" ]
     [ -s rigs/biceps.muscle.json ]
 }
 
@@ -377,21 +387,21 @@ candidates() { make -j2 candidates > said 2> complaints; status=$?; sed 's/^\[[^
 
 @test "how far it is: each line counts what is done of what there is to do" {
     make > said 2> complaints
-    [ "$(grep -c '^\[[0-9]* of 15 done, [0-9]* %\] ' said)" -eq 15 ]
-    grep '^\[' said | sed 's/^\[\([0-9]*\) of 15 done, \([0-9]*\) %.*/\1 \2/' | awk '{ if ($1 != NR - 1 || $2 != int(100 * $1 / 15)) exit 1 }'
+    [ "$(grep -c '^\[[0-9]* of 18 done, [0-9]* %\] ' said)" -eq 18 ]
+    grep '^\[' said | sed 's/^\[\([0-9]*\) of 18 done, \([0-9]*\) %.*/\1 \2/' | awk '{ if ($1 != NR - 1 || $2 != int(100 * $1 / 18)) exit 1 }'
     row brachialis build-structure "--prune 0.2"
     make > said 2> complaints
     [ "$(grep -c '^\[[0-2] of 3 done, ' said)" -eq 3 ]
     touch muscles/biceps.ply # cleaned, and nothing after it
     make > said 2> complaints
-    [ "$(grep '^\[' said)" = "[0 of 5 done, 0 %] biceps: mesh-clean" ]
+    [ "$(grep '^\[' said)" = "[0 of 6 done, 0 %] biceps: mesh-clean" ]
     make lint > said 2> complaints
     [ "$(grep -c '^\[[0-6] of 7 done, ' said)" -eq 7 ]
     make lint > said 2> complaints
     refute grep -q '^\[' said
     rm rigs/biceps.muscle.json
     make rigs/biceps.muscle.json > said
-    [ "$(cat said)" = "biceps: attach-detect" ]
+    [ "$(cat said)" = "biceps: fiber-fill" ]
 }
 
 @test "messages name the files as their user does, not the links and documents that make works on" {

@@ -58,10 +58,10 @@ setup() {
 
 chain() {
     "$BIN/mesh-clean" spindle.off -o 1.json
-    "$BIN/root-select" 1.json -o 2.json
-    "$BIN/build-structure" 2.json -o 3.json
-    "$BIN/fiber-flow" 3.json -o 4.json
-    "$BIN/attach-detect" --bone lower=bone.off 4.json -o 5.json
+    "$BIN/attach-detect" --bone lower=bone.off 1.json -o 2.json
+    "$BIN/root-select" 2.json -o 3.json
+    "$BIN/build-structure" 3.json -o 4.json
+    "$BIN/fiber-flow" 4.json -o 5.json
 }
 
 @test "every document of the chain keeps to the schema, and its history tells who made it" {
@@ -69,7 +69,7 @@ chain() {
     chain
     valid muscle 1.json 2.json 3.json 4.json 5.json
     [ "$(member 5.json '[h["tool"] for h in d["history"]]')" = \
-        '["mesh-clean", "root-select", "build-structure", "fiber-flow", "attach-detect"]' ]
+        '["mesh-clean", "attach-detect", "root-select", "build-structure", "fiber-flow"]' ]
     [ "$(member 5.json '[list(d), d["attachments"][0]["bone"], len(d["attachments"][0]["vertices"]) > 0]')" = \
         '[["format", "version", "name", "metersPerUnit", "mesh", "roots", "structure", "fibers", "attachments", "history"], "lower", true]' ]
 }
@@ -88,7 +88,7 @@ chain() {
     sed '$d' 1.json > start.json
     printf '  ,"zeta": {"a": [1, 2.50, {"b": null}], "t": "\\u00fa\\n"},\n  "omega": [], "alpha": 1e-7}\n' >> start.json
     cp start.json in.json
-    for tool in mesh-clean root-select build-structure fiber-flow "attach-detect --bone lower=bone.off"; do
+    for tool in mesh-clean "attach-detect --bone lower=bone.off" root-select build-structure fiber-flow "fiber-fill -n 4"; do
         "$BIN"/$tool in.json -o out.json
         [ "$(member out.json '[d["zeta"], d["omega"], d["alpha"]]')" = "$(member start.json '[d["zeta"], d["omega"], d["alpha"]]')" ]
         [ "$(member out.json '[k for k in d if k in ("zeta", "omega", "alpha", "history")]')" = '["zeta", "omega", "alpha", "history"]' ]
@@ -98,7 +98,7 @@ chain() {
 
 @test "a member inside a section that a tool does not own goes through too" {
     chain
-    sed 's/"rule": /"note": "mine", "rule": /' 2.json > noted.json
+    sed 's/"rule": /"note": "mine", "rule": /' 3.json > noted.json
     "$BIN/build-structure" noted.json -o out.json
     [ "$(member out.json 'd["roots"]["note"]')" = '"mine"' ]
 }

@@ -93,7 +93,7 @@ roots() { tr -d '\n' < "$1" | sed -n 's/.*"roots": *{ *"vertices": *\[\([^]]*\)\
     "$BIN/root-select" --report r.json rig.json -o again.json 2> err
     grep -q structure err && grep -q fibers err
     [ "$(grep -c '"structure"' again.json)" -eq 0 ]
-    grep -q '"attachments"' again.json && grep -q '"ends": "attachments"' r.json
+    grep -q '"attachments"' again.json && grep -q '"ends": "pins"' r.json
 }
 
 @test "known sites are the ends; the tips may be those of the eigenfunction" {

@@ -72,8 +72,8 @@ book() { awk -v d="$1" 'BEGIN { a = d * 3.14159265358979 / 180
     for bone in Scapula Ulna Radius humerus; do echo "${bone}_L	$meshes/BONE${bone}_L.stl"; done > bones.txt
     # its bones are the first three (attachments.tsv of the data)
     head -n 3 bones.txt > held.txt
-    mesh-clean -q "$meshes/MUSCm.biceps_brachii_L.stl" | root-select -q | build-structure -q | fiber-flow -q |
-        attach-detect -q --bones held.txt -o biceps.muscle.json
+    mesh-clean -q "$meshes/MUSCm.biceps_brachii_L.stl" | attach-detect -q --bones held.txt |
+        root-select -q | build-structure -q | fiber-flow -q -o biceps.muscle.json
     # dog.xml's elbow_L: it stands bent by 22 degrees, and its range ends 100 further
     echo '{"format": "sinew-motion", "version": 1, "metersPerUnit": 1, "rate": 24, "joints": [{"name": "elbow", "type": "hinge", "axis": [0, -1, -0.2],' \
         '"point": [0.145403, 0.068, 0.28022], "keys": [[0.25, 0], [2, 100], [2.5, 100]], "interpolation": "smooth"}]}' > elbow.motion.json

@@ -6,7 +6,8 @@ set -eu
 from=${1:-.} to=${2:-.}
 PATH=${TOOLS:+$(cd "$TOOLS" && pwd):}$PATH
 for muscle in biceps brachialis triceps; do
-    mesh-clean "$from/$muscle.ply" | root-select | build-structure | fiber-flow |
+    mesh-clean "$from/$muscle.ply" |
         attach-detect --bone scapula="$from/scapula.ply" --bone humerus="$from/humerus.ply" \
-            --bone ulna="$from/ulna.ply" --bone radius="$from/radius.ply" -o "$to/$muscle.muscle.json"
+            --bone ulna="$from/ulna.ply" --bone radius="$from/radius.ply" |
+        root-select | build-structure | fiber-flow | fiber-fill -o "$to/$muscle.muscle.json"
 done

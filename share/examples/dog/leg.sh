@@ -11,7 +11,7 @@ for bone in $bones; do
 done
 for muscle in $muscles; do
     name=${muscle#m[._]}
-    mesh-clean -q --units m "$dog/meshes/MUSC${muscle}_L.stl" | root-select -q | build-structure -q | fiber-flow -q |
-        attach-detect -q --bones near -o "rigs/$name.muscle.json"
+    mesh-clean -q --units m "$dog/meshes/MUSC${muscle}_L.stl" | attach-detect -q --bones near |
+        root-select -q | build-structure -q | fiber-flow -q -o "rigs/$name.muscle.json"
 done
 scene-build -q rigs --motion "$motion.motion.json" -o "$scene.scene.json"

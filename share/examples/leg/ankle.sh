@@ -13,9 +13,9 @@ plus() { echo "$1 $2" | awk '{ print $1 + $2 }'; }
 
 # rig NAME SURFACE LOWEST HIGHEST BONE: heights of the surface in mm; the bone above it
 rig() {
-    mesh-clean -q --units mm "${leg}_Muscle_$2_smooth.ply" | root-select -q | build-structure -q | fiber-flow -q |
-        attach-detect -q --pin "$5=half:0,0,$(plus "$4" "-$origin"),0,0,1" --pin "talus=half:0,0,$(plus "$3" "$end"),0,0,-1" \
-            -o "rigs/$1.muscle.json"
+    mesh-clean -q --units mm "${leg}_Muscle_$2_smooth.ply" |
+        attach-detect -q --pin "$5=half:0,0,$(plus "$4" "-$origin"),0,0,1" --pin "talus=half:0,0,$(plus "$3" "$end"),0,0,-1" |
+        root-select -q | build-structure -q | fiber-flow -q -o "rigs/$1.muscle.json"
 }
 rig soleus Soleus 190.145 471.702 tibia
 rig tibialis-anterior TibialisAnterior 211.415 456.263 tibia

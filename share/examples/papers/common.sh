@@ -93,12 +93,12 @@ bones_json() {
 rig() {
     name=$1 most=$2
     shift 2
-    set -- "$@" -o "$out/$name.muscle.json"
     decimate=''
     [ "$most" -eq 0 ] || decimate="--triangles $most"
     # shellcheck disable=SC2086
     mesh-clean -q $decimate ${unit:+--units $unit} --report "$out/$name.clean.json" "$surface" |
-        root-select -q | build-structure -q | fiber-flow -q | attach-detect -q "$@"
+        attach-detect -q "$@" | root-select -q | build-structure -q |
+        fiber-flow -q --field tree -o "$out/$name.muscle.json" # the papers' directions follow the structure
 }
 
 # millimetres NAME: the mean edge of a rig; count NAME: its triangles

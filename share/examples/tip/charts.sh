@@ -38,9 +38,9 @@ moving_tip() { # CASE OPTION...
 tibialis() {
     leg=$data/leg-vhf/meshes/VHF_Left
     mkdir -p "$out/rig"
-    mesh-clean -q --units mm "${leg}_Muscle_TibialisAnterior_smooth.ply" | root-select -q | build-structure -q | fiber-flow -q |
-        attach-detect -q --bone tibia="${leg}_Bone_Tibia_smooth.ply" --pin talus=half:0,0,221.415,0,0,-1 \
-            -o "$out/rig/tibialis.muscle.json"
+    mesh-clean -q --units mm "${leg}_Muscle_TibialisAnterior_smooth.ply" |
+        attach-detect -q --bone tibia="${leg}_Bone_Tibia_smooth.ply" --pin talus=half:0,0,221.415,0,0,-1 |
+        root-select -q | build-structure -q | fiber-flow -q -o "$out/rig/tibialis.muscle.json"
     cat > "$out/rig/tibialis.scene.json" <<END
 {"format": "sinew-scene", "version": 1, "name": "tibialis anterior", "metersPerUnit": 0.001, "rate": 24, "frames": [0, 24],
  "motion": {"joints": [{"name": "ankle", "type": "hinge", "axis": [1, 0, 0], "point": [510.8, 425.2, 143.2],

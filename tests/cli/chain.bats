@@ -1,0 +1,153 @@
+# The chain as a whole: what the ends of a muscle are taken from, in any order of the tools and of the bones.
+
+bats_require_minimum_version 1.5.0
+
+refute() { if "$@"; then return 1; fi; }
+
+setup() { cd "$BATS_TEST_TMPDIR"; fan > fan.obj; areas > areas.tsv; "$BIN/mesh-clean" -q --units mm fan.obj -o clean.json; }
+
+# a sheet 120 wide at the top and 20 at the bottom, 80 high and 10 thick, in mm
+fan() {
+    awk 'function id(s, i, j) { return s * (n + 1) * (k + 1) + i * (k + 1) + j + 1 }
+        function face(a, b, c) { print "f", a, b, c }
+        function side(i, j, p, q) { face(id(0, i, j), id(0, p, q), id(1, p, q)); face(id(0, i, j), id(1, p, q), id(1, i, j)) }
+        BEGIN {
+            n = 24; k = 16
+            for (s = 0; s < 2; s++) for (i = 0; i <= n; i++) for (j = 0; j <= k; j++)
+                print "v", 120 * i / n + (40 - 100 * i / n) * j / k, 10 * s, -80 * j / k
+            for (i = 0; i < n; i++) for (j = 0; j < k; j++) {
+                face(id(0, i, j), id(0, i + 1, j + 1), id(0, i, j + 1)); face(id(0, i, j), id(0, i + 1, j), id(0, i + 1, j + 1))
+                face(id(1, i, j), id(1, i, j + 1), id(1, i + 1, j + 1)); face(id(1, i, j), id(1, i + 1, j + 1), id(1, i + 1, j))
+            }
+            for (i = 0; i < n; i++) { side(i + 1, 0, i, 0); side(i, k, i + 1, k) }
+            for (j = 0; j < k; j++) { side(0, j, 0, j + 1); side(n, j + 1, n, j) }
+        }'
+}
+
+# landmarks around areas on the sheet's face y = 0: two heads on two bones at the top, one insertion at the bottom
+areas() {
+    awk 'function row(bone, t, f) { printf "%s\tarea\t%g\t0\t%g\n", bone, 40 * t + (120 - 100 * t) * f, -80 * t }
+        function quad(bone, f, g, t, u) { row(bone, t, f); row(bone, t, g); row(bone, u, g); row(bone, u, f) }
+        BEGIN { quad("iliac", 0.02, 0.4, 0.03, 0.3); quad("sacrum", 0.6, 0.98, 0.03, 0.3); quad("femur", 0.05, 0.95, 0.85, 0.97) }'
+}
+
+attach() { "$BIN/attach-detect" -q --method area --landmarks "$@"; }
+rig() { "$BIN/root-select" -q "$@" | "$BIN/build-structure" -q | "$BIN/fiber-flow" -q | "$BIN/fiber-fill" -n 20; }
+section() { jq -c ".$2" "$1"; }
+
+@test "the fibres are the same whether attachments come first or last, once the later tools have run again" {
+    attach areas.tsv clean.json > attached.json
+    rig attached.json > first.json
+    rig clean.json | "$BIN/attach-detect" --method area --landmarks areas.tsv --report r.json -o last.json 2> err
+    grep -q 'warning: roots, structure, fiber directions and fibers were made without these attachments.*run root-select, build-structure, fiber-flow and fiber-fill again' err
+    [ "$(jq -c .runAgain r.json)" = '["root-select","build-structure","fiber-flow","fiber-fill"]' ]
+    refute [ "$(section first.json fibers)" = "$(section last.json fibers)" ]
+    rig last.json > again.json
+    [ "$(section first.json attachments)" = "$(section again.json attachments)" ]
+    section first.json fibers > a; section again.json fibers > b
+    cmp a b
+}
+
+@test "nothing is said where the attachments are those that were there, or nothing hangs on them" {
+    attach areas.tsv clean.json > attached.json
+    rig attached.json > first.json
+    "$BIN/attach-detect" --method area --landmarks areas.tsv --report r.json first.json -o same.json 2> err
+    refute grep -q 'run .* again' err
+    [ "$(jq .stale r.json)" = null ]
+    "$BIN/root-select" -q --near 40,0,-40,6 clean.json -o hand.json
+    "$BIN/attach-detect" --method area --landmarks areas.tsv hand.json -o out.json 2> err
+    refute grep -q 'run .* again' err
+}
+
+@test "the order and the names of the bones change nothing: two heads are one end" {
+    attach areas.tsv clean.json | rig > first.json
+    for bones in "femur sacrum iliac" "sacrum iliac femur" "sacrum femur iliac"; do
+        for bone in $bones; do grep "^$bone" areas.tsv; done > other.tsv
+        attach other.tsv clean.json > other.json
+        rig other.json > second.json
+        [ "$(section first.json roots)" = "$(section second.json roots)" ]
+        section first.json fibers > a; section second.json fibers > b
+        cmp a b
+    done
+    "$BIN/root-select" --report r.json other.json > /dev/null
+    [ "$(jq -c '[.ends, .endsKnown, .right]' r.json)" = '["areas",2,true]' ]
+}
+
+@test "areas at one end are that end; the tip is the other, and a warning says so, of every tool" {
+    grep -v femur areas.tsv > heads.tsv
+    grep femur areas.tsv > one.tsv
+    for file in heads.tsv one.tsv; do
+        attach $file clean.json > attached.json
+        "$BIN/root-select" attached.json -o rooted.json --report r.json 2> err
+        grep -q 'warning: the ends are taken from areas and a tip: areas: ' err
+        [ "$(jq -c '[.ends, .endsKnown]' r.json)" = '["areas",1]' ]
+        "$BIN/build-structure" -q rooted.json -o built.json
+        "$BIN/fiber-flow" --field harmonic built.json --report r.json -o flow.json 2> err
+        grep -q 'warning: the ends are taken from areas and a tip' err
+        "$BIN/fiber-fill" -n 4 flow.json --report r.json -o filled.json 2> err || [ $? -eq 3 ]
+        grep -q 'warning: the ends are taken from areas and a tip' err
+        [ "$(jq -r .ends r.json)" = areas ]
+    done
+    [ "$("$BIN/fiber-flow" -v built.json 2>&1 > /dev/null | grep -c 'by the field tree')" -eq 1 ]
+}
+
+@test "sites come before areas, areas before pins, pins before contact; auto is none of them by hand" {
+    "$BIN/attach-detect" -q --method none --pin a=box:0,-1,-12,120,11,0 --pin b=box:0,-1,-80,120,11,-74 clean.json -o pins.json
+    printf 'origin 60 0 0\ninsertion 50 0 -80\n' > sites.txt
+    ends() { "$BIN/root-select" "$@" --report r.json > /dev/null; jq -r .ends r.json; }
+    [ "$(ends pins.json)" = pins ]
+    attach areas.tsv clean.json > attached.json
+    [ "$(ends attached.json)" = areas ]
+    attach areas.tsv --pin p=near:60,0,-40,3 clean.json > both.json
+    [ "$(ends both.json)" = areas ]
+    [ "$(ends --ends sites.txt attached.json)" = sites ]
+    [ "$(ends --ends auto attached.json)" = areas ]
+    [ "$(ends clean.json)" = tips ]
+    [ "$(jq -r .endsWhy r.json)" = "no attachments are known" ]
+}
+
+@test "contact is trusted where it holds compact ends, else the tips are taken and -v says why" {
+    box() { # X1 X2 Y1 Y2 Z1 Z2
+        awk -v b="$*" 'BEGIN { split(b, c, " "); for (i = 0; i < 8; i++) print "v", c[1 + i % 2], c[3 + int(i / 2) % 2], c[5 + int(i / 4)]
+            n = split("1 3 4 1 4 2 5 6 8 5 8 7 1 2 6 1 6 5 3 7 8 3 8 4 1 5 7 1 7 3 2 4 8 2 8 6", f, " ")
+            for (i = 1; i <= n; i += 3) print "f", f[i], f[i + 1], f[i + 2] }'
+    }
+    box -5 125 -5 15 -12 5 > top.obj
+    box 30 70 -5 15 -90 -70 > bottom.obj
+    "$BIN/attach-detect" -q --bone-units mm --bone top=top.obj --bone bottom=bottom.obj clean.json -o held.json
+    "$BIN/root-select" held.json --report r.json > /dev/null
+    [ "$(jq -c '[.ends, .right]' r.json)" = '["attachments",true]' ]
+    box 30 70 -5 15 -50 -30 > middle.obj
+    "$BIN/attach-detect" -q --bone-units mm --bone top=top.obj --bone middle=middle.obj clean.json -o belly.json
+    "$BIN/root-select" -v belly.json --report r.json > /dev/null 2> err
+    [ "$(jq -r .ends r.json)" = tips ]
+    grep -q 'the ends are taken from tips: attachments: all lie at one end or along the belly' err
+    refute grep -q 'warning: the ends' err
+}
+
+# a ring of 60 x 40 mm, 5 thick: whatever parts it in two must cut both of its arms
+torus() {
+    awk 'function id(i, j) { return (i % n) * k + j % k + 1 }
+        BEGIN {
+            n = 36; k = 8
+            for (i = 0; i < n; i++) for (j = 0; j < k; j++) {
+                a = 6.283185307179586 * i / n; b = 6.283185307179586 * j / k
+                print "v", (60 + 5 * cos(b)) * cos(a), (40 + 5 * cos(b)) * sin(a), 5 * sin(b)
+            }
+            for (i = 0; i < n; i++) for (j = 0; j < k; j++) {
+                print "f", id(i, j), id(i + 1, j), id(i + 1, j + 1)
+                print "f", id(i, j), id(i + 1, j + 1), id(i, j + 1)
+            }
+        }'
+}
+
+@test "where no ring runs around the muscle between its ends, as on a handle, a warning and the report say so" {
+    torus > torus.obj
+    "$BIN/root-select" --units mm torus.obj --report r.json -o rooted.json 2> err
+    grep -q 'warning: the surface has handles (genus 1)' err
+    grep -q 'warning: no ring runs around the muscle between its ends' err
+    [ "$(jq -c '[.right, .fallback]' r.json)" = '[false,true]' ]
+    "$BIN/root-select" clean.json --report r.json -o rooted.json 2> err # the fan has one
+    [ "$(jq -c '[.right, .fallback]' r.json)" = '[true,false]' ]
+    refute grep -q 'no ring runs' err
+}
