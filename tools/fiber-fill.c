@@ -106,6 +106,12 @@ static void write_report(sn_json *json, const void *data) {
     sn_json_number(json, "meanLength", r->mean_length);
     sn_json_number(json, "leastLength", r->least_length);
     sn_json_number(json, "greatestLength", r->greatest_length);
+    sn_json_number(json, "lengthDeviation", r->length_deviation);
+    sn_json_number(json, "lengthVariation", r->mean_length > 0.0 ? r->length_deviation / r->mean_length : 0.0);
+    if (r->spread) {
+        sn_json_number(json, "originArea", r->areas[0]);
+        sn_json_number(json, "insertionArea", r->areas[1]);
+    }
     sn_json_number(json, "lineOfAction", r->action_length);
     sn_json_number(json, "meanPennationDegrees", r->mean_pennation * DEGREES);
     sn_json_number(json, "greatestPennationDegrees", r->greatest_pennation * DEGREES);
@@ -182,6 +188,7 @@ static void take_options(const cli *c) {
     params.turn = turn / DEGREES;
     params.template = (sn_fill_template) template;
     params.map = (sn_fill_map)map;
+    params.spread = template_file == NULL && !cli_given(c, "template");
     if (template_file != NULL && cli_given(c, "template")) cli_usage_error(c, "--template and --template-file exclude each other");
     if (cli_given(c, "angle") && template != SN_FILL_PENNATE && template != SN_FILL_BIPENNATE)
         cli_usage_error(c, "--angle is for --template pennate or bipennate");

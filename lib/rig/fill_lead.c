@@ -1,0 +1,209 @@
+/*
+ * fill_lead.c -- smooth fibres from area to area: each follows its way through the slices as far as these are sections of the muscle.
+ *
+ * Near an area the slices are lids over it: a fibre that followed them would run across the area before it leaves. There it is led by its
+ * end and its bending alone; towards the middle the slices have their say. The fibre is the least sum of squared second differences and of
+ * squared distances from the way, weighted by how far both areas are (a spline under tension of its way; Reinsch 1967). Where that leaves
+ * the volume the way gets more weight.
+ */
+#include <stdlib.h>
+
+#include "fill.h"
+#include "tree.h"
+
+enum { NODES = 49, BATCH = 512, ROUNDS = 3, FIBERS_A_CHUNK = 8 };
+#define BENDING 81.0    /* of a second difference against a distance: waves shorter than about 2 pi x 3 nodes go */
+#define LID 2.0         /* radii of the slice beside the area within which slices are lids over it */
+#define LEAST_SAY 1e-6  /* of a way: beside an area */
+#define FIRST_SAY 0.125 /* of a way where the fibre first leaves the volume; then eight times as much each round */
+
+/* The fibres at hand. */
+typedef struct batch {
+    const fill_leading *lead;
+    sn_index first, count;
+    sn_vec3 *ways, *nodes; /* (BATCH x NODES) */
+    double *says, *z;      /* (BATCH x NODES) */
+    int *winding;          /* (BATCH x NODES) */
+    bool *done;            /* (BATCH) */
+} batch;
+
+/* ---- the way ------------------------------------------------------------------------------------------------------------------- */
+
+static double smoothstep(double t) {
+    t = fmin(fmax(t, 0.0), 1.0);
+    return t * t * (3.0 - 2.0 * t);
+}
+
+/* End, a point a level, end. From the origin's way to the insertion's by degrees, by the heads of the one before the trunk and of the
+ * other after it. */
+static sn_index trace_way(const fill_levels *l, const fill_path *path, sn_vec3 *points, double *z) {
+    sn_index count = 0;
+    points[count] = path->end[0];
+    z[count++] = 0.0;
+    for (sn_index i = 0; i < l->level_count; i++) {
+        double t = smoothstep(l->z[i]);
+        fill_uv a = path->way[0], b = path->way[1], at = {a.x + t * (b.x - a.x), a.y + t * (b.y - a.y)};
+        if (fill_place(l, SN_FILL_HARMONIC, i, i <= l->trunk ? a : b, at, &points[count])) z[count++] = l->z[i];
+    }
+    points[count] = path->end[1];
+    z[count++] = 1.0;
+    return count;
+}
+
+static void begin_fiber(batch *b, sn_index i) {
+    const fill_levels *l = b->lead->levels;
+    const fill_path *path = &b->lead->paths[b->first + i];
+    sn_vec3 points[TEMPLATE_NODES + 2], *way = b->ways + (size_t)i * NODES;
+    double z[TEMPLATE_NODES + 2], *say = b->says + (size_t)i * NODES;
+    sn_index count = trace_way(l, path, points, z);
+    (void)fill_divide(&(fill_line){count, points, z}, NODES - 1, way, b->z + (size_t)i * NODES);
+    for (int k = 0; k < NODES; k++) {
+        double share = 1.0;
+        for (int side = 0; side < 2; side++) {
+            double lid = LID * path->radius[side];
+            share *= lid > 0.0 ? smoothstep(sn_distance(way[k], path->end[side]) / lid) : 1.0;
+        }
+        say[k] = fmax(share, LEAST_SAY);
+    }
+}
+
+/* ---- the least sum ---------------------------------------------------------------------------------------------------------------- */
+
+/* Symmetric with two bands: L D L^T in place. */
+typedef struct banded {
+    double diagonal[NODES], one[NODES], two[NODES]; /* one, two: to the unknown before and the one before that */
+    sn_vec3 right[NODES];
+} banded;
+
+static void add_node(banded *m, const sn_vec3 *x, int row, int column, double value) {
+    if (row < 1 || row > NODES - 2) return;
+    if (column < 1 || column > NODES - 2)
+        m->right[row] = sn_add_scaled(m->right[row], x[column], -value);
+    else if (column == row)
+        m->diagonal[row] += value;
+    else if (column == row - 1)
+        m->one[row] += value;
+    else if (column == row - 2)
+        m->two[row] += value;
+}
+
+static void assemble(const sn_vec3 *way, const double *say, banded *m) {
+    static const double difference[3] = {1.0, -2.0, 1.0};
+    for (int k = 0; k < NODES; k++) {
+        m->diagonal[k] = say[k];
+        m->one[k] = m->two[k] = 0.0;
+        m->right[k] = sn_scale(way[k], say[k]);
+    }
+    for (int k = 1; k < NODES - 1; k++)
+        for (int i = 0; i < 3; i++)
+            for (int j = 0; j < 3; j++) add_node(m, way, k - 1 + i, k - 1 + j, BENDING * difference[i] * difference[j]);
+}
+
+static void solve(banded *m, sn_vec3 *x) {
+    for (int k = 1; k < NODES - 1; k++) {
+        double two = k > 2 ? m->two[k] / m->diagonal[k - 2] : 0.0;
+        double between = k > 2 ? m->two[k] * m->one[k - 1] : 0.0; /* one[k - 1] is already over the diagonal */
+        double one = k > 1 ? (m->one[k] - between) / m->diagonal[k - 1] : 0.0;
+        if (k > 1) m->diagonal[k] -= one * one * m->diagonal[k - 1];
+        if (k > 2) m->diagonal[k] -= two * two * m->diagonal[k - 2];
+        m->one[k] = one;
+        m->two[k] = two;
+        if (k > 1) m->right[k] = sn_add_scaled(m->right[k], m->right[k - 1], -one);
+        if (k > 2) m->right[k] = sn_add_scaled(m->right[k], m->right[k - 2], -two);
+    }
+    for (int k = NODES - 2; k >= 1; k--) {
+        x[k] = sn_scale(m->right[k], 1.0 / m->diagonal[k]);
+        if (k < NODES - 2) x[k] = sn_add_scaled(x[k], x[k + 1], -m->one[k + 1]);
+        if (k < NODES - 3) x[k] = sn_add_scaled(x[k], x[k + 2], -m->two[k + 2]);
+    }
+}
+
+static void settle_fiber(batch *b, sn_index i) {
+    const sn_vec3 *way = b->ways + (size_t)i * NODES;
+    sn_vec3 *x = b->nodes + (size_t)i * NODES;
+    banded m;
+    assemble(way, b->says + (size_t)i * NODES, &m);
+    solve(&m, x);
+    x[0] = way[0];
+    x[NODES - 1] = way[NODES - 1];
+}
+
+/* ---- inside ------------------------------------------------------------------------------------------------------------------------- */
+
+/* More say for the way where the fibre is outside, and beside it. */
+static void raise_says(batch *b, sn_index i) {
+    const int *winding = b->winding + (size_t)i * NODES;
+    double *say = b->says + (size_t)i * NODES;
+    bool outside[NODES];
+    b->done[i] = true;
+    for (int k = 0; k < NODES; k++) {
+        outside[k] = k > 0 && k < NODES - 1 && winding[k] == 0;
+        if (outside[k]) b->done[i] = false;
+    }
+    for (int k = 1; k < NODES - 1; k++)
+        if (outside[k] || outside[k - 1] || outside[k + 1]) say[k] = fmax(8.0 * say[k], FIRST_SAY);
+}
+
+static void begin_fibers(void *user, sn_index begin, sn_index end, sn_index chunk) {
+    (void)chunk;
+    for (sn_index i = begin; i < end; i++) {
+        begin_fiber(user, i);
+        settle_fiber(user, i);
+    }
+}
+
+static void mend_fibers(void *user, sn_index begin, sn_index end, sn_index chunk) {
+    batch *b = user;
+    (void)chunk;
+    for (sn_index i = begin; i < end; i++) {
+        raise_says(b, i);
+        if (!b->done[i]) settle_fiber(b, i);
+    }
+}
+
+static void end_fibers(void *user, sn_index begin, sn_index end, sn_index chunk) {
+    const batch *b = user;
+    const fill_leading *lead = b->lead;
+    (void)chunk;
+    for (sn_index i = begin; i < end; i++) {
+        sn_vec3 *x = b->nodes + (size_t)i * NODES;
+        size_t at = (size_t)(b->first + i) * (size_t)(lead->segments + 1);
+        fill_smooth(NODES, x, lead->smooth);
+        (void)fill_divide(&(fill_line){NODES, x, b->z + (size_t)i * NODES}, lead->segments, lead->lines[b->first + i].points, lead->z + at);
+    }
+}
+
+static sn_status lead_batch(batch *b, sn_error *error) {
+    const fill_leading *lead = b->lead;
+    sn_status status = SN_OK;
+    sn_parallel_for(lead->pool, b->count, FIBERS_A_CHUNK, begin_fibers, b);
+    for (int round = 0; lead->closed && round < ROUNDS && !status; round++) {
+        status = count_windings(lead->mesh, b->count * NODES, b->nodes, b->winding, error);
+        if (!status) sn_parallel_for(lead->pool, b->count, FIBERS_A_CHUNK, mend_fibers, b);
+    }
+    if (!status) sn_parallel_for(lead->pool, b->count, FIBERS_A_CHUNK, end_fibers, b);
+    return status;
+}
+
+sn_status fill_lead_paths(const fill_leading *lead, sn_error *error) {
+    batch b = {.lead = lead};
+    b.ways = SN_NEW(sn_vec3, BATCH * NODES);
+    b.nodes = SN_NEW(sn_vec3, BATCH * NODES);
+    b.says = SN_NEW(double, BATCH *NODES);
+    b.z = SN_NEW(double, BATCH *NODES);
+    b.winding = SN_NEW(int, BATCH *NODES);
+    b.done = SN_NEW(bool, BATCH);
+    bool made = b.ways && b.nodes && b.says && b.z && b.winding && b.done;
+    sn_status status = made ? SN_OK : sn_fail_memory(error, "the fibres");
+    for (; b.first < lead->fibers && !status; b.first += BATCH) {
+        b.count = lead->fibers - b.first < BATCH ? lead->fibers - b.first : BATCH;
+        status = lead_batch(&b, error);
+    }
+    free(b.ways);
+    free(b.nodes);
+    free(b.says);
+    free(b.z);
+    free(b.winding);
+    free(b.done);
+    return status;
+}
