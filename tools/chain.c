@@ -5,6 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "sinew/rig.h"
+
 /* One field of a line of fields parted by tabs. */
 static void print_field(sn_output *output, const char *text) {
     for (; *text != '\0'; text++) sn_output_write(output, (unsigned char)*text < ' ' ? " " : text, 1, NULL);
@@ -29,6 +31,25 @@ sn_status cli_list_meshes(const sn_blob *blob, sn_error *error) {
     return status == SN_OK ? SN_STOPPED : status;
 }
 
+/* FNV-1a. */
+static uint64_t mix(uint64_t hash, const void *data, size_t size) {
+    const unsigned char *bytes = data;
+    for (size_t i = 0; i < size; i++) hash = (hash ^ bytes[i]) * 0x100000001b3U;
+    return hash;
+}
+
+/* What is attached to which bone, and whether by hand, as a number. */
+static uint64_t held_by_bones(const sn_muscle *muscle) {
+    uint64_t hash = 0xcbf29ce484222325U;
+    for (sn_index i = 0; i < muscle->attachment_count; i++) {
+        const sn_attachment *a = &muscle->attachments[i];
+        hash = mix(hash, a->bone, strlen(a->bone) + 1);
+        hash = mix(hash, a->vertices, (size_t)a->count * sizeof *a->vertices);
+        if (a->reasons != NULL) hash = mix(hash, a->reasons, (size_t)a->count * sizeof *a->reasons);
+    }
+    return hash;
+}
+
 sn_status cli_load(cli *c, cli_muscle *out, sn_error *error) {
     sn_blob blob = {0};
     *out = (cli_muscle){0};
@@ -38,6 +59,7 @@ sn_status cli_load(cli *c, cli_muscle *out, sn_error *error) {
     status = c->list ? cli_list_meshes(&blob, error) : sn_muscle_parse(&blob, &c->read, &out->muscle, &out->document, error);
     if (status != SN_OK && status != SN_STOPPED) sn_error_set_file(error, blob.name);
     sn_blob_free(&blob);
+    c->held_before = held_by_bones(&out->muscle);
     return status;
 }
 
@@ -194,6 +216,61 @@ static sn_status write_mesh(const sn_muscle *muscle, unsigned changed, sn_mesh_f
     return status;
 }
 
+/* ---- what is older than the attachments ---------------------------------------------------------------------------------------- */
+
+typedef struct later {
+    const char *section, *tool;
+} later;
+
+enum { LATER = 4 };
+static const later later_sections[LATER] = {
+    {"roots", "root-select"}, {"structure", "build-structure"}, {"fiber directions", "fiber-flow"}, {"fibers", "fiber-fill"}};
+
+/* Bits of later_sections that the attachments would be the ends of. */
+static unsigned made_from_ends(const sn_muscle *muscle) {
+    bool automatic = muscle->roots.count > 0 && muscle->roots.rule != NULL && strcmp(muscle->roots.rule, "mid-section") == 0;
+    bool given = muscle->fibers.field != NULL && strcmp(muscle->fibers.field, "fibers") == 0;
+    unsigned bits = automatic ? 1U : 0U;
+    if (automatic && muscle->structure.sample_count > 0) bits |= 2U;
+    if (muscle->fibers.directions != NULL && !given) bits |= 4U;
+    if (muscle->fibers.polyline_count > 0) bits |= 8U;
+    return bits;
+}
+
+/* "a, b and c" of the names that the bits say. */
+static void join_later(unsigned bits, bool tools, char *text, size_t size) {
+    size_t used = 0;
+    text[0] = '\0';
+    for (int i = 0; i < LATER && used < size; i++) {
+        if (!(bits & 1U << i)) continue;
+        bool last = bits >> i == 1U;
+        const char *name = tools ? later_sections[i].tool : later_sections[i].section;
+        used += (size_t)snprintf(text + used, size - used, "%s%s", used == 0 ? "" : last ? " and " : ", ", name);
+    }
+}
+
+static void note_stale(cli *c, const sn_muscle *muscle, unsigned changed) {
+    char sections[80], tools[80];
+    if (!(changed & SN_SECTION_ATTACHMENTS) || held_by_bones(muscle) == c->held_before) return;
+    c->stale = made_from_ends(muscle);
+    if (c->stale == 0) return;
+    join_later(c->stale, false, sections, sizeof sections);
+    join_later(c->stale, true, tools, sizeof tools);
+    cli_warn(c, "%s were made without these attachments, which are known now: run %s again", sections, tools);
+}
+
+static void report_stale(sn_json *json, unsigned stale) {
+    if (stale == 0) return;
+    sn_json_array(json, "stale");
+    for (int i = 0; i < LATER; i++)
+        if (stale & 1U << i) sn_json_text(json, NULL, later_sections[i].section);
+    sn_json_close(json);
+    sn_json_array(json, "runAgain");
+    for (int i = 0; i < LATER; i++)
+        if (stale & 1U << i) sn_json_text(json, NULL, later_sections[i].tool);
+    sn_json_close(json);
+}
+
 sn_status cli_save(cli *c, const cli_muscle *muscle, unsigned changed, sn_error *error) {
     sn_mesh_format format = sn_mesh_format_from_name(c->output);
     sn_output *output = NULL;
@@ -203,9 +280,12 @@ sn_status cli_save(cli *c, const cli_muscle *muscle, unsigned changed, sn_error 
         status = write_mesh(&muscle->muscle, changed, format, output, error);
     else
         status = write_document(c, muscle, changed, output, error);
-    if (status == SN_OK) return sn_output_commit(output, error);
-    sn_output_abort(output);
-    return status;
+    if (status != SN_OK) {
+        sn_output_abort(output);
+        return status;
+    }
+    note_stale(c, &muscle->muscle, changed);
+    return sn_output_commit(output, error);
 }
 
 /* ---- report --------------------------------------------------------------------------------------------------------------------- */
@@ -225,6 +305,7 @@ sn_status cli_report(cli *c, cli_report_writer write, const void *data, sn_error
     sn_json_text(json, "tool", c->tool->name);
     sn_json_text(json, "version", SN_VERSION);
     sn_json_number(json, "seconds", cli_seconds() - c->started);
+    report_stale(json, c->stale);
     write(json, data);
     sn_json_close(json);
     status = sn_json_end(json, error);
@@ -269,4 +350,20 @@ void cli_report_mesh(sn_json *json, const sn_mesh_report *report) {
     sn_json_bool(json, "manifold", report->manifold);
     sn_json_bool(json, "oriented", report->oriented);
     sn_json_bool(json, "outward", report->outward);
+}
+
+/* ---- ends --------------------------------------------------------------------------------------------------------------------- */
+
+void cli_report_ends(sn_json *json, const struct sn_ends_choice *choice) {
+    sn_json_text(json, "ends", choice->from);
+    sn_json_integer(json, "endsKnown", choice->known[0] + choice->known[1]);
+    if (choice->why[0] != '\0') sn_json_text(json, "endsWhy", choice->why);
+}
+
+void cli_say_ends(const cli *c, const struct sn_ends_choice *choice) {
+    int known = choice->known[0] + choice->known[1];
+    if (choice->unused)
+        cli_warn(c, "the ends are taken from %s%s: %s", choice->from, known == 1 ? " and a tip" : "", choice->why);
+    else
+        cli_say(c, "the ends are taken from %s%s%s", choice->from, choice->why[0] != '\0' ? ": " : "", choice->why);
 }

@@ -108,6 +108,8 @@ typedef struct cli {
     cli_hash_function hash_files; /* set by a tool with CLI_FILES options, before cli_save */
     const void *hash_user;
     /* private */
+    uint64_t held_before; /* what cli_load found attached, as a number */
+    unsigned stale;       /* what cli_save found to be older than the attachments */
     sn_output *trace_output;
     double started; /* monotonic seconds at cli_start */
     int given_count;
@@ -147,7 +149,9 @@ typedef struct cli_muscle {
 /* Read inputs.items[0] (document or bare mesh), keeping its hash for the history. Under --list: cli_list_meshes instead. */
 SN_MUST_CHECK sn_status cli_load(cli *c, cli_muscle *out, sn_error *error);
 /* Write the document to the output: the sections in `changed` from muscle, history appended. An output whose extension is a mesh
- * format's (.ply .vtp .obj .stl .off) gets the bare mesh; in .ply and .vtp with the sections painted on it (sn_muscle_paint). */
+ * format's (.ply .vtp .obj .stl .off) gets the bare mesh; in .ply and .vtp with the sections painted on it (sn_muscle_paint). Attachments that
+ * have changed leave the automatic roots, the structure and the fibres as they are, but these were made from other ends: a warning says
+ * which tools to run again, and the report "stale" and "runAgain". */
 SN_MUST_CHECK sn_status cli_save(cli *c, const cli_muscle *muscle, unsigned changed, sn_error *error);
 void cli_free(cli_muscle *muscle);
 /* What --list asks for: a line "number, name, vertices, triangles", parted by tabs, for each mesh of a bare mesh's file to stdout.
@@ -167,6 +171,12 @@ typedef void (*cli_report_writer)(sn_json *json, const void *data);
 SN_MUST_CHECK sn_status cli_report(cli *c, cli_report_writer write, const void *data, sn_error *error);
 /* One mesh report as members of the open object. */
 void cli_report_mesh(sn_json *json, const sn_mesh_report *report);
+
+/* How a muscle's ends were chosen, as members of the open object: "ends", "endsKnown" and, where something better was not used, "endsWhy";
+ * and on stderr under -v, or as a warning where what was given for an end is not used or one end is not known. */
+struct sn_ends_choice;
+void cli_report_ends(sn_json *json, const struct sn_ends_choice *choice);
+void cli_say_ends(const cli *c, const struct sn_ends_choice *choice);
 
 /* A length option in document units; fallback where it was not given (value < 0 before parsing). */
 double cli_length(sn_length length, double meters_per_unit);

@@ -63,10 +63,6 @@ typedef struct outcome {
     bool embedded;
 } outcome;
 
-static const char *ends_name(sn_fill_ends_kind kind) {
-    return kind == SN_FILL_ENDS_ATTACHMENTS ? "attachments" : kind == SN_FILL_ENDS_GIVEN ? "given" : "tips";
-}
-
 static void write_each(sn_json *json, const sn_fibers *lines) {
     sn_json_array(json, "each");
     for (sn_index i = 0; i < lines->polyline_count; i++) {
@@ -93,7 +89,7 @@ static void write_report(sn_json *json, const void *data) {
     const sn_fill_report *r = &o->fill;
     sn_json_integer(json, "fibers", r->fibers);
     sn_json_integer(json, "vertices", r->vertices);
-    sn_json_text(json, "ends", ends_name(r->ends));
+    if (r->chosen.from != NULL) cli_report_ends(json, &r->chosen);
     sn_json_integer(json, "leaves", r->leaves);
     sn_json_integer(json, "levels", r->levels);
     sn_json_integer(json, "loops", r->loops);
@@ -129,8 +125,9 @@ static void write_report(sn_json *json, const void *data) {
 
 static void comment(cli *c, const sn_fill_report *r, bool stopped) {
     cli_say(c, "%d fibres from %s, %d slices on %d levels; mean length %.4g, pennation %.1f degrees; %d of %d vertices were outside",
-            r->fibers, ends_name(r->ends), r->loops, r->levels, r->mean_length, r->mean_pennation * DEGREES, r->outside_before,
+            r->fibers, r->chosen.from != NULL ? r->chosen.from : "nowhere", r->loops, r->levels, r->mean_length, r->mean_pennation * DEGREES, r->outside_before,
             r->vertices);
+    if (r->chosen.from != NULL) cli_say_ends(c, &r->chosen);
     if (!r->closed) cli_warn(c, "the surface is not closed: fibres end at its gaps, and inside is a guess; mesh-clean fills holes");
     if (stopped) return;
     if (r->fibers < params.fibers) cli_shortfall(c, "only %d of %d fibres found their way between the ends", r->fibers, params.fibers);

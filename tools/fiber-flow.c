@@ -39,7 +39,7 @@ static void write_report(sn_json *json, const void *data) {
     const sn_flow_report *r = data;
     sn_json_integer(json, "vertices", r->vertices);
     sn_json_text(json, "field", sn_flow_field_names[r->field]);
-    if (r->field == SN_FIELD_HARMONIC) sn_json_text(json, "ends", sn_ends_source_names[r->ends]);
+    if (r->ends.from != NULL) cli_report_ends(json, &r->ends);
     sn_json_integer(json, "byField", r->by_field);
     sn_json_integer(json, "byNeighbours", r->by_neighbours);
     sn_json_integer(json, "byConvention", r->by_convention);
@@ -59,13 +59,14 @@ static void comment(const cli *c, const sn_flow_report *r) {
             "below %.1f",
             r->vertices, sn_flow_field_names[r->field], r->by_field, r->by_neighbours, r->by_convention, r->mean_angle * DEGREES,
             r->percentile95_angle * DEGREES);
+    if (r->ends.from != NULL) cli_say_ends(c, &r->ends);
     if (r->by_convention > 0)
         cli_warn(c, "%d vertices have an arbitrary direction: neither the field nor their neighbours gave one", r->by_convention);
 }
 
 /* A field from end to end means little where nobody knows the ends. */
 static void comment_ends(const cli *c, const sn_flow_report *r) {
-    if (r->field == SN_FIELD_HARMONIC && (r->ends == SN_ENDS_TIPS || r->ends == SN_ENDS_EIGEN))
+    if (r->field == SN_FIELD_HARMONIC && (r->ends.source == SN_ENDS_TIPS || r->ends.source == SN_ENDS_EIGEN))
         cli_warn(c, "the harmonic field runs between the tips of the shape; give sites with --ends, or attachment areas with attach-detect "
                     "--method area, for the muscle's true ends");
 }

@@ -1,6 +1,7 @@
 /* root-select.c -- where fibres start: a ring of vertices around the middle of a muscle. */
 #include "cli.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -90,7 +91,10 @@ static void write_report(sn_json *json, const void *data) {
     sn_json_number(json, "level", r->level);
     sn_json_number(json, "genus", r->genus);
     sn_json_integer(json, "components", r->components);
-    sn_json_text(json, "ends", sn_ends_source_names[r->ends]);
+    if (r->ends.from != NULL) cli_report_ends(json, &r->ends);
+    if (isfinite(r->span)) sn_json_number(json, "span", r->span);
+    if (r->ends.from != NULL) sn_json_bool(json, "right", r->right);
+    if (r->ends.from != NULL) sn_json_bool(json, "section", r->section);
     sn_json_bool(json, "fallback", r->fallback);
 }
 
@@ -98,13 +102,18 @@ static void comment(const cli *c, const sn_roots_report *r) {
     double share = r->length > 0.0 ? r->centroid_offset / r->length : 0.0;
     cli_say(c, "%d roots, %s, %d part%s beside them, %.1f %% of the length from the centroid", r->count,
             r->ring ? "a closed ring" : "no ring", r->parts, r->parts == 1 ? "" : "s", 100.0 * share);
+    if (r->ends.from != NULL && ends == NULL) cli_say_ends(c, &r->ends);
     if (r->components > 1) cli_warn(c, "the surface has %d components; mesh-clean --keep largest leaves one", r->components);
     if (r->genus > 0.0)
         cli_warn(c, "the surface has handles (genus %g): a ring need not separate it, and branches are not to be trusted", r->genus);
     if (r->count == 0) return;
-    if (ends != NULL && r->ends != SN_ENDS_SITES)
+    if (ends != NULL && r->ends.source != SN_ENDS_SITES)
         cli_warn(c, "the sites of %s lead to no ring near the middle: they lie side by side, or all along the muscle; took the tips", ends);
-    if (r->fallback) cli_warn(c, "no single contour has a ring that separates the surface: took the next best curve; look at the result");
+    if (r->section) cli_say(c, "no contour between the ends has such a ring: took a section across the line between them");
+    if (r->fallback)
+        cli_warn(c, "no ring runs around the muscle between its ends: took the next best, which spans %.0f %% of the way; look at the result, or "
+                    "choose the roots with --plane or --indices",
+                 100.0 * r->span);
     if (r->parts != 2)
         cli_warn(c, "the roots do not separate the surface in two (parts beside them: %d): fibres may run past them", r->parts);
     if (share > FAR_FROM_CENTROID) cli_warn(c, "the roots are %.0f %% of the muscle's length from its centroid", 100.0 * share);

@@ -103,15 +103,33 @@ SN_MUST_CHECK sn_status sn_select_vertices(const sn_mesh *mesh, const sn_topolog
 
 /* ---- roots (methods.md 2; lib/rig/roots.c) -------------------------------------------------------------------------- */
 
-/* What the ends of a muscle were taken from. */
-typedef enum sn_ends_source { SN_ENDS_TIPS, SN_ENDS_EIGEN, SN_ENDS_ATTACHMENTS, SN_ENDS_SITES } sn_ends_source;
-extern const char *const sn_ends_source_names[]; /* "tips", "eigenfunction", "attachments", "sites"; NULL at the end */
+/* What the ends of a muscle were taken from, from the least to the most trusted. */
+typedef enum sn_ends_source {
+    SN_ENDS_TIPS,
+    SN_ENDS_EIGEN,
+    SN_ENDS_ATTACHMENTS, /* found by contact or proximity, and trusted */
+    SN_ENDS_PINS,
+    SN_ENDS_AREAS, /* attachments with landmarks */
+    SN_ENDS_SITES  /* given by hand for this run */
+} sn_ends_source;
+extern const char *const sn_ends_source_names[]; /* "tips", "eigenfunction", "attachments", "pins", "areas", "sites"; NULL at the end */
+
+enum { SN_ENDS_WHY = 400 };
+/* How the two ends were chosen (lib/rig/ends.c). */
+typedef struct sn_ends_choice {
+    sn_ends_source source; /* the least trusted of what is used, tips aside */
+    const char *from;      /* its name, static */
+    bool known[2];         /* of each end: false = it is a tip, as nothing known is there */
+    sn_index patches[2];   /* of attachments, in each end */
+    bool unused;           /* areas, pins or sites are there, but make no ends, or only one: worth a warning */
+    char why[SN_ENDS_WHY]; /* why what is better was not used; empty = the best was used */
+} sn_ends_choice;
 
 typedef struct sn_roots_params {
     bool automatic; /* true (default): the mid-section ring; false: selector */
     sn_selector selector;
     bool eigenfunction;       /* tips are the extremes of the Fiedler eigenfunction; default false: the vertices farthest from each other */
-    sn_index site_count;      /* known sites of both ends come before attachments, those before tips; 0 = none */
+    sn_index site_count;      /* known sites of both ends come before all else; 0 = none */
     const sn_end_site *sites; /* (site_count) */
 } sn_roots_params;
 
@@ -124,8 +142,12 @@ typedef struct sn_roots_report {
     double level;           /* area quantile of the chosen contour; NaN for manual selection */
     double genus;           /* of the surface; NaN where it is not closed */
     sn_index components;    /* of the surface; the automatic ring is on the one with most triangles */
-    sn_ends_source ends;    /* what the automatic selection took the ends from */
-    bool fallback;          /* no single contour had a simple ring that separates: the next best curve was taken */
+    sn_ends_choice ends;    /* what the automatic selection took the ends from */
+    double span;            /* of the ring along the muscle: 0 = all of it is equally far from both ends, 1 = it reaches from one to the other;
+                             * NaN for manual selection */
+    bool right;             /* automatic: a closed ring that parts the surface in two and the ends from each other, and spans a third or less */
+    bool section;           /* automatic: across the straight line between the ends, as no contour of their field has a right ring */
+    bool fallback;          /* automatic: nothing is right, and what came nearest was taken */
 } sn_roots_report;
 
 sn_roots_params sn_roots_defaults(void);
@@ -162,7 +184,7 @@ SN_MUST_CHECK sn_status sn_structure_build(const sn_muscle *muscle, const sn_str
 /* ---- fibre flow (methods.md 4; lib/rig/fiber_flow.c) ------------------------------------------------------------------ */
 
 typedef enum sn_flow_field {
-    SN_FIELD_AUTO,     /* harmonic where sites are given or the document has attachment areas at two bones, else tree */
+    SN_FIELD_AUTO,     /* harmonic where both ends are known by sites, attachment areas or pins, else tree */
     SN_FIELD_TREE,     /* the axes of nearby samples ([R18] 3.2) */
     SN_FIELD_HARMONIC, /* the gradient of a harmonic field between the muscle's ends */
     SN_FIELD_FIBERS    /* the tangent of the nearest of given fibres ([K21] 3.1) */
@@ -176,7 +198,7 @@ typedef struct sn_flow_params {
     sn_flow_weights weights;  /* default 1/(d^2 + eps^2); PAPER: d */
     sn_index smooth;          /* steps of axis diffusion; default 3 */
     bool align;               /* treat directions as axes when averaging; default true; false = the paper to the letter */
-    sn_index site_count;      /* known sites of both ends; 0 = none: the harmonic field runs between attachment areas, then tips */
+    sn_index site_count;      /* known sites of both ends; 0 = none: the ends are attachments that are known or trusted, else tips */
     const sn_end_site *sites; /* (site_count) */
     sn_index polyline_count;  /* FIBERS */
     const sn_polyline *polylines;
@@ -184,7 +206,7 @@ typedef struct sn_flow_params {
 
 typedef struct sn_flow_report {
     sn_flow_field field;                                       /* that was used */
-    sn_ends_source ends;                                       /* of a harmonic field */
+    sn_ends_choice ends;                                       /* of a harmonic field; of others what it would run between */
     sn_index vertices, by_field, by_neighbours, by_convention; /* the rule that gave each vertex its direction */
     double max_normal_dot;                                     /* max |f . n| */
     double mean_angle, percentile95_angle;                     /* between neighbours' axes, radians */
@@ -387,6 +409,7 @@ typedef struct sn_fill_report {
     sn_index leaves;                    /* tips of the structure that the fibres' ends cover */
     sn_index levels, loops, most_loops; /* slices: in all, and on one level */
     sn_fill_ends_kind ends;
+    sn_ends_choice chosen;                  /* the same, finer */
     bool closed;                            /* every edge has two triangles */
     sn_index outside_before, outside_after; /* fibre vertices outside the volume, before and after the pull */
     double farthest;                        /* that one lay outside */

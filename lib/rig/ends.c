@@ -1,6 +1,8 @@
 /* ends.c -- where a muscle begins and ends: what a harmonic field runs between. */
 #include "ends.h"
 
+#include <stdarg.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -18,7 +20,28 @@ void ends_free(ends *e) {
     *e = (ends){0};
 }
 
-const char *const sn_ends_source_names[] = {"tips", "eigenfunction", "attachments", "sites", NULL};
+const char *const sn_ends_source_names[] = {"tips", "eigenfunction", "attachments", "pins", "areas", "sites", NULL};
+
+void ends_source(ends *e, sn_ends_source source, bool first, bool second) {
+    e->choice.source = source;
+    e->choice.from = sn_ends_source_names[source];
+    e->choice.known[0] = first;
+    e->choice.known[1] = second;
+}
+
+bool ends_known(const sn_ends_choice *choice) { return choice->source >= SN_ENDS_PINS && choice->known[0] && choice->known[1]; }
+
+void ends_say(sn_ends_choice *choice, const char *format, ...) {
+    size_t used = strlen(choice->why);
+    va_list args;
+    if (used > 0 && used + 2 < sizeof choice->why) {
+        memcpy(choice->why + used, "; ", 3);
+        used += 2;
+    }
+    va_start(args, format);
+    vsnprintf(choice->why + used, sizeof choice->why - used, format, args);
+    va_end(args);
+}
 
 static void ends_add(ends *e, sn_index vertex, double value) {
     e->vertices[e->count] = vertex;
@@ -99,49 +122,10 @@ sn_status ends_from_sites(const ends_surface *surface, sn_index count, const sn_
     if (!status && !has_both(out))
         status =
             sn_fail(error, SN_ERROR_INPUT, "the sites of origin and insertion lie on the same vertices; give sites that are farther apart");
-    out->source = SN_ENDS_SITES;
+    ends_source(out, SN_ENDS_SITES, true, true);
     free(from.vertices[0]);
     free(from.vertices[1]);
     return status;
-}
-
-/* ---- attachments -------------------------------------------------------------------------------------------------------- */
-
-static bool counts(const sn_attachment *a, bool areas_only) {
-    return a->count > 0 && (!areas_only || (a->method && strcmp(a->method, "area") == 0));
-}
-
-static sn_vec3 attachment_mean(const sn_muscle *muscle, const sn_attachment *a) {
-    sn_vec3 sum = {0, 0, 0};
-    for (sn_index i = 0; i < a->count; i++) sum = sn_add(sum, muscle->mesh.positions[a->vertices[i]]);
-    return sn_scale(sum, 1.0 / (double)a->count);
-}
-
-static bool farthest_attachments(const sn_muscle *muscle, bool areas_only, sn_index pair[2]) {
-    double best = 0.0;
-    for (sn_index i = 0; i < muscle->attachment_count; i++)
-        for (sn_index j = i + 1; j < muscle->attachment_count; j++) {
-            const sn_attachment *a = &muscle->attachments[i], *b = &muscle->attachments[j];
-            if (!counts(a, areas_only) || !counts(b, areas_only)) continue;
-            double apart = sn_distance(attachment_mean(muscle, a), attachment_mean(muscle, b));
-            if (!(apart > best)) continue;
-            best = apart;
-            pair[0] = i;
-            pair[1] = j;
-        }
-    return best > 0.0;
-}
-
-bool ends_from_attachments(const sn_muscle *muscle, bool areas_only, ends *out) {
-    sn_index pair[2];
-    if (!farthest_attachments(muscle, areas_only, pair)) return false;
-    out->count = 0;
-    out->source = SN_ENDS_ATTACHMENTS;
-    for (int side = 0; side < 2; side++) {
-        const sn_attachment *a = &muscle->attachments[pair[side]];
-        for (sn_index i = 0; i < a->count; i++) ends_add(out, a->vertices[i], side);
-    }
-    return true;
 }
 
 /* ---- tips ----------------------------------------------------------------------------------------------------------------- */
@@ -149,6 +133,6 @@ bool ends_from_attachments(const sn_muscle *muscle, bool areas_only, ends *out) 
 sn_status ends_from_tips(const ends_surface *surface, ends *out, sn_error *error) {
     sn_index first = surface->shape->end[0], last = surface->shape->end[1];
     const seeds from = {.count = {1, 1}, .vertices = {&first, &last}};
-    out->source = surface->shape->eigen ? SN_ENDS_EIGEN : SN_ENDS_TIPS;
+    ends_source(out, surface->shape->eigen ? SN_ENDS_EIGEN : SN_ENDS_TIPS, false, false);
     return grow_patches(surface, &from, out, error);
 }

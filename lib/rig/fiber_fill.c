@@ -401,6 +401,7 @@ static sn_status slice_muscle(filling *f, const sn_topology *topology, sn_trace 
     if (!status) status = fill_levels_build(&field, levels_wanted(f->params), f->params->turn, trace, &f->levels, error);
     if (!status && f->params->bend_count > 0) status = fill_bend_measure(&field, f->params, &f->bend, &report->bend_farthest, error);
     report->ends = ends.kind;
+    report->chosen = ends.choice;
     report->leaves = ends.leaves;
     if (!status && is_spread(f->params, ends.kind)) status = find_areas(f, &ends, error);
     fill_ends_free(&ends);

@@ -30,7 +30,7 @@ typedef struct flow {
     sn_trace *trace;
     sn_topology topology;
     sn_flow_field field;
-    sn_ends_source ends;
+    ends ends; /* where the field asks for them */
     double farthest_fiber;
     double epsilon;
     sn_index *child_start; /* (sample_count + 1) into child_list */
@@ -75,14 +75,11 @@ static sn_status check_fibers(const sn_flow_params *params, sn_error *error) {
 static sn_status choose_field(flow *f, sn_error *error) {
     f->field = f->params->field;
     if (f->params->smooth < 0) return sn_fail(error, SN_ERROR_USAGE, "the number of smoothing steps must be 0 or more");
-    if (f->field == SN_FIELD_AUTO) {
-        ends e;
-        sn_status status = ends_alloc(f->mesh->vertex_count, &e, error);
-        bool known = !status && (f->params->site_count > 0 || ends_from_attachments(f->muscle, true, &e));
-        ends_free(&e);
+    if (f->field == SN_FIELD_AUTO || f->field == SN_FIELD_HARMONIC) {
+        sn_status status = flow_find_ends(f->muscle, &f->topology, f->params, &f->ends, error);
         if (status) return status;
-        f->field = known ? SN_FIELD_HARMONIC : SN_FIELD_TREE;
     }
+    if (f->field == SN_FIELD_AUTO) f->field = ends_known(&f->ends.choice) ? SN_FIELD_HARMONIC : SN_FIELD_TREE;
     if (f->field == SN_FIELD_TREE) return check_structure(f->muscle, error);
     return f->field == SN_FIELD_FIBERS ? check_fibers(f->params, error) : SN_OK;
 }
@@ -180,7 +177,7 @@ static sn_vec3 neighbour_sum(const flow *f, sn_index vertex, sn_vec3 reference) 
 
 static sn_status gather_directions(flow *f, sn_error *error) {
     const flow_input in = {f->muscle, &f->topology, f->params, f->trace};
-    if (f->field == SN_FIELD_HARMONIC) return harmonic_directions(&in, f->directions, &f->ends, error);
+    if (f->field == SN_FIELD_HARMONIC) return harmonic_directions(&in, &f->ends, f->directions, error);
     if (f->field == SN_FIELD_FIBERS)
         return nearest_tangents(f->mesh, f->params->polyline_count, f->params->polylines, f->directions, &f->farthest_fiber, error);
     for (sn_index v = 0; v < f->mesh->vertex_count; v++) f->directions[v] = tree_direction(f, v);
@@ -355,7 +352,7 @@ static double angle_at_roots(const flow *f) {
 }
 
 static sn_status fill_report(const flow *f, sn_flow_report *r, sn_error *error) {
-    *r = (sn_flow_report){.vertices = f->mesh->vertex_count, .field = f->field, .ends = f->ends, .farthest_fiber = f->farthest_fiber};
+    *r = (sn_flow_report){.vertices = f->mesh->vertex_count, .field = f->field, .ends = f->ends.choice, .farthest_fiber = f->farthest_fiber};
     double confidence = 0.0;
     for (sn_index v = 0; v < f->mesh->vertex_count; v++) {
         r->by_field += f->rules[v] == RULE_FIELD;
@@ -395,8 +392,8 @@ static void list_vertices(flow *f) {
 
 static sn_status prepare(flow *f, sn_error *error) {
     sn_status status = sn_mesh_validate(f->mesh, error);
-    if (!status) status = choose_field(f, error);
     if (!status) status = sn_topology_build(f->mesh, &f->topology, error);
+    if (!status) status = choose_field(f, error);
     if (status) return status;
     size_t n = (size_t)f->mesh->vertex_count, samples = (size_t)f->structure->sample_count;
     f->child_start = SN_NEW(sn_index, samples + 1);
@@ -419,6 +416,7 @@ static sn_status prepare(flow *f, sn_error *error) {
 }
 
 static void flow_free(flow *f) {
+    ends_free(&f->ends);
     sn_topology_free(&f->topology);
     free(f->child_start);
     free(f->child_list);

@@ -21,6 +21,7 @@ typedef struct fill_ends {
     double *values;     /* (count) 0 or 1 */
     sn_index leaves;    /* tips of the structure among them, or served by an attachment */
     sn_fill_ends_kind kind;
+    sn_ends_choice choice;
 } fill_ends;
 
 SN_MUST_CHECK sn_status fill_find_ends(const sn_muscle *muscle, const sn_topology *topology, const sn_fill_params *params, sn_trace *trace,

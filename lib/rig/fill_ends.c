@@ -1,26 +1,24 @@
 /* fill_ends.c -- where fibres begin and end: attachment areas, given vertices, or the tips of the structure's leaves. */
 #include <stdlib.h>
 
+#include "ends.h"
 #include "fill.h"
-#include "tips.h"
 
-#define CAP_SHARE 0.01  /* of the box diagonal: a tip is a cap of that radius; at a single vertex the field is singular */
-#define NEAR_TIPS 0.6   /* of the surface's length */
-#define END_REACH 0.1   /* of the field between the tips */
-#define OUTER_SHARE 0.4 /* attached vertices nearer to the other end than this lie along the belly: no end of fibres */
+#define CAP_SHARE 0.01 /* of the box diagonal: a tip is a cap of that radius; at a single vertex the field is singular */
+#define NEAR_TIPS 0.6  /* of the surface's length */
 
-static void add_end(fill_ends *ends, char *taken, sn_index vertex, double value) {
+static void add_end(fill_ends *out, char *taken, sn_index vertex, double value) {
     if (taken[vertex]) return;
     taken[vertex] = 1;
-    ends->vertices[ends->count] = vertex;
-    ends->values[ends->count++] = value;
+    out->vertices[out->count] = vertex;
+    out->values[out->count++] = value;
 }
 
-static bool has_both(const fill_ends *ends) {
+static bool has_both(const fill_ends *out) {
     bool low = false, high = false;
-    for (sn_index i = 0; i < ends->count; i++) {
-        low |= ends->values[i] == 0.0;
-        high |= ends->values[i] == 1.0;
+    for (sn_index i = 0; i < out->count; i++) {
+        low |= out->values[i] == 0.0;
+        high |= out->values[i] == 1.0;
     }
     return low && high;
 }
@@ -176,30 +174,30 @@ static sn_status doubt_tips(search *s, sn_trace *trace, sn_error *error) {
 }
 
 /* The vertices around a tip, connected, within the cap's radius. */
-static void add_cap(const search *s, sn_index tip, double value, double radius, fill_ends *ends) {
+static void add_cap(const search *s, sn_index tip, double value, double radius, fill_ends *out) {
     const sn_topology *t = s->topology;
     const sn_vec3 *p = s->muscle->mesh.positions;
     if (s->taken[tip]) return;
-    sn_index first = ends->count;
-    add_end(ends, s->taken, tip, value);
-    for (sn_index i = first; i < ends->count; i++) {
-        sn_index v = ends->vertices[i];
+    sn_index first = out->count;
+    add_end(out, s->taken, tip, value);
+    for (sn_index i = first; i < out->count; i++) {
+        sn_index v = out->vertices[i];
         for (sn_index k = t->vertex_start[v]; k < t->vertex_start[v + 1]; k++)
-            if (sn_distance(p[t->neighbours[k]], p[tip]) <= radius) add_end(ends, s->taken, t->neighbours[k], value);
+            if (sn_distance(p[t->neighbours[k]], p[tip]) <= radius) add_end(out, s->taken, t->neighbours[k], value);
     }
 }
 
-static sn_status cap_tips(search *s, fill_ends *ends, const bool *skip, sn_trace *trace) {
+static sn_status cap_tips(search *s, fill_ends *out, const bool *skip, sn_trace *trace) {
     double radius = CAP_SHARE * sn_box_diagonal(sn_mesh_box(&s->muscle->mesh));
     for (sn_index i = 0; i < s->tip_count; i++) {
         if (skip && skip[i]) continue;
-        add_cap(s, s->tips[i], s->sides[i], radius, ends);
+        add_cap(s, s->tips[i], s->sides[i], radius, out);
         if (SN_TRACE(trace, "tip", sn_trace_number("vertex", s->tips[i]), sn_trace_number("value", s->sides[i]))) return SN_STOPPED;
     }
     return SN_OK;
 }
 
-static sn_status find_tip_ends(search *s, sn_trace *trace, fill_ends *ends, sn_error *error) {
+static sn_status find_tip_ends(search *s, sn_trace *trace, fill_ends *out, sn_error *error) {
     if (s->muscle->structure.sample_count > 1) find_leaves(s);
     sn_status status = SN_OK;
     if (sides_of_roots(s)) {
@@ -211,73 +209,70 @@ static sn_status find_tip_ends(search *s, sn_trace *trace, fill_ends *ends, sn_e
     }
     if (status) return status;
     for (sn_index v = 0; v < s->muscle->mesh.vertex_count; v++) s->taken[v] = 0;
-    ends->leaves = s->tip_count;
-    ends->kind = SN_FILL_ENDS_TIPS;
-    return cap_tips(s, ends, NULL, trace);
+    out->leaves = s->tip_count;
+    out->kind = SN_FILL_ENDS_TIPS;
+    return cap_tips(s, out, NULL, trace);
 }
 
 /* ---- attachments ------------------------------------------------------------------------------------------------------------ */
 
-/* The end that an attachment is on, by the mean of the tips' field over it. */
-static double side_of(const search *s, const sn_attachment *a) {
-    double sum = 0.0;
-    for (sn_index i = 0; i < a->count; i++) sum += s->u[a->vertices[i]];
-    return sum < 0.5 * (double)a->count ? 0.0 : 1.0;
-}
-
-/* An area begins at the very end, or else it is where the muscle's side touches a bone that it slides on. */
-static bool reaches_end(const search *s, const sn_attachment *a, double side) {
-    for (sn_index i = 0; i < a->count; i++)
-        if (fabs(s->u[a->vertices[i]] - side) < END_REACH) return true;
-    return false;
-}
-
-static void add_area(const search *s, const sn_attachment *a, fill_ends *ends) {
-    double side = side_of(s, a);
-    if (!reaches_end(s, a, side)) return;
-    for (sn_index i = 0; i < a->count; i++)
-        if (fabs(s->u[a->vertices[i]] - side) < OUTER_SHARE) add_end(ends, s->taken, a->vertices[i], side);
-}
-
 /* A leaf is served where an attached vertex of its end hangs on its branch. */
-static void find_served(const search *s, const fill_ends *ends, bool *served) {
+static void find_served(const search *s, const fill_ends *out, bool *served) {
     const sn_structure *t = &s->muscle->structure;
     for (sn_index i = 0; i < s->tip_count; i++)
-        for (sn_index k = 0; k < ends->count && !served[i]; k++) {
-            if (ends->values[k] != s->sides[i]) continue;
-            sn_index sample = t->sample_count > 0 ? t->vertex_sample[ends->vertices[k]] : SN_NONE;
+        for (sn_index k = 0; k < out->count && !served[i]; k++) {
+            if (out->values[k] != s->sides[i]) continue;
+            sn_index sample = t->sample_count > 0 ? t->vertex_sample[out->vertices[k]] : SN_NONE;
             served[i] = s->leaves[i] == SN_NONE || (sample != SN_NONE && t->branches[sample] == t->branches[s->leaves[i]]);
         }
 }
 
-/* The areas in place of the tips; where they are on one end only the tips stay. */
-static sn_status find_area_ends(search *s, fill_ends *ends, sn_trace *trace, sn_error *error) {
-    const sn_muscle *m = s->muscle;
-    sn_status status = sn_harmonic_field(&m->mesh, s->topology, &(sn_fixed_values){ends->count, ends->vertices, ends->values}, s->u, error);
-    bool *served = SN_NEW(bool, s->tip_count);
-    if (!status && !served) status = sn_fail_memory(error, "the ends of the fibres");
-    if (status) {
-        free(served);
-        return status;
+/* Which way round the tips' sides are, by the field between the known ends. */
+static sn_status turn_sides(search *s, const ends *known, sn_error *error) {
+    const sn_fixed_values fixed = {known->count, known->vertices, known->values};
+    sn_status status = sn_harmonic_field(&s->muscle->mesh, s->topology, &fixed, s->u, error);
+    for (sn_index i = 0; i < s->tip_count && !status; i++) s->sides[i] = s->u[s->tips[i]] >= 0.5;
+    return status;
+}
+
+/* The known ends; where they were found only, leaves that they do not serve keep their tips. */
+static sn_status take_known(search *s, const ends *known, fill_ends *out, sn_trace *trace, sn_error *error) {
+    bool *served = SN_NEW(bool, (size_t)s->tip_count + 1);
+    sn_status status = served ? turn_sides(s, known, error) : sn_fail_memory(error, "the ends of the fibres");
+    if (!status) {
+        out->count = 0;
+        for (sn_index v = 0; v < s->muscle->mesh.vertex_count; v++) s->taken[v] = 0;
+        for (sn_index i = 0; i < known->count; i++) add_end(out, s->taken, known->vertices[i], known->values[i]);
+        out->kind = SN_FILL_ENDS_ATTACHMENTS;
+        find_served(s, out, served);
+        for (sn_index i = 0; i < s->tip_count && known->choice.source != SN_ENDS_ATTACHMENTS; i++) served[i] = true;
+        status = cap_tips(s, out, served, trace);
     }
-    ends->count = 0;
-    for (sn_index v = 0; v < m->mesh.vertex_count; v++) s->taken[v] = 0;
-    for (sn_index i = 0; i < m->attachment_count; i++) add_area(s, &m->attachments[i], ends);
-    if (has_both(ends)) {
-        ends->kind = SN_FILL_ENDS_ATTACHMENTS;
-        find_served(s, ends, served);
-    } else {
-        ends->count = 0;
-        for (sn_index v = 0; v < m->mesh.vertex_count; v++) s->taken[v] = 0;
-    }
-    status = cap_tips(s, ends, served, trace);
     free(served);
+    return status;
+}
+
+/* What every tool takes for the ends (ends_choose); tips are those of the structure's leaves. */
+static sn_status find_best(search *s, fill_ends *out, sn_trace *trace, sn_error *error) {
+    surface_survey survey;
+    tips shape;
+    ends known;
+    sn_status status = ends_alloc(s->muscle->mesh.vertex_count, &known, error);
+    if (!status) status = survey_surface(&s->muscle->mesh, s->topology, &survey, error);
+    if (!status) status = find_tips(&s->muscle->mesh, s->topology, survey.main_vertex, NULL, &shape, error);
+    const ends_surface surface = {&s->muscle->mesh, s->topology, &shape};
+    if (!status) status = ends_choose(&surface, s->muscle, 0, NULL, &known, error);
+    bool attached = !status && known.choice.source >= SN_ENDS_ATTACHMENTS;
+    if (!status) status = find_tip_ends(s, attached ? NULL : trace, out, error);
+    out->choice = known.choice;
+    if (!status && attached) status = take_known(s, &known, out, trace, error);
+    ends_free(&known);
     return status;
 }
 
 /* ---- the whole ------------------------------------------------------------------------------------------------------------------ */
 
-static sn_status take_given(search *s, const sn_fill_params *params, fill_ends *ends, sn_error *error) {
+static sn_status take_given(search *s, const sn_fill_params *params, fill_ends *out, sn_error *error) {
     const sn_index *lists[2] = {params->origin, params->insertion};
     const sn_index counts[2] = {params->origin_count, params->insertion_count};
     for (int k = 0; k < 2; k++)
@@ -286,20 +281,19 @@ static sn_status take_given(search *s, const sn_fill_params *params, fill_ends *
             if (v < 0 || v >= s->muscle->mesh.vertex_count)
                 return sn_fail(error, SN_ERROR_INPUT, "the %s names vertex %d, but the surface has %d", k == 0 ? "origin" : "insertion", v,
                                s->muscle->mesh.vertex_count);
-            add_end(ends, s->taken, v, k);
+            add_end(out, s->taken, v, k);
         }
-    ends->kind = SN_FILL_ENDS_GIVEN;
-    if (has_both(ends)) return SN_OK;
+    out->kind = SN_FILL_ENDS_GIVEN;
+    if (has_both(out)) return SN_OK;
     return sn_fail(error, SN_ERROR_INPUT, "origin and insertion must each have a vertex that the other does not have");
 }
 
 static sn_status find(search *s, const sn_fill_params *params, sn_trace *trace, fill_ends *out, sn_error *error) {
-    if (params->origin_count > 0 || params->insertion_count > 0) return take_given(s, params, out, error);
-    sn_index bones = 0;
-    for (sn_index i = 0; i < s->muscle->attachment_count; i++) bones += s->muscle->attachments[i].count > 0;
-    bool areas = params->use_attachments && bones >= 2;
-    sn_status status = find_tip_ends(s, areas ? NULL : trace, out, error);
-    return !status && areas ? find_area_ends(s, out, trace, error) : status;
+    out->choice = (sn_ends_choice){.source = SN_ENDS_TIPS, .from = sn_ends_source_names[SN_ENDS_TIPS]};
+    if (params->use_attachments && params->origin_count == 0 && params->insertion_count == 0) return find_best(s, out, trace, error);
+    if (params->origin_count == 0 && params->insertion_count == 0) return find_tip_ends(s, trace, out, error);
+    out->choice = (sn_ends_choice){.source = SN_ENDS_SITES, .from = "given", .known = {true, true}};
+    return take_given(s, params, out, error);
 }
 
 sn_status fill_find_ends(const sn_muscle *muscle, const sn_topology *topology, const sn_fill_params *params, sn_trace *trace,
@@ -313,8 +307,8 @@ sn_status fill_find_ends(const sn_muscle *muscle, const sn_topology *topology, c
     return status;
 }
 
-void fill_ends_free(fill_ends *ends) {
-    free(ends->vertices);
-    free(ends->values);
-    *ends = (fill_ends){0};
+void fill_ends_free(fill_ends *out) {
+    free(out->vertices);
+    free(out->values);
+    *out = (fill_ends){0};
 }

@@ -3,17 +3,14 @@
 
 #include "flow.h"
 
-static sn_status find_ends(const flow_input *in, ends *e, sn_error *error) {
-    const sn_mesh *mesh = &in->muscle->mesh;
+sn_status flow_find_ends(const sn_muscle *muscle, const sn_topology *topology, const sn_flow_params *params, ends *out, sn_error *error) {
     surface_survey survey;
     tips shape;
-    if (in->params->site_count == 0 && ends_from_attachments(in->muscle, true, e)) return SN_OK;
-    sn_status status = survey_surface(mesh, in->topology, &survey, error);
-    if (!status) status = find_tips(mesh, in->topology, survey.main_vertex, NULL, &shape, error);
-    if (status) return status;
-    const ends_surface surface = {mesh, in->topology, &shape};
-    if (in->params->site_count == 0) return ends_from_tips(&surface, e, error);
-    return ends_from_sites(&surface, in->params->site_count, in->params->sites, e, error);
+    sn_status status = ends_alloc(muscle->mesh.vertex_count, out, error);
+    if (!status) status = survey_surface(&muscle->mesh, topology, &survey, error);
+    if (!status) status = find_tips(&muscle->mesh, topology, survey.main_vertex, NULL, &shape, error);
+    const ends_surface surface = {&muscle->mesh, topology, &shape};
+    return status ? status : ends_choose(&surface, muscle, params->site_count, params->sites, out, error);
 }
 
 /* grad u = sum_i u_i (n x e_i) / 2A, e_i opposite to corner i, and its weight A: with the doubled area vector N the sum of u_i (N x e_i) is
@@ -31,21 +28,16 @@ static void add_gradient(const sn_mesh *mesh, sn_triangle t, const double *u, sn
     for (int i = 0; i < 3; i++) sum[t.v[i]] = sn_add_scaled(sum[t.v[i]], turned, 1.0 / doubled);
 }
 
-sn_status harmonic_directions(const flow_input *in, sn_vec3 *directions, sn_ends_source *source, sn_error *error) {
+sn_status harmonic_directions(const flow_input *in, const ends *e, sn_vec3 *directions, sn_error *error) {
     const sn_mesh *mesh = &in->muscle->mesh;
-    ends e;
     double *u = SN_NEW(double, mesh->vertex_count);
-    sn_status status = ends_alloc(mesh->vertex_count, &e, error);
-    if (!u) status = sn_fail_memory(error, "the field between the muscle's ends");
-    if (!status) status = find_ends(in, &e, error);
-    *source = e.source;
-    if (!status) status = sn_harmonic_field(mesh, in->topology, &(sn_fixed_values){e.count, e.vertices, e.values}, u, error);
+    if (!u) return sn_fail_memory(error, "the field between the muscle's ends");
+    sn_status status = sn_harmonic_field(mesh, in->topology, &(sn_fixed_values){e->count, e->vertices, e->values}, u, error);
     for (sn_index v = 0; v < mesh->vertex_count; v++) directions[v] = sn_v3(0, 0, 0);
     for (sn_index t = 0; !status && t < mesh->triangle_count; t++) add_gradient(mesh, mesh->triangles[t], u, directions);
     if (!status &&
-        SN_TRACE(in->trace, "field", sn_trace_text("ends", sn_ends_source_names[e.source]), sn_trace_indices("fixed", e.vertices, e.count)))
+        SN_TRACE(in->trace, "field", sn_trace_text("ends", e->choice.from), sn_trace_indices("fixed", e->vertices, e->count)))
         status = SN_STOPPED;
-    ends_free(&e);
     free(u);
     return status;
 }

@@ -13,7 +13,9 @@
 #include "section.h"
 #include "tips.h"
 
-#define NEAR_CENTROID 0.10 /* a ring between sites or attachments must lie within this share of L of the centroid */
+#define NEAR_CENTROID 0.10   /* a ring between sites or attachments must lie within this share of L of the centroid */
+#define GOOD_SPAN 0.2         /* near the centroid, a ring that spans no more of the way from end to end is taken before others */
+#define MOST_SPAN (1.0 / 3.0) /* a ring that spans more runs along the muscle */
 
 typedef struct selection {
     const sn_muscle *muscle;
@@ -25,6 +27,9 @@ typedef struct selection {
     tips tips;
     sn_vec3 centroid;
     sn_trace *trace;
+    ends ends;
+    double *u;     /* (vertex_count) the field whose contours are tried */
+    double *along; /* (vertex_count) 0 at one end, 1 at the other */
     sn_roots_report report;
     sn_index count;
     sn_index *vertices;
@@ -32,25 +37,80 @@ typedef struct selection {
 
 /* ---- the field between the ends ----------------------------------------------------------------------------------------- */
 
-static sn_status find_ends(selection *s, bool known, ends *e, sn_error *error) {
+/* known: the best known ends; else the tips. */
+static sn_status find_ends(selection *s, bool known, sn_error *error) {
     const ends_surface surface = {s->mesh, &s->topology, &s->tips};
-    if (known && s->params->site_count > 0) return ends_from_sites(&surface, s->params->site_count, s->params->sites, e, error);
-    if (known && ends_from_attachments(s->muscle, false, e)) return SN_OK;
-    return ends_from_tips(&surface, e, error);
+    sn_status status;
+    if (known) {
+        status = ends_choose(&surface, s->muscle, s->params->site_count, s->params->sites, &s->ends, error);
+    } else {
+        ends_say(&s->ends.choice, "%s: no right ring near the middle parts them", s->ends.choice.from);
+        s->ends.choice.unused = s->ends.choice.source >= SN_ENDS_PINS;
+        memset(s->ends.choice.patches, 0, sizeof s->ends.choice.patches);
+        status = ends_from_tips(&surface, &s->ends, error);
+    }
+    s->report.ends = s->ends.choice;
+    return status;
 }
 
-/* known: between sites or attachments, where there are some; else between the tips. */
-static sn_status harmonic_between(selection *s, bool known, double *u, sn_error *error) {
-    ends e;
-    sn_status status = ends_alloc(s->mesh->vertex_count, &e, error);
-    if (!status) status = find_ends(s, known, &e, error);
-    s->report.ends = e.source;
-    if (!status) status = sn_harmonic_field(s->mesh, &s->topology, &(sn_fixed_values){e.count, e.vertices, e.values}, u, error);
-    if (!status &&
-        SN_TRACE(s->trace, "field", sn_trace_text("ends", sn_ends_source_names[e.source]), sn_trace_indices("fixed", e.vertices, e.count)))
-        status = SN_STOPPED;
-    ends_free(&e);
+/* Where each vertex lies along the muscle: d0 / (d0 + d1) of its distances along the surface from both ends; NaN off their component. */
+static sn_status find_along(selection *s, sn_error *error) {
+    double *distance[2] = {s->along, SN_NEW(double, s->mesh->vertex_count)};
+    sn_index *end = SN_NEW(sn_index, s->ends.count);
+    sn_status status = distance[1] && end ? SN_OK : sn_fail_memory(error, "the distances from the muscle's ends");
+    for (int k = 0; k < 2 && !status; k++) {
+        sn_index count = 0;
+        for (sn_index i = 0; i < s->ends.count; i++)
+            if (s->ends.values[i] == k) end[count++] = s->ends.vertices[i];
+        status = sn_geodesic_distance(s->mesh, &s->topology, count, end, distance[k], error);
+    }
+    for (sn_index v = 0; v < s->mesh->vertex_count && !status; v++) {
+        double sum = s->along[v] + distance[1][v];
+        s->along[v] = isfinite(sum) && sum > 0.0 ? s->along[v] / sum : NAN;
+    }
+    free(distance[1]);
+    free(end);
     return status;
+}
+
+static sn_status harmonic_between(selection *s, sn_error *error) {
+    const ends *e = &s->ends;
+    sn_status status = sn_harmonic_field(s->mesh, &s->topology, &(sn_fixed_values){e->count, e->vertices, e->values}, s->u, error);
+    if (!status && SN_TRACE(s->trace, "field", sn_trace_text("ends", e->choice.from), sn_trace_indices("fixed", e->vertices, e->count)))
+        status = SN_STOPPED;
+    return status;
+}
+
+/* Heights along the straight line between the middles of the ends: their levels cut across it. */
+static void height_between(selection *s) {
+    sn_vec3 origin = s->mesh->positions[s->ends.vertices[0]], sum[2] = {{0, 0, 0}, {0, 0, 0}};
+    double count[2] = {0.0, 0.0};
+    for (sn_index i = 0; i < s->ends.count; i++) {
+        int k = s->ends.values[i] != 0.0;
+        sum[k] = sn_add(sum[k], sn_sub(s->mesh->positions[s->ends.vertices[i]], origin));
+        count[k] += 1.0;
+    }
+    sn_vec3 axis = sn_normalize(sn_sub(sn_scale(sum[1], 1.0 / fmax(count[1], 1.0)), sn_scale(sum[0], 1.0 / fmax(count[0], 1.0))));
+    for (sn_index v = 0; v < s->mesh->vertex_count; v++)
+        s->u[v] = isnan(s->along[v]) ? NAN : sn_dot(sn_sub(s->mesh->positions[v], origin), axis);
+}
+
+/* ---- what a right ring is --------------------------------------------------------------------------------------------- */
+
+static double span_of(const selection *s, sn_index count, const sn_index *ring) {
+    double low = INFINITY, high = -INFINITY;
+    for (sn_index i = 0; i < count; i++) {
+        low = fmin(low, s->along[ring[i]]);
+        high = fmax(high, s->along[ring[i]]);
+    }
+    return high >= low ? high - low : NAN;
+}
+
+/* A ring around the muscle: not one along it, nor one around a part of it. */
+static bool is_right(selection *s, double most, sn_index count, const sn_index *ring) {
+    const sn_fixed_values fixed = {s->ends.count, s->ends.vertices, s->ends.values};
+    return span_of(s, count, ring) <= most && section_ring_closed(&s->cut, count, ring) &&
+           section_parts(&s->cut, count, ring) == 2 && section_separates(&s->cut, count, ring, &fixed);
 }
 
 /* ---- area quantiles of the field ------------------------------------------------------------------------------------- */
@@ -189,16 +249,18 @@ static void take_ring(selection *s, const candidate *c, sn_index count) {
     s->report.level = c->share;
 }
 
-/* The nearest candidate whose ring separates the surface in exactly two. */
-static sn_status first_separating(selection *s, const candidates *list, const double *u, sn_error *error) {
+/* The nearest candidate whose ring is right and spans `most`; most = INFINITY: whose ring separates the surface in exactly two. */
+static sn_status first_separating(selection *s, const candidates *list, double most, sn_error *error) {
     for (size_t i = 0; i < list->count; i++) {
+        if (most <= GOOD_SPAN && list->items[i].offset > NEAR_CENTROID * s->tips.length) return SN_OK;
         sn_index count = 0;
-        sn_status status = rebuild_ring(s, &list->items[i], u, &count, error);
+        sn_status status = rebuild_ring(s, &list->items[i], s->u, &count, error);
         if (status) return status;
         sn_index parts = section_parts(&s->cut, count, s->vertices);
+        bool good = parts == 2 && (most == INFINITY || is_right(s, most, count, s->vertices));
         bool stop = SN_TRACE(s->trace, "ring", sn_trace_number("share", list->items[i].share), sn_trace_number("parts", parts),
                              sn_trace_number("offset", list->items[i].offset), sn_trace_indices("vertices", s->vertices, count));
-        if (parts == 2) {
+        if (good) {
             take_ring(s, &list->items[i], count);
             return SN_OK; /* even if this was the last step allowed: it is complete */
         }
@@ -207,20 +269,21 @@ static sn_status first_separating(selection *s, const candidates *list, const do
     return SN_OK;
 }
 
-static sn_status search_ring(selection *s, const double *u, sn_error *error) {
+/* A ring along the levels of s->u that spans `most`; INFINITY: in the end any closed ring. */
+static sn_status search_ring(selection *s, double most, sn_error *error) {
     static const search searches[] = {{0.10, 0.90, 0.01, true}, {0.10, 0.90, 0.01, false}, {0.02, 0.98, 0.001, false}};
     quantiles q = {0};
     candidates list = {0};
-    sn_status status = quantiles_build(s->mesh, u, &q, error);
+    s->count = 0;
+    sn_status status = quantiles_build(s->mesh, s->u, &q, error);
     for (size_t i = 0; i < sizeof searches / sizeof *searches && !status && s->count == 0; i++) {
         list.count = 0;
-        s->report.fallback = i > 0;
-        status = gather(s, &searches[i], u, &q, &list, error);
-        if (!status) status = first_separating(s, &list, u, error);
+        status = gather(s, &searches[i], s->u, &q, &list, error);
+        if (!status) status = first_separating(s, &list, most, error);
     }
-    if (!status && s->count == 0 && list.count > 0) { /* nothing separates: the nearest closed ring */
+    if (!status && most == INFINITY && s->count == 0 && list.count > 0) { /* nothing separates: the nearest closed ring */
         sn_index count = 0;
-        status = rebuild_ring(s, &list.items[0], u, &count, error);
+        status = rebuild_ring(s, &list.items[0], s->u, &count, error);
         if (!status) take_ring(s, &list.items[0], count);
     }
     free(list.items);
@@ -228,29 +291,55 @@ static sn_status search_ring(selection *s, const double *u, sn_error *error) {
     return status;
 }
 
-static sn_status ring_between(selection *s, bool known, double *u, sn_error *error) {
-    s->count = 0;
-    sn_status status = harmonic_between(s, known, u, error);
-    return status ? status : search_ring(s, u, error);
+/* A right ring between the ends, if there is one: along a contour of their field, else across the line between them. */
+static sn_status right_ring(selection *s, bool known, sn_error *error) {
+    sn_status status = find_ends(s, known, error);
+    if (!status) status = find_along(s, error);
+    if (!status) status = harmonic_between(s, error);
+    if (!status) status = search_ring(s, GOOD_SPAN, error);
+    if (!status && s->count == 0) status = search_ring(s, MOST_SPAN, error);
+    s->report.section = false;
+    if (status || s->count > 0) return status;
+    height_between(s);
+    status = search_ring(s, MOST_SPAN, error);
+    s->report.section = s->count > 0;
+    return status;
 }
 
-/* Sites and attachments may lie side by side, or all along the muscle. */
-static bool is_mid_section(selection *s) {
-    if (s->count == 0 || section_parts(&s->cut, s->count, s->vertices) != 2) return false;
-    return sn_distance(vertex_mean(s->mesh, s->count, s->vertices), s->centroid) <= NEAR_CENTROID * s->tips.length;
+/* Found attachments may lie side by side, or all along the muscle. */
+static bool is_mid_section(const selection *s) {
+    return s->count > 0 && sn_distance(vertex_mean(s->mesh, s->count, s->vertices), s->centroid) <= NEAR_CENTROID * s->tips.length;
+}
+
+/* Nothing is right: what comes nearest to it, between the tips. */
+static sn_status next_best(selection *s, sn_error *error) {
+    sn_status status = harmonic_between(s, error);
+    return status ? status : search_ring(s, INFINITY, error);
+}
+
+static sn_status search_all(selection *s, sn_error *error) {
+    sn_status status = right_ring(s, true, error);
+    if (!status && s->ends.choice.source >= SN_ENDS_ATTACHMENTS && !is_mid_section(s)) status = right_ring(s, false, error);
+    s->report.right = !status && s->count > 0;
+    s->report.fallback = !s->report.right;
+    if (!status && s->count == 0) status = next_best(s, error);
+    if (!status && s->count > 0) s->report.span = span_of(s, s->count, s->vertices);
+    return status;
 }
 
 static sn_status select_automatic(selection *s, sn_error *error) {
-    double *u = SN_NEW(double, s->mesh->vertex_count);
+    s->u = SN_NEW(double, s->mesh->vertex_count);
+    s->along = SN_NEW(double, s->mesh->vertex_count);
     s->vertices = SN_NEW(sn_index, s->mesh->vertex_count > s->topology.edge_count ? s->mesh->vertex_count : s->topology.edge_count);
-    sn_status status = u && s->vertices ? ring_between(s, true, u, error) : sn_fail_memory(error, "the field between the muscle's ends");
-    bool known = s->report.ends == SN_ENDS_SITES || s->report.ends == SN_ENDS_ATTACHMENTS;
-    if (!status && known && !is_mid_section(s)) status = ring_between(s, false, u, error);
+    sn_status status = ends_alloc(s->mesh->vertex_count, &s->ends, error);
+    if (!status) status = s->u && s->along && s->vertices ? search_all(s, error) : sn_fail_memory(error, "the field between the muscle's ends");
     if (!status && s->count == 0)
         status = sn_fail(error, SN_ERROR_INPUT,
                          "no closed ring of vertices runs around the muscle's middle; close the mesh with mesh-clean, or choose the roots "
                          "by hand with --plane or --indices");
-    free(u);
+    ends_free(&s->ends);
+    free(s->u);
+    free(s->along);
     return status;
 }
 
@@ -321,6 +410,7 @@ static sn_status prepare(selection *s, sn_error *error) {
                                           : find_tips(s->mesh, &s->topology, s->survey.main_vertex, s->trace, &s->tips, error);
     s->centroid = sn_mesh_volume_centroid(s->mesh);
     s->report.level = NAN;
+    s->report.span = NAN;
     return status;
 }
 
@@ -351,7 +441,7 @@ sn_roots_params sn_roots_defaults(void) { return (sn_roots_params){.automatic = 
 sn_status sn_roots_select(const sn_muscle *muscle, const sn_roots_params *params, sn_trace *trace, sn_roots *out, sn_roots_report *report,
                           sn_error *error) {
     *out = (sn_roots){0};
-    if (report) *report = (sn_roots_report){.level = NAN};
+    if (report) *report = (sn_roots_report){.level = NAN, .span = NAN};
     if (sn_trace_stopped(trace)) return SN_STOPPED;
     selection s = {.muscle = muscle, .params = params, .mesh = &muscle->mesh, .trace = trace};
     sn_status status = prepare(&s, error);

@@ -208,7 +208,8 @@ bool section_ring_closed(section *s, sn_index count, const sn_index *ring) {
 
 /* ---- parts -------------------------------------------------------------------------------------------------------- */
 
-static void flood(section *s, uint32_t mark, sn_index seed) {
+/* Marks what is joined to the seed without passing vertices that are marked with `border` or already with `mark`. */
+static void flood_off(section *s, uint32_t border, uint32_t mark, sn_index seed) {
     const sn_topology *t = s->topology;
     sn_index top = 0;
     s->vertex_stamp[seed] = mark;
@@ -217,7 +218,7 @@ static void flood(section *s, uint32_t mark, sn_index seed) {
         sn_index v = s->stack[--top];
         for (sn_index k = t->vertex_start[v]; k < t->vertex_start[v + 1]; k++) {
             sn_index w = t->neighbours[k];
-            if (s->vertex_stamp[w] == mark) continue;
+            if (s->vertex_stamp[w] == mark || s->vertex_stamp[w] == border) continue;
             s->vertex_stamp[w] = mark;
             s->stack[top++] = w;
         }
@@ -232,8 +233,28 @@ sn_index section_parts(section *s, sn_index count, const sn_index *vertices) {
     for (sn_index i = 0; i < count; i++)
         for (sn_index k = t->vertex_start[vertices[i]]; k < t->vertex_start[vertices[i] + 1]; k++)
             if (s->vertex_stamp[t->neighbours[k]] != mark) {
-                flood(s, mark, t->neighbours[k]);
+                flood_off(s, mark, mark, t->neighbours[k]);
                 parts++;
             }
     return parts;
+}
+
+bool section_separates(section *s, sn_index count, const sn_index *vertices, const sn_fixed_values *ends) {
+    uint32_t border = fresh_stamp(s), mark = fresh_stamp(s);
+    if (mark < border) border = fresh_stamp(s); /* the stamps began anew */
+    for (sn_index i = 0; i < count; i++) s->vertex_stamp[vertices[i]] = border;
+    bool low = false, high = false;
+    for (sn_index i = 0; i < ends->count; i++) {
+        sn_index v = ends->vertices[i];
+        if (ends->values[i] != 0.0 || s->vertex_stamp[v] == border) continue;
+        if (s->vertex_stamp[v] != mark) flood_off(s, border, mark, v);
+        low = true;
+    }
+    for (sn_index i = 0; i < ends->count; i++) {
+        sn_index v = ends->vertices[i];
+        if (ends->values[i] == 0.0 || s->vertex_stamp[v] == border) continue;
+        if (s->vertex_stamp[v] == mark) return false;
+        high = true;
+    }
+    return low && high;
 }

@@ -7,7 +7,7 @@
 #ifndef SINEW_RIG_SECTION_H
 #define SINEW_RIG_SECTION_H
 
-#include "sinew/mesh.h"
+#include "sinew/geom.h"
 
 /* One connected curve: cut edges first .. first + count - 1 of the section, in order along it. */
 typedef struct section_curve {
@@ -53,5 +53,9 @@ bool section_ring_closed(section *s, sn_index count, const sn_index *ring);
 
 /* Connected parts of the surface, without `count` vertices, that touch those vertices. */
 sn_index section_parts(section *s, sn_index count, const sn_index *vertices);
+
+/* Do these vertices part those where value is 0 from those where it is 1: is there no way along edges past them, and are some of
+ * either not among them? */
+bool section_separates(section *s, sn_index count, const sn_index *vertices, const sn_fixed_values *ends);
 
 #endif

@@ -29,7 +29,7 @@ typedef struct difference {
 /* What was summed over a set. */
 typedef struct sums {
     const char *name;
-    int muscles, rings, near, mirrored, finer_near, same_leaves, clean, named, named_right;
+    int muscles, rings, right, around, near, mirrored, finer_near, same_leaves, clean, named, named_right;
     long samples, outside;
     double percentile95;       /* over all */
     double clean_percentile95; /* over the clean ones, as all below */
@@ -286,6 +286,8 @@ static sn_status measure(const char *path, const char *file, const sn_blob *site
     if (!status) status = sn_flow_fibers(&m, &fp, NULL, &m.fibers, &flow, error);
     if (!status) {
         s->rings += roots.ring && roots.parts == 2;
+        s->right += roots.right;
+        s->around += roots.right && roots.span <= 0.2;
         s->near += roots.centroid_offset <= 0.10 * roots.length;
         s->samples += structure.samples;
         s->outside += structure.outside;
@@ -353,9 +355,17 @@ static bool enough(long count, long of, long may_miss, long whole) {
 /* An average over some of the muscles may be this much above what is asked of all. */
 static double slack(const sums *s, long whole) { return s->muscles == whole ? 1.0 : 1.25; }
 
+static void print_around(const sums *s, long whole, int leaning_allowed) {
+    char value[32], reach[32];
+    row(s->name, "root rings that span a fifth of the length or less", share(value, s->around, s->muscles),
+        share(reach, whole - leaning_allowed, whole), "", enough(s->around, s->muscles, leaning_allowed, whole));
+}
+
 static void print_set(const sums *s, long whole, int far_allowed, int leaves_allowed, double percentile95, const char *beats[4]) {
     char value[32], reach[32];
     row(s->name, "roots: a closed ring that parts in two", share(value, s->rings, s->muscles), "all", beats[0], s->rings == s->muscles);
+    row(s->name, "root rings that part the ends and span a third or less", share(value, s->right, s->muscles), "all", "",
+        s->right == s->muscles);
     row(s->name, "roots within 10 % L of the centroid", share(value, s->near, s->muscles), share(reach, whole - far_allowed, whole), "",
         enough(s->near, s->muscles, far_allowed, whole));
     row(s->name, "same number of leaves at four densities", share(value, s->same_leaves, s->muscles),
@@ -405,8 +415,10 @@ static int run(const char *data, bool all) {
     printf("%-14s  %-51s  %-14s  %-12s  %s\n", "set", "row", "value", "reach", "beat");
     print_set(&dog, 253, 2, 5, 0.0,
               (const char *[]){"249, principal plane", "235, hops; 16, vertex bands", "12.7 %, hops; 6 %, slabs", ""});
+    print_around(&dog, 253, 5);
     print_clean(&dog, 253);
     print_set(&leg, 38, 0, 0, 11.0, (const char *[]){"38, principal plane", "33, hops; 0, vertex bands", "", "17.6 deg, paper literal"});
+    print_around(&leg, 38, 1);
     if (all) print_set(&body, body.muscles, 0, 3, 0.0, (const char *[]){"", "", "", ""});
     printf("%d passed, %d failed\n", passed, failed);
     return failed > 0;

@@ -43,7 +43,7 @@ static void a_spindle_is_cut_at_its_middle_ring(void **state) {
     assert_string_equal(roots.rule, "mid-section");
     sn_index first = 1 + (RINGS / 2) * SECTORS; /* lowest vertex of the middle ring, then its lower neighbour, round to the higher one */
     for (sn_index i = 0; i < SECTORS; i++) assert_int_equal(roots.vertices[i], first + i);
-    assert_true(report.ring && report.parts == 2 && !report.fallback && report.ends == SN_ENDS_TIPS);
+    assert_true(report.ring && report.parts == 2 && !report.fallback && report.ends.source == SN_ENDS_TIPS);
     assert_true(report.centroid_offset < 1e-9 && report.genus == 0.0 && report.components == 1);
     assert_true(report.length > 0.2 && report.length < 0.25);
     sn_roots_free(&roots);
@@ -80,30 +80,81 @@ static sn_attachment attach_at(const char *bone, sn_index vertex) {
     return a;
 }
 
-/* Two bones near the same end: the field runs between them, and the ring parts one from the other. */
-static void attachments_are_the_ends_where_there_are_two(void **state) {
-    (void)state;
-    enum { RINGS = 31, SECTORS = 12 };
-    sn_muscle m = {.meters_per_unit = 1, .mesh = spindle(RINGS, SECTORS, 0.2, 0.03), .has_attachments = true, .attachment_count = 2};
-    m.attachments = SN_NEW(sn_attachment, 2);
-    m.attachments[0] = attach_at("radius", 1 + (RINGS - 2) * SECTORS);
-    m.attachments[1] = attach_at("humerus", 1 + (RINGS - 2) * SECTORS + SECTORS / 2);
-    sn_roots_report report;
-    sn_roots roots = automatic(&m, &report);
-    assert_true(report.ends == SN_ENDS_ATTACHMENTS && report.ring && report.parts == 2);
-    bool along = false; /* such a ring runs along the muscle, not around it */
-    for (sn_index i = 0; i < roots.count; i++) along |= fabs(m.mesh.positions[roots.vertices[i]].z) > 0.05;
-    assert_true(along);
-    sn_roots_free(&roots);
+/* How far along z the vertices lie from each other. */
+static double height_of(const sn_muscle *m, const sn_roots *roots) {
+    double low = INFINITY, high = -INFINITY;
+    for (sn_index i = 0; i < roots->count; i++) {
+        low = fmin(low, m->mesh.positions[roots->vertices[i]].z);
+        high = fmax(high, m->mesh.positions[roots->vertices[i]].z);
+    }
+    return high - low;
+}
 
-    sn_attachments_free(m.attachments, 2); /* one bone is no pair of ends */
-    m.attachments = SN_NEW(sn_attachment, 1);
-    m.attachments[0] = attach_at("radius", 5);
-    m.attachment_count = 1;
-    roots = automatic(&m, &report);
-    assert_true(report.ends == SN_ENDS_TIPS && roots.count == SECTORS);
+static sn_muscle pinned_spindle(sn_index rings, sn_index sectors, sn_index count, const sn_index *pins) {
+    static const char *const bones[] = {"radius", "humerus", "ulna"};
+    sn_muscle m = {.meters_per_unit = 1, .mesh = spindle(rings, sectors, 0.2, 0.03), .has_attachments = true, .attachment_count = count};
+    m.attachments = SN_NEW(sn_attachment, count);
+    for (sn_index i = 0; i < count; i++) m.attachments[i] = attach_at(bones[i], pins[i]);
+    return m;
+}
+
+/* Pins at both ends are the ends, whatever the order of their bones: two at one end are one end. */
+static void attachments_are_the_ends_where_they_are_at_both(void **state) {
+    (void)state;
+    enum { RINGS = 31, SECTORS = 12, TOP = 1 + (RINGS - 2) * SECTORS };
+    const sn_index pins[] = {TOP, 3, TOP + SECTORS / 2}, other[] = {TOP + SECTORS / 2, TOP, 3};
+    sn_muscle m = pinned_spindle(RINGS, SECTORS, 3, pins), turned = pinned_spindle(RINGS, SECTORS, 3, other);
+    sn_roots_report report, turned_report;
+    sn_roots roots = automatic(&m, &report), same = automatic(&turned, &turned_report);
+    assert_true(report.ends.source == SN_ENDS_PINS && report.ends.known[0] && report.ends.known[1] && !report.ends.unused);
+    assert_true(report.ends.patches[0] == 1 && report.ends.patches[1] == 2); /* the end at 0 has the lowest vertex */
+    assert_true(report.right && !report.fallback && report.span < 0.1 && height_of(&m, &roots) < 0.02);
+    assert_true(turned_report.ends.patches[0] == 1 && turned_report.ends.patches[1] == 2);
+    assert_int_equal(roots.count, same.count);
+    assert_memory_equal(roots.vertices, same.vertices, (size_t)roots.count * sizeof(sn_index));
     sn_roots_free(&roots);
+    sn_roots_free(&same);
     sn_muscle_free(&m);
+    sn_muscle_free(&turned);
+}
+
+/* Two bones near the same end, or one: the other end is the tip, and the ring runs around the muscle. */
+static void attachments_at_one_end_leave_the_other_to_its_tip(void **state) {
+    (void)state;
+    enum { RINGS = 31, SECTORS = 12, TOP = 1 + (RINGS - 2) * SECTORS };
+    const sn_index pins[] = {TOP, TOP + SECTORS / 2};
+    for (sn_index count = 1; count <= 2; count++) {
+        sn_muscle m = pinned_spindle(RINGS, SECTORS, count, pins);
+        sn_roots_report report;
+        sn_roots roots = automatic(&m, &report);
+        assert_true(report.ends.source == SN_ENDS_PINS && report.ends.known[0] && !report.ends.known[1] && report.ends.unused);
+        assert_non_null(strstr(report.ends.why, count == 1 ? "one only" : "all lie at one end"));
+        assert_true(report.right && roots.count == SECTORS && height_of(&m, &roots) < 1e-9);
+        sn_roots_free(&roots);
+        sn_muscle_free(&m);
+    }
+}
+
+/* Contact that holds a speck of each end is not trusted, and why is said; a compact patch at each end is. */
+static void found_attachments_must_be_trusted(void **state) {
+    (void)state;
+    enum { RINGS = 31, SECTORS = 12, TOP = 1 + (RINGS - 2) * SECTORS };
+    for (int compact = 0; compact < 2; compact++) {
+        sn_muscle m = {.meters_per_unit = 1, .mesh = spindle(RINGS, SECTORS, 0.2, 0.03), .has_attachments = true, .attachment_count = 2};
+        m.attachments = SN_NEW(sn_attachment, 2);
+        for (int k = 0; k < 2; k++) {
+            sn_index count = compact ? 3 * SECTORS : 4, first = k == 0 ? 1 : TOP - 3 * SECTORS;
+            m.attachments[k] = (sn_attachment){sn_strdup(k ? "a" : "b"), sn_strdup("contact"), count, SN_NEW(sn_index, count), NULL, NULL, NULL};
+            for (sn_index i = 0; i < count; i++) m.attachments[k].vertices[i] = first + (compact ? i : 2 * i);
+        }
+        sn_roots_report report;
+        sn_roots roots = automatic(&m, &report);
+        assert_int_equal(report.ends.source, compact ? SN_ENDS_ATTACHMENTS : SN_ENDS_TIPS);
+        assert_true(!report.ends.unused && report.right);
+        if (!compact) assert_non_null(strstr(report.ends.why, "scattered"));
+        sn_roots_free(&roots);
+        sn_muscle_free(&m);
+    }
 }
 
 /* A section across a hoop has two curves and parts nothing; what is found is a ring around one end. */
@@ -242,7 +293,9 @@ int main(void) {
         cmocka_unit_test(a_spindle_is_cut_at_its_middle_ring),
         cmocka_unit_test(a_fork_is_separated_too),
         cmocka_unit_test(scale_does_not_matter),
-        cmocka_unit_test(attachments_are_the_ends_where_there_are_two),
+        cmocka_unit_test(attachments_are_the_ends_where_they_are_at_both),
+        cmocka_unit_test(attachments_at_one_end_leave_the_other_to_its_tip),
+        cmocka_unit_test(found_attachments_must_be_trusted),
         cmocka_unit_test(a_hoop_is_reported_as_one),
         cmocka_unit_test(the_largest_component_gets_the_ring),
         cmocka_unit_test(an_open_sheet_is_an_error_that_helps),

@@ -1,0 +1,378 @@
+/* ends_choose.c -- which ends of a muscle are best known, and attachments by place, whatever the order and number of their bones. */
+#include <stdlib.h>
+#include <string.h>
+
+#include "ends.h"
+
+#define TRUSTED_REACH 0.6    /* of found attachments: how far the surface may lie from them, over how far apart the ends are */
+#define MIDDLE 0.1           /* found attachments this near to the middle of the field lie along the belly: ends of neither side */
+#define CRUMB 0.1            /* of found attachments: smaller patches than this share of the bone's largest are left out */
+#define PIN_SHARE 0.01       /* a pin is a cap of this share of L at least: at a single vertex the field is singular */
+#define TIP_PATCH 0.05       /* around the point that is farthest from the one known end, as a share of L */
+#define GROWTH 1e-3          /* a pair that lies farther apart by less is no better */
+enum { MOST_SWEEPS = 16 };
+
+static const char *const kinds[] = {[SN_ENDS_ATTACHMENTS] = "attachments", [SN_ENDS_PINS] = "pins", [SN_ENDS_AREAS] = "areas"};
+
+/* A connected set of vertices that one bone holds for one kind of reason. */
+typedef struct patch {
+    sn_index first, count; /* in the list */
+    sn_index attachment;
+    sn_ends_source source;
+    int side; /* 0 or 1; -1 = left out */
+} patch;
+
+typedef struct grouping {
+    const ends_surface *surface;
+    const sn_muscle *muscle;
+    sn_index *holder;      /* (vertex_count) attachment; SN_NONE = none */
+    unsigned char *source; /* (vertex_count) sn_ends_source of held vertices */
+    unsigned char *seen;   /* (vertex_count) scratch */
+    sn_index *list;        /* (vertex_count) vertices by patch */
+    sn_index *sources;     /* (vertex_count) scratch */
+    double *field;         /* (vertex_count) scratch */
+    double *values;        /* (vertex_count) scratch */
+    sn_grip *grips;        /* (attachment_count) */
+    bool *trusted;         /* (attachment_count) */
+    size_t patch_capacity;
+    sn_index patch_count;
+    patch *patches; /* by their lowest vertex */
+} grouping;
+
+/* ---- patches ------------------------------------------------------------------------------------------------------------------ */
+
+static sn_ends_source source_of(const sn_attachment *a, sn_index i) {
+    if (a->reasons != NULL)
+        return a->reasons[i] == SN_REASON_PIN ? SN_ENDS_PINS : a->reasons[i] == SN_REASON_AREA ? SN_ENDS_AREAS : SN_ENDS_ATTACHMENTS;
+    if (a->method != NULL && strcmp(a->method, "area") == 0) return SN_ENDS_AREAS;
+    return a->method != NULL && strcmp(a->method, "pin") == 0 ? SN_ENDS_PINS : SN_ENDS_ATTACHMENTS;
+}
+
+static void mark_held(grouping *g) {
+    for (sn_index v = 0; v < g->surface->mesh->vertex_count; v++) g->holder[v] = SN_NONE;
+    for (sn_index k = 0; k < g->muscle->attachment_count; k++) {
+        const sn_attachment *a = &g->muscle->attachments[k];
+        for (sn_index i = 0; i < a->count; i++) {
+            g->holder[a->vertices[i]] = k;
+            g->source[a->vertices[i]] = (unsigned char)source_of(a, i);
+        }
+    }
+}
+
+/* The vertices joined to `seed` that are held alike, onto the end of the list. */
+static sn_index flood(grouping *g, sn_index seed, sn_index first) {
+    const sn_topology *t = g->surface->topology;
+    sn_index end = first;
+    g->list[end++] = seed;
+    g->seen[seed] = 1;
+    for (sn_index i = first; i < end; i++)
+        for (sn_index k = t->vertex_start[g->list[i]]; k < t->vertex_start[g->list[i] + 1]; k++) {
+            sn_index w = t->neighbours[k];
+            if (g->seen[w] || g->holder[w] != g->holder[seed] || g->source[w] != g->source[seed]) continue;
+            g->seen[w] = 1;
+            g->list[end++] = w;
+        }
+    return end - first;
+}
+
+static sn_status find_patches(grouping *g, sn_error *error) {
+    sn_index first = 0;
+    for (sn_index v = 0; v < g->surface->mesh->vertex_count; v++) {
+        if (g->holder[v] == SN_NONE || g->seen[v]) continue;
+        if (!sn_grow((void **)&g->patches, &g->patch_capacity, (size_t)g->patch_count + 1, sizeof *g->patches))
+            return sn_fail_memory(error, "the patches of the attachments");
+        patch *p = &g->patches[g->patch_count++];
+        *p = (patch){first, flood(g, v, first), g->holder[v], (sn_ends_source)g->source[v], -1};
+        first += p->count;
+    }
+    return SN_OK;
+}
+
+/* ---- trust in what was found -------------------------------------------------------------------------------------------------- */
+
+static bool found(const grouping *g, sn_index attachment) {
+    for (sn_index i = 0; i < g->patch_count; i++)
+        if (g->patches[i].attachment == attachment && g->patches[i].source == SN_ENDS_ATTACHMENTS) return true;
+    return false;
+}
+
+/* Area and compactness of each bone's attachment. */
+static sn_status judge_found(grouping *g, sn_ends_choice *choice, sn_error *error) {
+    sn_status status = sn_muscle_grips(g->muscle, g->grips, error);
+    for (sn_index k = 0; k < g->muscle->attachment_count && !status; k++) {
+        const sn_attachment *a = &g->muscle->attachments[k];
+        const sn_grip *grip = &g->grips[k];
+        sn_grip_quality quality = sn_grip_judge(a, grip);
+        bool scattered = quality == SN_GRIP_SPECKLED || 2 * grip->largest < a->count;
+        g->trusted[k] = quality != SN_GRIP_SLIGHT && !scattered;
+        if (g->trusted[k] || !found(g, k)) continue;
+        if (quality == SN_GRIP_SLIGHT)
+            ends_say(choice, "%s holds less than 1 %% of its end", a->bone);
+        else
+            ends_say(choice, "%s holds %d scattered patches", a->bone, (int)grip->patches);
+    }
+    return status;
+}
+
+static bool counts(const grouping *g, const patch *p, sn_ends_source least) {
+    if (p->source < least) return false;
+    if (p->source > SN_ENDS_ATTACHMENTS) return true;
+    return g->trusted[p->attachment] && p->count >= CRUMB * g->grips[p->attachment].largest;
+}
+
+/* ---- two groups --------------------------------------------------------------------------------------------------------------- */
+
+/* Distances from the patches that count, or from one of them; false where there is none. */
+static sn_status measure(grouping *g, sn_index only, sn_ends_source least, sn_error *error) {
+    sn_index count = 0;
+    for (sn_index i = 0; i < g->patch_count; i++) {
+        const patch *p = &g->patches[i];
+        if (only == SN_NONE ? !counts(g, p, least) : i != only) continue;
+        memcpy(g->sources + count, g->list + p->first, (size_t)p->count * sizeof *g->sources);
+        count += p->count;
+    }
+    return sn_geodesic_distance(g->surface->mesh, g->surface->topology, count, g->sources, g->field, error);
+}
+
+static double mean_over(const grouping *g, const patch *p) {
+    double sum = 0.0;
+    for (sn_index i = 0; i < p->count; i++) sum += g->field[g->list[p->first + i]];
+    return sum / (double)p->count;
+}
+
+/* The two patches that lie farthest apart: from the largest to the one farthest from it, and so on. *apart is 0 where there is one only. */
+static sn_status find_pair(grouping *g, sn_ends_source least, sn_index pair[2], double *apart, sn_error *error) {
+    sn_index here = SN_NONE;
+    for (sn_index i = 0; i < g->patch_count; i++)
+        if (counts(g, &g->patches[i], least) && (here == SN_NONE || g->patches[i].count > g->patches[here].count)) here = i;
+    pair[0] = pair[1] = here;
+    *apart = 0.0;
+    for (int sweep = 0; sweep < MOST_SWEEPS && here != SN_NONE; sweep++) {
+        sn_status status = measure(g, here, least, error);
+        if (status) return status;
+        sn_index there = SN_NONE;
+        double reach = 0.0;
+        for (sn_index i = 0; i < g->patch_count; i++) {
+            double d = i != here && counts(g, &g->patches[i], least) ? mean_over(g, &g->patches[i]) : 0.0;
+            if (!isfinite(d) || !(d > reach)) continue;
+            reach = d;
+            there = i;
+        }
+        if (there == SN_NONE || !(reach > *apart * (1.0 + GROWTH))) return SN_OK;
+        pair[0] = here;
+        pair[1] = there;
+        *apart = reach;
+        here = there;
+    }
+    return SN_OK;
+}
+
+static sn_index farthest_point(const grouping *g) {
+    sn_index best = SN_NONE;
+    for (sn_index v = 0; v < g->surface->mesh->vertex_count; v++)
+        if (isfinite(g->field[v]) && (best == SN_NONE || g->field[v] > g->field[best])) best = v;
+    return best;
+}
+
+/* The field between two patches, in g->field. */
+static sn_status field_between(grouping *g, const sn_index pair[2], sn_error *error) {
+    sn_index count = 0;
+    for (int k = 0; k < 2; k++)
+        for (sn_index i = 0; i < g->patches[pair[k]].count; i++) {
+            g->sources[count] = g->list[g->patches[pair[k]].first + i];
+            g->values[count++] = k;
+        }
+    return sn_harmonic_field(g->surface->mesh, g->surface->topology, &(sn_fixed_values){count, g->sources, g->values}, g->field, error);
+}
+
+/* Which side each patch is on, by the field between the two. */
+static sn_status take_sides(grouping *g, sn_ends_source least, const sn_index pair[2], sn_error *error) {
+    sn_status status = field_between(g, pair, error);
+    for (sn_index i = 0; i < g->patch_count && !status; i++) {
+        patch *p = &g->patches[i];
+        double u = counts(g, p, least) ? mean_over(g, p) : NAN;
+        p->side = isnan(u) ? -1 : u >= 0.5;
+        if (p->source == SN_ENDS_ATTACHMENTS && fabs(u - 0.5) < MIDDLE) p->side = -1;
+    }
+    return status;
+}
+
+/* The end at 0 is the one with the lowest vertex. */
+static void order_sides(grouping *g) {
+    for (sn_index i = 0; i < g->patch_count; i++) {
+        if (g->patches[i].side < 0) continue;
+        if (g->patches[i].side == 1)
+            for (sn_index k = i; k < g->patch_count; k++)
+                if (g->patches[k].side >= 0) g->patches[k].side = 1 - g->patches[k].side;
+        return;
+    }
+}
+
+/* ---- the ends ----------------------------------------------------------------------------------------------------------------- */
+
+static void write_ends(const grouping *g, ends *out) {
+    unsigned char *side = g->seen; /* 0 = none */
+    memset(g->seen, 0, (size_t)g->surface->mesh->vertex_count * sizeof *g->seen);
+    for (sn_index i = 0; i < g->patch_count; i++) {
+        const patch *p = &g->patches[i];
+        if (p->side < 0) continue;
+        out->choice.patches[p->side]++;
+        for (sn_index k = 0; k < p->count; k++) side[g->list[p->first + k]] = (unsigned char)(p->side + 1);
+    }
+    out->count = 0;
+    for (sn_index v = 0; v < g->surface->mesh->vertex_count; v++) {
+        if (side[v] == 0) continue;
+        out->vertices[out->count] = v;
+        out->values[out->count++] = side[v] - 1;
+    }
+}
+
+/* What lies within `reach` of the vertices of one end (of the pins among them), and on none, becomes that end's too. */
+static sn_status grow_pins(grouping *g, ends *out, sn_error *error) {
+    double reach = PIN_SHARE * g->surface->shape->length;
+    for (int side = 0; side < 2; side++) {
+        sn_index count = 0;
+        for (sn_index i = 0; i < g->patch_count; i++) {
+            const patch *p = &g->patches[i];
+            if (p->side != side || p->source != SN_ENDS_PINS) continue;
+            memcpy(g->sources + count, g->list + p->first, (size_t)p->count * sizeof *g->sources);
+            count += p->count;
+        }
+        if (count == 0) continue;
+        sn_status status = sn_geodesic_distance(g->surface->mesh, g->surface->topology, count, g->sources, g->field, error);
+        if (status) return status;
+        memset(g->seen, 0, (size_t)g->surface->mesh->vertex_count * sizeof *g->seen);
+        for (sn_index i = 0; i < out->count; i++) g->seen[out->vertices[i]] = 1;
+        for (sn_index v = 0; v < g->surface->mesh->vertex_count; v++) {
+            if (g->seen[v] || !(g->field[v] <= reach)) continue;
+            out->vertices[out->count] = v;
+            out->values[out->count++] = side;
+        }
+    }
+    return SN_OK;
+}
+
+/* Both ends from what is at least so good. */
+static sn_status make_both(grouping *g, sn_ends_source least, ends *out, bool *made, sn_error *error) {
+    sn_index pair[2];
+    double apart = 0.0;
+    sn_status status = find_pair(g, least, pair, &apart, error);
+    if (status || pair[0] == SN_NONE) return status;
+    if (pair[0] == pair[1]) {
+        ends_say(&out->choice, "%s: there is one only, on %s", kinds[least], g->muscle->attachments[g->patches[pair[0]].attachment].bone);
+        return SN_OK;
+    }
+    status = measure(g, SN_NONE, least, error);
+    if (status) return status;
+    double most = least == SN_ENDS_ATTACHMENTS ? TRUSTED_REACH : 1.0;
+    if (g->field[farthest_point(g)] > most * apart) {
+        ends_say(&out->choice, "%s: all lie at one end or along the belly", kinds[least]);
+        return SN_OK;
+    }
+    status = take_sides(g, least, pair, error);
+    if (status) return status;
+    order_sides(g);
+    write_ends(g, out);
+    *made = true;
+    ends_source(out, least, true, true);
+    return grow_pins(g, out, error);
+}
+
+/* The point farthest from all that is known is the other end. */
+static sn_status make_one(grouping *g, sn_ends_source least, ends *out, bool *made, sn_error *error) {
+    const sn_mesh *mesh = g->surface->mesh;
+    sn_status status = measure(g, SN_NONE, least, error);
+    if (status) return status;
+    sn_index tip = farthest_point(g);
+    for (sn_index i = 0; i < g->patch_count; i++) g->patches[i].side = counts(g, &g->patches[i], least) ? 0 : -1;
+    write_ends(g, out);
+    sn_index held = out->count;
+    memset(g->seen, 0, (size_t)mesh->vertex_count * sizeof *g->seen);
+    for (sn_index i = 0; i < held; i++) g->seen[out->vertices[i]] = 1;
+    status = sn_geodesic_distance(mesh, g->surface->topology, 1, &tip, g->field, error);
+    for (sn_index v = 0; v < mesh->vertex_count && !status; v++) {
+        if (g->seen[v] || !(g->field[v] <= TIP_PATCH * g->surface->shape->length)) continue;
+        out->vertices[out->count] = v;
+        out->values[out->count++] = 1.0;
+    }
+    if (status || out->count == held) return status; /* all of the surface is held */
+    *made = true;
+    ends_source(out, least, true, false);
+    ends_say(&out->choice, "the end that is not known is the tip farthest from the other");
+    return SN_OK;
+}
+
+static bool any(const grouping *g, sn_ends_source source) {
+    for (sn_index i = 0; i < g->patch_count; i++)
+        if (g->patches[i].source == source) return true;
+    return false;
+}
+
+static sn_status make_ends(grouping *g, ends *out, bool *made, sn_error *error) {
+    sn_status status = SN_OK;
+    for (int least = SN_ENDS_AREAS; least >= SN_ENDS_ATTACHMENTS && !status && !*made; least--) {
+        if (!any(g, (sn_ends_source)least)) continue;
+        if (least == SN_ENDS_ATTACHMENTS) status = judge_found(g, &out->choice, error);
+        if (!status) status = make_both(g, (sn_ends_source)least, out, made, error);
+    }
+    if (status) return status;
+    out->choice.unused = out->choice.source < SN_ENDS_PINS && (any(g, SN_ENDS_AREAS) || any(g, SN_ENDS_PINS));
+    if (*made) return SN_OK;
+    if (any(g, SN_ENDS_AREAS) || any(g, SN_ENDS_PINS))
+        return make_one(g, any(g, SN_ENDS_PINS) ? SN_ENDS_PINS : SN_ENDS_AREAS, out, made, error);
+    return SN_OK;
+}
+
+/* ---- the whole ---------------------------------------------------------------------------------------------------------------- */
+
+static bool grouping_alloc(grouping *g) {
+    sn_index vertices = g->surface->mesh->vertex_count, attachments = g->muscle->attachment_count;
+    g->holder = SN_NEW(sn_index, vertices);
+    g->source = SN_NEW(unsigned char, vertices);
+    g->seen = SN_NEW(unsigned char, vertices);
+    g->list = SN_NEW(sn_index, vertices);
+    g->sources = SN_NEW(sn_index, vertices);
+    g->field = SN_NEW(double, vertices);
+    g->values = SN_NEW(double, vertices);
+    g->grips = SN_NEW(sn_grip, attachments);
+    g->trusted = SN_NEW(bool, attachments);
+    return g->holder && g->source && g->seen && g->list && g->sources && g->field && g->values && g->grips && g->trusted;
+}
+
+static void grouping_free(grouping *g) {
+    free(g->holder);
+    free(g->source);
+    free(g->seen);
+    free(g->list);
+    free(g->sources);
+    free(g->field);
+    free(g->values);
+    free(g->grips);
+    free(g->trusted);
+    free(g->patches);
+}
+
+static sn_status from_attachments(const ends_surface *surface, const sn_muscle *muscle, ends *out, bool *made, sn_error *error) {
+    grouping g = {.surface = surface, .muscle = muscle};
+    sn_status status = grouping_alloc(&g) ? SN_OK : sn_fail_memory(error, "the ends of the muscle");
+    if (!status) {
+        mark_held(&g);
+        status = find_patches(&g, error);
+    }
+    if (!status) status = make_ends(&g, out, made, error);
+    grouping_free(&g);
+    return status;
+}
+
+sn_status ends_choose(const ends_surface *surface, const sn_muscle *muscle, sn_index site_count, const sn_end_site *sites, ends *out,
+                      sn_error *error) {
+    out->count = 0;
+    out->choice = (sn_ends_choice){.from = ""};
+    if (site_count > 0) return ends_from_sites(surface, site_count, sites, out, error);
+    bool made = false, attached = false;
+    for (sn_index i = 0; i < muscle->attachment_count; i++) attached |= muscle->attachments[i].count > 0;
+    sn_status status = attached ? from_attachments(surface, muscle, out, &made, error) : SN_OK;
+    if (status || made) return status;
+    if (!attached) ends_say(&out->choice, "no attachments are known");
+    return ends_from_tips(surface, out, error);
+}
