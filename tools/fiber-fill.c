@@ -125,8 +125,8 @@ static void write_report(sn_json *json, const void *data) {
 
 static void comment(cli *c, const sn_fill_report *r, bool stopped) {
     cli_say(c, "%d fibres from %s, %d slices on %d levels; mean length %.4g, pennation %.1f degrees; %d of %d vertices were outside",
-            r->fibers, r->chosen.from != NULL ? r->chosen.from : "nowhere", r->loops, r->levels, r->mean_length, r->mean_pennation * DEGREES, r->outside_before,
-            r->vertices);
+            r->fibers, r->chosen.from != NULL ? r->chosen.from : "nowhere", r->loops, r->levels, r->mean_length,
+            r->mean_pennation * DEGREES, r->outside_before, r->vertices);
     if (r->chosen.from != NULL) cli_say_ends(c, &r->chosen);
     if (!r->closed) cli_warn(c, "the surface is not closed: fibres end at its gaps, and inside is a guess; mesh-clean fills holes");
     if (stopped) return;

@@ -434,7 +434,17 @@ static sn_status lead_between_areas(filling *f, sn_fill_report *report, sn_error
     const sn_fill_params *p = f->params;
     fill_path *paths = SN_NEW(fill_path, p->fibers);
     sn_status status = paths ? fill_spread_ends(&f->levels, &f->areas, p, paths, error) : sn_fail_memory(error, "the fibres");
-    const fill_leading lead = {&f->levels, &f->muscle->mesh, f->closed, p->fibers, p->segments, p->smooth, paths, f->lines, f->z, p->pool};
+    const fill_leading lead = {.levels = &f->levels,
+                               .mesh = &f->muscle->mesh,
+                               .diagonal = f->diagonal,
+                               .closed = f->closed,
+                               .fibers = p->fibers,
+                               .segments = p->segments,
+                               .smooth = p->smooth,
+                               .paths = paths,
+                               .lines = f->lines,
+                               .z = f->z,
+                               .pool = p->pool};
     if (!status) status = count_ends(&f->levels, p->fibers, paths, report, error);
     if (!status) status = fill_lead_paths(&lead, error);
     for (int k = 0; k < 2; k++) report->areas[k] = fill_area(f->areas.mesh, f->areas.member[k]);

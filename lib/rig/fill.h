@@ -193,6 +193,7 @@ SN_MUST_CHECK sn_status fill_spread_ends(const fill_levels *levels, const fill_a
 typedef struct fill_leading {
     const fill_levels *levels;
     const sn_mesh *mesh;
+    double diagonal; /* of its box */
     bool closed;
     sn_index fibers, segments, smooth;
     const fill_path *paths; /* (fibers) */

@@ -3,28 +3,30 @@
  *
  * Near an area the slices are lids over it: a fibre that followed them would run across the area before it leaves. There it is led by its
  * end and its bending alone; towards the middle the slices have their say. The fibre is the least sum of squared second differences and of
- * squared distances from the way, weighted by how far both areas are (a spline under tension of its way; Reinsch 1967). Where that leaves
- * the volume the way gets more weight.
+ * squared distances from the way, weighted by how far both areas are (a smoothing spline; Reinsch 1967). Where that leaves the volume the
+ * fibre is drawn in from the surface beside it, as deep as its way runs there in the muscle's thickness.
  */
 #include <stdlib.h>
 
 #include "fill.h"
 #include "tree.h"
 
-enum { NODES = 49, BATCH = 512, ROUNDS = 3, FIBERS_A_CHUNK = 8 };
+enum { NODES = 49, BATCH = 512, ROUNDS = 4, FIBERS_A_CHUNK = 8 };
 #define BENDING 81.0    /* of a second difference against a distance: waves shorter than about 2 pi x 3 nodes go */
-#define LID 2.0         /* radii of the slice beside the area within which slices are lids over it */
+#define LID 1.5         /* radii of the slice beside the area within which slices are lids over it; at twice that they are none */
 #define LEAST_SAY 1e-6  /* of a way: beside an area */
-#define FIRST_SAY 0.125 /* of a way where the fibre first leaves the volume; then eight times as much each round */
+#define FIRST_SAY 0.125 /* of a goal where the fibre first leaves the volume; then eight times as much each round */
+#define LEAST_DEPTH 0.1 /* of the thickness: of such a goal, from both sides */
 
 /* The fibres at hand. */
 typedef struct batch {
     const fill_leading *lead;
+    sn_surface *surface; /* made when a fibre first leaves the volume */
     sn_index first, count;
-    sn_vec3 *ways, *nodes; /* (BATCH x NODES) */
-    double *says, *z;      /* (BATCH x NODES) */
-    int *winding;          /* (BATCH x NODES) */
-    bool *done;            /* (BATCH) */
+    sn_vec3 *ways, *goals, *nodes; /* (BATCH x NODES) */
+    double *says, *z;              /* (BATCH x NODES) */
+    int *winding;                  /* (BATCH x NODES) */
+    bool *done;                    /* (BATCH) */
 } batch;
 
 /* ---- the way ------------------------------------------------------------------------------------------------------------------- */
@@ -61,9 +63,10 @@ static void begin_fiber(batch *b, sn_index i) {
         double share = 1.0;
         for (int side = 0; side < 2; side++) {
             double lid = LID * path->radius[side];
-            share *= lid > 0.0 ? smoothstep(sn_distance(way[k], path->end[side]) / lid) : 1.0;
+            share *= lid > 0.0 ? smoothstep(sn_distance(way[k], path->end[side]) / lid - 1.0) : 1.0;
         }
         say[k] = fmax(share, LEAST_SAY);
+        b->goals[(size_t)i * NODES + (size_t)k] = way[k];
     }
 }
 
@@ -87,16 +90,16 @@ static void add_node(banded *m, const sn_vec3 *x, int row, int column, double va
         m->two[row] += value;
 }
 
-static void assemble(const sn_vec3 *way, const double *say, banded *m) {
+static void assemble(const sn_vec3 *goal, const double *say, banded *m) {
     static const double difference[3] = {1.0, -2.0, 1.0};
     for (int k = 0; k < NODES; k++) {
         m->diagonal[k] = say[k];
         m->one[k] = m->two[k] = 0.0;
-        m->right[k] = sn_scale(way[k], say[k]);
+        m->right[k] = sn_scale(goal[k], say[k]);
     }
     for (int k = 1; k < NODES - 1; k++)
         for (int i = 0; i < 3; i++)
-            for (int j = 0; j < 3; j++) add_node(m, way, k - 1 + i, k - 1 + j, BENDING * difference[i] * difference[j]);
+            for (int j = 0; j < 3; j++) add_node(m, goal, k - 1 + i, k - 1 + j, BENDING * difference[i] * difference[j]);
 }
 
 static void solve(banded *m, sn_vec3 *x) {
@@ -119,29 +122,42 @@ static void solve(banded *m, sn_vec3 *x) {
 }
 
 static void settle_fiber(batch *b, sn_index i) {
-    const sn_vec3 *way = b->ways + (size_t)i * NODES;
+    const sn_vec3 *goal = b->goals + (size_t)i * NODES;
     sn_vec3 *x = b->nodes + (size_t)i * NODES;
     banded m;
-    assemble(way, b->says + (size_t)i * NODES, &m);
+    assemble(goal, b->says + (size_t)i * NODES, &m);
     solve(&m, x);
-    x[0] = way[0];
-    x[NODES - 1] = way[NODES - 1];
+    x[0] = goal[0];
+    x[NODES - 1] = goal[NODES - 1];
 }
 
 /* ---- inside ------------------------------------------------------------------------------------------------------------------------- */
 
-/* More say for the way where the fibre is outside, and beside it. */
-static void raise_says(batch *b, sn_index i) {
-    const int *winding = b->winding + (size_t)i * NODES;
-    double *say = b->says + (size_t)i * NODES;
-    bool outside[NODES];
+/* From the closest point of the surface inwards, as deep as the way runs there; the way itself where nothing lies beyond. */
+static sn_vec3 drawn_in(const batch *b, sn_vec3 at, sn_vec3 way) {
+    const sn_mesh *mesh = b->lead->mesh;
+    sn_closest closest = sn_surface_closest(b->surface, at, INFINITY);
+    if (closest.triangle == SN_NONE) return way;
+    const sn_index *v = mesh->triangles[closest.triangle].v;
+    sn_vec3 normal = sn_normalize(sn_area_vector(mesh->positions[v[0]], mesh->positions[v[1]], mesh->positions[v[2]]));
+    sn_vec3 inwards = sn_scale(normal, -1.0);
+    double near = 1e-6 * b->lead->diagonal;
+    sn_ray_hit hit = sn_surface_ray(b->surface, closest.point, inwards, near, b->lead->diagonal);
+    if (hit.triangle == SN_NONE || !(sn_norm2(normal) > 0.0)) return way;
+    double depth = sn_dot(sn_sub(way, closest.point), inwards) / hit.distance;
+    return sn_add_scaled(closest.point, inwards, hit.distance * fmin(fmax(depth, LEAST_DEPTH), 1.0 - LEAST_DEPTH));
+}
+
+/* Goals inside, of more and more weight, for nodes that are outside. */
+static void draw_in(batch *b, sn_index i) {
+    size_t first = (size_t)i * NODES;
     b->done[i] = true;
-    for (int k = 0; k < NODES; k++) {
-        outside[k] = k > 0 && k < NODES - 1 && winding[k] == 0;
-        if (outside[k]) b->done[i] = false;
+    for (size_t k = first + 1; k < first + NODES - 1; k++) {
+        if (b->winding[k] != 0) continue;
+        b->done[i] = false;
+        b->goals[k] = drawn_in(b, b->nodes[k], b->ways[k]);
+        b->says[k] = fmax(8.0 * b->says[k], FIRST_SAY);
     }
-    for (int k = 1; k < NODES - 1; k++)
-        if (outside[k] || outside[k - 1] || outside[k + 1]) say[k] = fmax(8.0 * say[k], FIRST_SAY);
 }
 
 static void begin_fibers(void *user, sn_index begin, sn_index end, sn_index chunk) {
@@ -156,7 +172,7 @@ static void mend_fibers(void *user, sn_index begin, sn_index end, sn_index chunk
     batch *b = user;
     (void)chunk;
     for (sn_index i = begin; i < end; i++) {
-        raise_says(b, i);
+        draw_in(b, i);
         if (!b->done[i]) settle_fiber(b, i);
     }
 }
@@ -179,6 +195,7 @@ static sn_status lead_batch(batch *b, sn_error *error) {
     sn_parallel_for(lead->pool, b->count, FIBERS_A_CHUNK, begin_fibers, b);
     for (int round = 0; lead->closed && round < ROUNDS && !status; round++) {
         status = count_windings(lead->mesh, b->count * NODES, b->nodes, b->winding, error);
+        if (!status && !b->surface) status = sn_surface_create_plain(lead->mesh, &b->surface, error);
         if (!status) sn_parallel_for(lead->pool, b->count, FIBERS_A_CHUNK, mend_fibers, b);
     }
     if (!status) sn_parallel_for(lead->pool, b->count, FIBERS_A_CHUNK, end_fibers, b);
@@ -188,19 +205,22 @@ static sn_status lead_batch(batch *b, sn_error *error) {
 sn_status fill_lead_paths(const fill_leading *lead, sn_error *error) {
     batch b = {.lead = lead};
     b.ways = SN_NEW(sn_vec3, BATCH * NODES);
+    b.goals = SN_NEW(sn_vec3, BATCH * NODES);
     b.nodes = SN_NEW(sn_vec3, BATCH * NODES);
     b.says = SN_NEW(double, BATCH *NODES);
     b.z = SN_NEW(double, BATCH *NODES);
     b.winding = SN_NEW(int, BATCH *NODES);
     b.done = SN_NEW(bool, BATCH);
-    bool made = b.ways && b.nodes && b.says && b.z && b.winding && b.done;
+    bool made = b.ways && b.goals && b.nodes && b.says && b.z && b.winding && b.done;
     sn_status status = made ? SN_OK : sn_fail_memory(error, "the fibres");
     for (; b.first < lead->fibers && !status; b.first += BATCH) {
         b.count = lead->fibers - b.first < BATCH ? lead->fibers - b.first : BATCH;
         status = lead_batch(&b, error);
     }
     free(b.ways);
+    free(b.goals);
     free(b.nodes);
+    sn_surface_destroy(b.surface);
     free(b.says);
     free(b.z);
     free(b.winding);
