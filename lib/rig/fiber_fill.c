@@ -375,7 +375,17 @@ static bool is_spread(const sn_fill_params *p, sn_fill_ends_kind ends) {
            p->map == SN_FILL_HARMONIC;
 }
 
-/* What of the attachments serves as ends. Where a head without one ends at its tip no fibre goes there. */
+static void mark_members(filling *f, const fill_ends *ends, const char *attached) {
+    bool known[2] = {false, false};
+    for (sn_index i = 0; i < ends->count; i++) known[ends->values[i] != 0.0] |= attached[ends->vertices[i]];
+    for (sn_index i = 0; i < ends->count; i++) {
+        int side = ends->values[i] != 0.0;
+        f->areas.member[side][ends->vertices[i]] = attached[ends->vertices[i]] || !known[side];
+    }
+}
+
+/* What of the attachments serves as ends. Where a head without one ends at its tip no fibre goes there; an end without any is what stands
+ * for it. */
 static sn_status find_areas(filling *f, const fill_ends *ends, sn_error *error) {
     const sn_muscle *m = f->muscle;
     char *attached = SN_NEW(char, m->mesh.vertex_count);
@@ -384,8 +394,7 @@ static sn_status find_areas(filling *f, const fill_ends *ends, sn_error *error) 
     bool made = attached && f->areas.member[0] && f->areas.member[1];
     for (sn_index i = 0; made && i < m->attachment_count; i++)
         for (sn_index k = 0; k < m->attachments[i].count; k++) attached[m->attachments[i].vertices[k]] = 1;
-    for (sn_index i = 0; made && i < ends->count; i++)
-        f->areas.member[ends->values[i] == 0.0 ? 0 : 1][ends->vertices[i]] = attached[ends->vertices[i]];
+    if (made) mark_members(f, ends, attached);
     free(attached);
     return made ? SN_OK : sn_fail_memory(error, "the attachment areas");
 }

@@ -16,17 +16,23 @@ enum { NODES = 49, BATCH = 512, ROUNDS = 4, FIBERS_A_CHUNK = 8 };
 #define LID 1.5         /* radii of the slice beside the area within which slices are lids over it; at twice that they are none */
 #define LEAST_SAY 1e-6  /* of a way: beside an area */
 #define FIRST_SAY 0.125 /* of a goal where the fibre first leaves the volume; then eight times as much each round */
+#define DETOUR 1.15     /* a fibre may be so many times as long as one that its way has no say in */
 #define LEAST_DEPTH 0.1 /* of the thickness: of such a goal, from both sides */
 
-/* The fibres at hand. */
+/* Fibres by number, and those of them that are at work by place in a list. */
 typedef struct batch {
     const fill_leading *lead;
     sn_surface *surface; /* made when a fibre first leaves the volume */
     sn_index first, count;
-    sn_vec3 *ways, *goals, *nodes; /* (BATCH x NODES) */
-    double *says, *z;              /* (BATCH x NODES) */
-    int *winding;                  /* (BATCH x NODES) */
-    bool *done;                    /* (BATCH) */
+    sn_vec3 *ways;          /* (BATCH x NODES) */
+    double *shares, *z;     /* (BATCH x NODES) share: of a way's say at its nodes, by how far the areas are */
+    sn_vec3 *fibers;        /* (BATCH x NODES) results */
+    double *least;          /* (BATCH) length of a fibre that its way has no say in */
+    double scale;           /* of the ways' says */
+    sn_index listed, *list; /* (BATCH) */
+    sn_vec3 *goals, *nodes; /* (BATCH x NODES) from here on by place in the list */
+    double *says;           /* (BATCH x NODES) */
+    int *winding;           /* (BATCH x NODES) */
 } batch;
 
 /* ---- the way ------------------------------------------------------------------------------------------------------------------- */
@@ -52,21 +58,19 @@ static sn_index trace_way(const fill_levels *l, const fill_path *path, sn_vec3 *
     return count;
 }
 
-static void begin_fiber(batch *b, sn_index i) {
-    const fill_levels *l = b->lead->levels;
+static void trace_fiber(batch *b, sn_index i) {
     const fill_path *path = &b->lead->paths[b->first + i];
     sn_vec3 points[TEMPLATE_NODES + 2], *way = b->ways + (size_t)i * NODES;
-    double z[TEMPLATE_NODES + 2], *say = b->says + (size_t)i * NODES;
-    sn_index count = trace_way(l, path, points, z);
+    double z[TEMPLATE_NODES + 2];
+    sn_index count = trace_way(b->lead->levels, path, points, z);
     (void)fill_divide(&(fill_line){count, points, z}, NODES - 1, way, b->z + (size_t)i * NODES);
     for (int k = 0; k < NODES; k++) {
-        double share = 1.0;
+        double *share = b->shares + (size_t)i * NODES + k;
+        *share = 1.0;
         for (int side = 0; side < 2; side++) {
             double lid = LID * path->radius[side];
-            share *= lid > 0.0 ? smoothstep(sn_distance(way[k], path->end[side]) / lid - 1.0) : 1.0;
+            if (lid > 0.0) *share *= smoothstep(sn_distance(way[k], path->end[side]) / lid - 1.0);
         }
-        say[k] = fmax(share, LEAST_SAY);
-        b->goals[(size_t)i * NODES + (size_t)k] = way[k];
     }
 }
 
@@ -121,14 +125,23 @@ static void solve(banded *m, sn_vec3 *x) {
     }
 }
 
-static void settle_fiber(batch *b, sn_index i) {
-    const sn_vec3 *goal = b->goals + (size_t)i * NODES;
-    sn_vec3 *x = b->nodes + (size_t)i * NODES;
+static void settle_fiber(batch *b, sn_index place) {
+    const sn_vec3 *goal = b->goals + (size_t)place * NODES;
+    sn_vec3 *x = b->nodes + (size_t)place * NODES;
     banded m;
-    assemble(goal, b->says + (size_t)i * NODES, &m);
+    assemble(goal, b->says + (size_t)place * NODES, &m);
     solve(&m, x);
     x[0] = goal[0];
     x[NODES - 1] = goal[NODES - 1];
+}
+
+static void begin_fiber(batch *b, sn_index place) {
+    size_t from = (size_t)b->list[place] * NODES, to = (size_t)place * NODES;
+    for (size_t k = 0; k < NODES; k++) {
+        b->goals[to + k] = b->ways[from + k];
+        b->says[to + k] = fmax(b->scale * b->shares[from + k], LEAST_SAY);
+    }
+    settle_fiber(b, place);
 }
 
 /* ---- inside ------------------------------------------------------------------------------------------------------------------------- */
@@ -149,40 +162,103 @@ static sn_vec3 drawn_in(const batch *b, sn_vec3 at, sn_vec3 way) {
 }
 
 /* Goals inside, of more and more weight, for nodes that are outside. */
-static void draw_in(batch *b, sn_index i) {
-    size_t first = (size_t)i * NODES;
-    b->done[i] = true;
-    for (size_t k = first + 1; k < first + NODES - 1; k++) {
-        if (b->winding[k] != 0) continue;
-        b->done[i] = false;
-        b->goals[k] = drawn_in(b, b->nodes[k], b->ways[k]);
-        b->says[k] = fmax(8.0 * b->says[k], FIRST_SAY);
+static void draw_in(batch *b, sn_index place) {
+    size_t way = (size_t)b->list[place] * NODES, first = (size_t)place * NODES;
+    bool moved = false;
+    for (size_t k = 1; k < NODES - 1; k++) {
+        if (b->winding[first + k] != 0) continue;
+        moved = true;
+        b->goals[first + k] = drawn_in(b, b->nodes[first + k], b->ways[way + k]);
+        b->says[first + k] = fmax(8.0 * b->says[first + k], FIRST_SAY);
     }
+    if (moved) settle_fiber(b, place);
+}
+
+static void trace_fibers(void *user, sn_index begin, sn_index end, sn_index chunk) {
+    (void)chunk;
+    for (sn_index i = begin; i < end; i++) trace_fiber(user, i);
 }
 
 static void begin_fibers(void *user, sn_index begin, sn_index end, sn_index chunk) {
     (void)chunk;
-    for (sn_index i = begin; i < end; i++) {
-        begin_fiber(user, i);
-        settle_fiber(user, i);
-    }
+    for (sn_index i = begin; i < end; i++) begin_fiber(user, i);
 }
 
 static void mend_fibers(void *user, sn_index begin, sn_index end, sn_index chunk) {
-    batch *b = user;
     (void)chunk;
-    for (sn_index i = begin; i < end; i++) {
-        draw_in(b, i);
-        if (!b->done[i]) settle_fiber(b, i);
-    }
+    for (sn_index i = begin; i < end; i++) draw_in(user, i);
 }
+
+static sn_status settle_listed(batch *b, double scale, sn_error *error) {
+    const fill_leading *lead = b->lead;
+    sn_status status = SN_OK;
+    b->scale = scale;
+    sn_parallel_for(lead->pool, b->listed, FIBERS_A_CHUNK, begin_fibers, b);
+    for (int round = 0; lead->closed && round < ROUNDS && !status; round++) {
+        status = count_windings(lead->mesh, b->listed * NODES, b->nodes, b->winding, error);
+        if (!status && !b->surface) status = sn_surface_create_plain(lead->mesh, &b->surface, error);
+        if (!status) sn_parallel_for(lead->pool, b->listed, FIBERS_A_CHUNK, mend_fibers, b);
+    }
+    return status;
+}
+
+/* ---- no detours --------------------------------------------------------------------------------------------------------------------- */
+
+static double length_of(const sn_vec3 *x) {
+    double sum = 0.0;
+    for (int k = 1; k < NODES; k++) sum += sn_distance(x[k - 1], x[k]);
+    return sum;
+}
+
+static void take_fiber(batch *b, sn_index place) {
+    for (size_t k = 0; k < NODES; k++) b->fibers[(size_t)b->list[place] * NODES + k] = b->nodes[(size_t)place * NODES + k];
+}
+
+static double fiber_length(const batch *b, sn_index i) { return length_of(b->fibers + (size_t)i * NODES); }
+
+/* Fibres that are much longer than they would be without their ways: these have less say, down to none. */
+static sn_status shorten(batch *b, sn_error *error) {
+    static const double scales[] = {0.1, 0.01, 0.001};
+    sn_index all = b->listed;
+    b->listed = 0;
+    for (sn_index i = 0; i < all; i++) {
+        const sn_vec3 *x = b->fibers + (size_t)i * NODES;
+        if (fiber_length(b, i) > DETOUR * sn_distance(x[0], x[NODES - 1])) b->list[b->listed++] = i;
+    }
+    if (b->listed == 0) return SN_OK;
+    sn_status status = settle_listed(b, 0.0, error);
+    sn_index kept = 0;
+    for (sn_index k = 0; k < b->listed && !status; k++) {
+        sn_index i = b->list[k];
+        b->least[i] = length_of(b->nodes + (size_t)k * NODES);
+        if (fiber_length(b, i) <= DETOUR * b->least[i]) continue;
+        take_fiber(b, k);
+        b->list[kept++] = i;
+    }
+    b->listed = kept;
+    for (size_t s = 0; s < sizeof scales / sizeof *scales && b->listed > 0 && !status; s++) {
+        status = settle_listed(b, scales[s], error);
+        kept = 0;
+        for (sn_index k = 0; k < b->listed && !status; k++) {
+            if (length_of(b->nodes + (size_t)k * NODES) <= DETOUR * b->least[b->list[k]])
+                take_fiber(b, k);
+            else
+                b->list[kept++] = b->list[k];
+        }
+        b->listed = kept;
+    }
+    return status;
+}
+
+/* ---- the whole ------------------------------------------------------------------------------------------------------------------------
+ */
 
 static void end_fibers(void *user, sn_index begin, sn_index end, sn_index chunk) {
     const batch *b = user;
     const fill_leading *lead = b->lead;
     (void)chunk;
     for (sn_index i = begin; i < end; i++) {
-        sn_vec3 *x = b->nodes + (size_t)i * NODES;
+        sn_vec3 *x = b->fibers + (size_t)i * NODES;
         size_t at = (size_t)(b->first + i) * (size_t)(lead->segments + 1);
         fill_smooth(NODES, x, lead->smooth);
         (void)fill_divide(&(fill_line){NODES, x, b->z + (size_t)i * NODES}, lead->segments, lead->lines[b->first + i].points, lead->z + at);
@@ -190,40 +266,52 @@ static void end_fibers(void *user, sn_index begin, sn_index end, sn_index chunk)
 }
 
 static sn_status lead_batch(batch *b, sn_error *error) {
-    const fill_leading *lead = b->lead;
-    sn_status status = SN_OK;
-    sn_parallel_for(lead->pool, b->count, FIBERS_A_CHUNK, begin_fibers, b);
-    for (int round = 0; lead->closed && round < ROUNDS && !status; round++) {
-        status = count_windings(lead->mesh, b->count * NODES, b->nodes, b->winding, error);
-        if (!status && !b->surface) status = sn_surface_create_plain(lead->mesh, &b->surface, error);
-        if (!status) sn_parallel_for(lead->pool, b->count, FIBERS_A_CHUNK, mend_fibers, b);
-    }
-    if (!status) sn_parallel_for(lead->pool, b->count, FIBERS_A_CHUNK, end_fibers, b);
+    sn_pool *pool = b->lead->pool;
+    sn_parallel_for(pool, b->count, FIBERS_A_CHUNK, trace_fibers, b);
+    b->listed = b->count;
+    for (sn_index i = 0; i < b->count; i++) b->list[i] = i;
+    sn_status status = settle_listed(b, 1.0, error);
+    for (sn_index i = 0; i < b->count && !status; i++) take_fiber(b, i);
+    if (!status) status = shorten(b, error);
+    if (!status) sn_parallel_for(pool, b->count, FIBERS_A_CHUNK, end_fibers, b);
     return status;
+}
+
+static bool batch_alloc(batch *b) {
+    b->ways = SN_NEW(sn_vec3, BATCH * NODES);
+    b->fibers = SN_NEW(sn_vec3, BATCH * NODES);
+    b->goals = SN_NEW(sn_vec3, BATCH * NODES);
+    b->nodes = SN_NEW(sn_vec3, BATCH * NODES);
+    b->shares = SN_NEW(double, BATCH *NODES);
+    b->says = SN_NEW(double, BATCH *NODES);
+    b->z = SN_NEW(double, BATCH *NODES);
+    b->winding = SN_NEW(int, BATCH *NODES);
+    b->least = SN_NEW(double, BATCH);
+    b->list = SN_NEW(sn_index, BATCH);
+    return b->ways && b->fibers && b->goals && b->nodes && b->shares && b->says && b->z && b->winding && b->least && b->list;
+}
+
+static void batch_free(batch *b) {
+    free(b->ways);
+    free(b->fibers);
+    free(b->goals);
+    free(b->nodes);
+    free(b->shares);
+    free(b->says);
+    free(b->z);
+    free(b->winding);
+    free(b->least);
+    free(b->list);
+    sn_surface_destroy(b->surface);
 }
 
 sn_status fill_lead_paths(const fill_leading *lead, sn_error *error) {
     batch b = {.lead = lead};
-    b.ways = SN_NEW(sn_vec3, BATCH * NODES);
-    b.goals = SN_NEW(sn_vec3, BATCH * NODES);
-    b.nodes = SN_NEW(sn_vec3, BATCH * NODES);
-    b.says = SN_NEW(double, BATCH *NODES);
-    b.z = SN_NEW(double, BATCH *NODES);
-    b.winding = SN_NEW(int, BATCH *NODES);
-    b.done = SN_NEW(bool, BATCH);
-    bool made = b.ways && b.goals && b.nodes && b.says && b.z && b.winding && b.done;
-    sn_status status = made ? SN_OK : sn_fail_memory(error, "the fibres");
+    sn_status status = batch_alloc(&b) ? SN_OK : sn_fail_memory(error, "the fibres");
     for (; b.first < lead->fibers && !status; b.first += BATCH) {
         b.count = lead->fibers - b.first < BATCH ? lead->fibers - b.first : BATCH;
         status = lead_batch(&b, error);
     }
-    free(b.ways);
-    free(b.goals);
-    free(b.nodes);
-    sn_surface_destroy(b.surface);
-    free(b.says);
-    free(b.z);
-    free(b.winding);
-    free(b.done);
+    batch_free(&b);
     return status;
 }

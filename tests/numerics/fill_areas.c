@@ -264,6 +264,7 @@ static bool fill(sample *s, measures *m, totals *t) {
     add_number(&t->ratio, m->ratio);
     t->slowest = fmax(t->slowest, m->seconds);
     t->outside += m->report.outside_after;
+    if (!m->report.chosen.known[0] || !m->report.chosen.known[1]) printf("  %s: %s\n", s->name, m->report.chosen.why);
     printf("%s\t%d\t%s\t%.3f\t%.3f\t%.3f\t%.4g\t%.4g\t%.4g\t%d\t%.0f\n", s->name, s->muscle.mesh.triangle_count,
            m->report.chosen.from != NULL ? m->report.chosen.from : "-", m->in_areas, least, m->ratio, m->mean, m->report.length_deviation,
            m->longest, m->report.outside_before, 1e3 * m->seconds);
@@ -306,7 +307,7 @@ typedef struct shape {
 } shape;
 
 static bool whole(const int p[3]) { return (void)p, true; }
-static bool prongs(const int p[3]) { return p[2] < 12 || p[0] < 4 || p[0] >= 8; }
+static bool prongs(const int p[3]) { return p[2] < 20 || p[0] < 4 || p[0] >= 8; }
 
 /* The sheet of the fan: 120 mm wide at z = 0, 20 at z = -80, 10 thick; its areas lie on the face y = 0. */
 static sn_vec3 fan_place(double x, double y, double z) {
@@ -327,8 +328,8 @@ static int strap_area(double x, double y, double z) { return (void)x, y > 0.0 ? 
 static int two_bones_area(double x, double y, double z) {
     return y > 0.0 ? 0 : z >= 35.0 ? 3 : z > 6.0 ? 0 : x <= 2.0 ? 1 : x >= 4.0 ? 2 : 0;
 }
-/* A plate of 60 x 12 x 120: origins on both its edges, the insertion on the lower half of its middle, in front. */
-static sn_vec3 plate_place(double x, double y, double z) { return sn_v3(3.0 * x, 4.0 * y, 4.0 * z); }
+/* A plate of 30 x 12 x 120: origins on both its edges, the insertion on the lower half of its middle, in front. */
+static sn_vec3 plate_place(double x, double y, double z) { return sn_v3(1.5 * x, 4.0 * y, 4.0 * z); }
 static int bipennate_area(double x, double y, double z) {
     if (x <= 0.0 && z >= 12.0 && z <= 28.0) return 1;
     if (x >= 20.0 && z >= 12.0 && z <= 28.0) return 2;
