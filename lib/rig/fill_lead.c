@@ -14,6 +14,7 @@
 enum { NODES = 49, BATCH = 512, ROUNDS = 4, FIBERS_A_CHUNK = 8 };
 #define BENDING 81.0    /* of a second difference against a distance: waves shorter than about 2 pi x 3 nodes go */
 #define LID 1.5         /* radii of the slice beside the area within which slices are lids over it; at twice that they are none */
+#define OWN_LID 1.0     /* the same in radii of the slice at hand: it grows across the muscle before it moves along it */
 #define LEAST_SAY 1e-6  /* of a way: beside an area */
 #define FIRST_SAY 0.125 /* of a goal where the fibre first leaves the volume; then eight times as much each round */
 #define DETOUR 1.15     /* a fibre may be so many times as long as one that its way has no say in */
@@ -24,15 +25,16 @@ typedef struct batch {
     const fill_leading *lead;
     sn_surface *surface; /* made when a fibre first leaves the volume */
     sn_index first, count;
-    sn_vec3 *ways;          /* (BATCH x NODES) */
-    double *shares, *z;     /* (BATCH x NODES) share: of a way's say at its nodes, by how far the areas are */
-    sn_vec3 *fibers;        /* (BATCH x NODES) results */
-    double *least;          /* (BATCH) length of a fibre that its way has no say in */
-    double scale;           /* of the ways' says */
-    sn_index listed, *list; /* (BATCH) */
-    sn_vec3 *goals, *nodes; /* (BATCH x NODES) from here on by place in the list */
-    double *says;           /* (BATCH x NODES) */
-    int *winding;           /* (BATCH x NODES) */
+    sn_vec3 *ways;                /* (BATCH x NODES) */
+    double *shares, *z;           /* (BATCH x NODES) share: of a way's say at its nodes, by how far the areas are */
+    sn_vec3 *fibers;              /* (BATCH x NODES) results */
+    double *least;                /* (BATCH) length of a fibre that its way has no say in */
+    double scale;                 /* of the ways' says */
+    double radii[TEMPLATE_NODES]; /* by level, of a disc as large as its slices are on average */
+    sn_index listed, *list;       /* (BATCH) */
+    sn_vec3 *goals, *nodes;       /* (BATCH x NODES) from here on by place in the list */
+    double *says;                 /* (BATCH x NODES) */
+    int *winding;                 /* (BATCH x NODES) */
 } batch;
 
 /* ---- the way ------------------------------------------------------------------------------------------------------------------- */
@@ -58,6 +60,26 @@ static sn_index trace_way(const fill_levels *l, const fill_path *path, sn_vec3 *
     return count;
 }
 
+static void find_radii(batch *b) {
+    const fill_levels *l = b->lead->levels;
+    for (sn_index i = 0; i < l->level_count; i++) {
+        double area = 0.0, loops = 0.0;
+        for (sn_index k = l->first[i]; k < l->first[i + 1]; k++) {
+            if (!l->loops[k].reached) continue;
+            area += l->loops[k].area;
+            loops += 1.0;
+        }
+        b->radii[i] = loops > 0.0 ? sqrt(area / loops / SN_PI) : 0.0;
+    }
+}
+
+static double radius_at(const batch *b, double z) {
+    const fill_levels *l = b->lead->levels;
+    sn_index i = 0;
+    while (i + 1 < l->level_count && l->z[i + 1] <= z) i++;
+    return b->radii[i];
+}
+
 static void trace_fiber(batch *b, sn_index i) {
     const fill_path *path = &b->lead->paths[b->first + i];
     sn_vec3 points[TEMPLATE_NODES + 2], *way = b->ways + (size_t)i * NODES;
@@ -68,7 +90,7 @@ static void trace_fiber(batch *b, sn_index i) {
         double *share = b->shares + (size_t)i * NODES + k;
         *share = 1.0;
         for (int side = 0; side < 2; side++) {
-            double lid = LID * path->radius[side];
+            double lid = fmax(LID * path->radius[side], OWN_LID * radius_at(b, b->z[(size_t)i * NODES + (size_t)k]));
             if (lid > 0.0) *share *= smoothstep(sn_distance(way[k], path->end[side]) / lid - 1.0);
         }
     }
@@ -308,6 +330,7 @@ static void batch_free(batch *b) {
 sn_status fill_lead_paths(const fill_leading *lead, sn_error *error) {
     batch b = {.lead = lead};
     sn_status status = batch_alloc(&b) ? SN_OK : sn_fail_memory(error, "the fibres");
+    find_radii(&b);
     for (; b.first < lead->fibers && !status; b.first += BATCH) {
         b.count = lead->fibers - b.first < BATCH ? lead->fibers - b.first : BATCH;
         status = lead_batch(&b, error);

@@ -2,7 +2,7 @@
  * fill_areas.c -- do fibres begin and end in the attachment areas, and are they spread over them? One TSV line a muscle, then percentiles.
  *
  *   fill_areas                 generated muscles at three densities, and with DATA every 8th of the dog's clean muscles (make check)
- *   DATA=FOLDER fill_areas all     all 128 of them (make anatomy)
+ *   DATA=FOLDER fill_areas all     all of them (make anatomy)
  *   fill_areas ... before          with fibres that ignore the areas' spread: what it was before
  *   OUT=FOLDER                     keep the rigs as documents there, for pictures
  *
@@ -19,8 +19,9 @@
 #include "sinew/io.h"
 #include "sinew/rig.h"
 
-#define COMPACT 0.25 /* sites of an end lie within this share of the distance of the ends from their mean */
-#define PATCH 0.05   /* of L */
+#define COMPACT 0.25   /* sites of an end lie within this share of the distance of the ends from their mean */
+#define PATCH 0.05     /* of L */
+#define SITE_REACH 0.1 /* of L: sites farther from the surface are another muscle's */
 
 enum { FIBERS = 49, EVERY = 8, MAX_SITES = 64, MOST_AREAS = 4 };
 
@@ -264,7 +265,8 @@ static bool fill(sample *s, measures *m, totals *t) {
     add_number(&t->ratio, m->ratio);
     t->slowest = fmax(t->slowest, m->seconds);
     t->outside += m->report.outside_after;
-    if (!m->report.chosen.known[0] || !m->report.chosen.known[1]) printf("  %s: %s\n", s->name, m->report.chosen.why);
+    bool known = m->report.chosen.known[0] && m->report.chosen.known[1];
+    if (!known) printf("  %s: %s\n", s->name, m->report.chosen.why);
     printf("%s\t%d\t%s\t%.3f\t%.3f\t%.3f\t%.4g\t%.4g\t%.4g\t%d\t%.0f\n", s->name, s->muscle.mesh.triangle_count,
            m->report.chosen.from != NULL ? m->report.chosen.from : "-", m->in_areas, least, m->ratio, m->mean, m->report.length_deviation,
            m->longest, m->report.outside_before, 1e3 * m->seconds);
@@ -307,7 +309,7 @@ typedef struct shape {
 } shape;
 
 static bool whole(const int p[3]) { return (void)p, true; }
-static bool prongs(const int p[3]) { return p[2] < 20 || p[0] < 4 || p[0] >= 8; }
+static bool prongs(const int p[3]) { return p[2] < 24 || p[0] < 4 || p[0] >= 8; }
 
 /* The sheet of the fan: 120 mm wide at z = 0, 20 at z = -80, 10 thick; its areas lie on the face y = 0. */
 static sn_vec3 fan_place(double x, double y, double z) {
@@ -328,17 +330,17 @@ static int strap_area(double x, double y, double z) { return (void)x, y > 0.0 ? 
 static int two_bones_area(double x, double y, double z) {
     return y > 0.0 ? 0 : z >= 35.0 ? 3 : z > 6.0 ? 0 : x <= 2.0 ? 1 : x >= 4.0 ? 2 : 0;
 }
-/* A plate of 30 x 12 x 120: origins on both its edges, the insertion on the lower half of its middle, in front. */
+/* A plate of 30 x 12 x 120: origins on both its edges, the insertion on the lower part of its middle, in front. */
 static sn_vec3 plate_place(double x, double y, double z) { return sn_v3(1.5 * x, 4.0 * y, 4.0 * z); }
 static int bipennate_area(double x, double y, double z) {
-    if (x <= 0.0 && z >= 12.0 && z <= 28.0) return 1;
-    if (x >= 20.0 && z >= 12.0 && z <= 28.0) return 2;
-    return y <= 0.0 && fabs(x - 10.0) <= 1.5 && z >= 1.0 && z <= 17.0 ? 3 : 0;
+    if (x <= 0.0 && z >= 17.0 && z <= 29.0) return 1;
+    if (x >= 20.0 && z >= 17.0 && z <= 29.0) return 2;
+    return y <= 0.0 && fabs(x - 10.0) <= 1.5 && z >= 1.0 && z <= 13.0 ? 3 : 0;
 }
 static sn_vec3 cube_place(double x, double y, double z) { return sn_v3(4.0 * x, 4.0 * y, 4.0 * z); }
 static int heads_area(double x, double y, double z) {
     if (z <= 0.0) return 3;
-    return z < 29.0 || y > 0.0 ? 0 : x <= 4.0 ? 1 : 2;
+    return (void)y, z < 29.0 ? 0 : x <= 4.0 ? 1 : 2;
 }
 
 static const shape shapes[] = {
@@ -504,6 +506,10 @@ static bool grow_areas(sample *s, const site_list *sites) {
     for (sn_index v = 0; v < mesh->vertex_count; v++)
         if (isfinite(distance[v])) length = fmax(length, distance[v]);
     bool apart = isfinite(length) && length > 0.0;
+    for (sn_index i = 0; i < sites->count; i++) { /* as sn_flow_fibers has it: others are not this muscle's */
+        sn_index v = nearest_vertex(mesh, sites->points[i]);
+        apart = apart && sn_distance(mesh->positions[v], sites->points[i]) <= SITE_REACH * length;
+    }
     for (sn_index v = 0; v < mesh->vertex_count; v++) {
         bool in[2] = {distance[v] <= PATCH * length, distance[mesh->vertex_count + v] <= PATCH * length};
         apart = apart && !(in[0] && in[1]);
@@ -524,7 +530,7 @@ static void process_muscle(const char *path, const char *file, const site_list *
     if (grow_areas(&s, sites))
         (void)fill(&s, &m, t);
     else
-        printf("%s\t%d\tthe sites' areas meet\n", file, s.muscle.mesh.triangle_count);
+        printf("%s\t%d\tthe sites are not this muscle's, or their areas meet\n", file, s.muscle.mesh.triangle_count);
     sample_free(&s);
 }
 
