@@ -6,6 +6,7 @@
 #include "sinew/rig.h"
 
 #define DEGREES (180.0 / SN_PI)
+#define ANGLE_OFF 2.0 /* degrees off --angle that are worth a warning */
 
 static sn_fill_params params;
 static int64_t fibers = -1, segments = -1, smooth = -1;
@@ -63,6 +64,8 @@ typedef struct outcome {
     bool embedded;
 } outcome;
 
+static bool is_oblique(void) { return params.template == SN_FILL_PENNATE || params.template == SN_FILL_BIPENNATE; }
+
 static void write_each(sn_json *json, const sn_fibers *lines) {
     sn_json_array(json, "each");
     for (sn_index i = 0; i < lines->polyline_count; i++) {
@@ -109,6 +112,7 @@ static void write_report(sn_json *json, const void *data) {
         sn_json_number(json, "insertionArea", r->areas[1]);
     }
     sn_json_number(json, "lineOfAction", r->action_length);
+    if (is_oblique()) sn_json_number(json, "angleAskedDegrees", params.angle * DEGREES);
     sn_json_number(json, "meanPennationDegrees", r->mean_pennation * DEGREES);
     sn_json_number(json, "greatestPennationDegrees", r->greatest_pennation * DEGREES);
     sn_json_number(json, "sectionArea", r->area);
@@ -132,7 +136,16 @@ static void comment(cli *c, const sn_fill_report *r, bool stopped) {
     if (stopped) return;
     if (r->fibers < params.fibers) cli_shortfall(c, "only %d of %d fibres found their way between the ends", r->fibers, params.fibers);
     if (r->outside_after > 0 && params.pull) cli_shortfall(c, "%d fibre vertices stay outside the volume", r->outside_after);
-    if (r->leaves_reached < r->leaf_loops && params.template != SN_FILL_USER)
+    if (r->spread && r->leaves_reached < r->leaf_loops)
+        cli_warn(c, "%d of %d ends of the muscle get no fibre: no attachment area lies there, or one too small for a fibre",
+                 r->leaf_loops - r->leaves_reached, r->leaf_loops);
+    if (is_oblique() && fabs(r->mean_pennation - params.angle) > ANGLE_OFF / DEGREES)
+        cli_warn(
+            c,
+            "the fibres' mean angle against the line of action is %.1f degrees, not the %.1f asked for: the muscle bends, or its sides "
+            "run more obliquely than the fibres would",
+            r->mean_pennation * DEGREES, params.angle * DEGREES);
+    if (!r->spread && r->leaves_reached < r->leaf_loops && params.template != SN_FILL_USER)
         cli_warn(c, "%d of %d ends of the muscle get no fibre: more fibres would reach them", r->leaf_loops - r->leaves_reached,
                  r->leaf_loops);
 }
