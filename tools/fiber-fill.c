@@ -6,6 +6,7 @@
 #include "sinew/rig.h"
 
 #define DEGREES (180.0 / SN_PI)
+#define ANGLE_OFF 2.0 /* degrees off --angle that are worth a warning */
 
 static sn_fill_params params;
 static int64_t fibers = -1, segments = -1, smooth = -1;
@@ -64,6 +65,8 @@ typedef struct outcome {
     bool embedded;
 } outcome;
 
+static bool is_oblique(void) { return params.template == SN_FILL_PENNATE || params.template == SN_FILL_BIPENNATE; }
+
 static void write_each(sn_json *json, const sn_fibers *lines) {
     sn_json_array(json, "each");
     for (sn_index i = 0; i < lines->polyline_count; i++) {
@@ -103,7 +106,14 @@ static void write_report(sn_json *json, const void *data) {
     sn_json_number(json, "meanLength", r->mean_length);
     sn_json_number(json, "leastLength", r->least_length);
     sn_json_number(json, "greatestLength", r->greatest_length);
+    sn_json_number(json, "lengthDeviation", r->length_deviation);
+    sn_json_number(json, "lengthVariation", r->mean_length > 0.0 ? r->length_deviation / r->mean_length : 0.0);
+    if (r->spread) {
+        sn_json_number(json, "originArea", r->areas[0]);
+        sn_json_number(json, "insertionArea", r->areas[1]);
+    }
     sn_json_number(json, "lineOfAction", r->action_length);
+    if (is_oblique()) sn_json_number(json, "angleAskedDegrees", params.angle * DEGREES);
     sn_json_number(json, "meanPennationDegrees", r->mean_pennation * DEGREES);
     sn_json_number(json, "greatestPennationDegrees", r->greatest_pennation * DEGREES);
     sn_json_number(json, "sectionArea", r->area);
@@ -127,7 +137,16 @@ static void comment(cli *c, const sn_fill_report *r, bool stopped) {
     if (stopped) return;
     if (r->fibers < params.fibers) cli_shortfall(c, "only %d of %d fibres found their way between the ends", r->fibers, params.fibers);
     if (r->outside_after > 0 && params.pull) cli_shortfall(c, "%d fibre vertices stay outside the volume", r->outside_after);
-    if (r->leaves_reached < r->leaf_loops && params.template != SN_FILL_USER)
+    if (r->spread && r->leaves_reached < r->leaf_loops)
+        cli_warn(c, "%d of %d ends of the muscle get no fibre: no attachment area lies there, or one too small for a fibre",
+                 r->leaf_loops - r->leaves_reached, r->leaf_loops);
+    if (is_oblique() && fabs(r->mean_pennation - params.angle) > ANGLE_OFF / DEGREES)
+        cli_warn(
+            c,
+            "the fibres' mean angle against the line of action is %.1f degrees, not the %.1f asked for: the muscle bends, or its sides "
+            "run more obliquely than the fibres would",
+            r->mean_pennation * DEGREES, params.angle * DEGREES);
+    if (!r->spread && r->leaves_reached < r->leaf_loops && params.template != SN_FILL_USER)
         cli_warn(c, "%d of %d ends of the muscle get no fibre: more fibres would reach them", r->leaf_loops - r->leaves_reached,
                  r->leaf_loops);
 }
@@ -180,6 +199,7 @@ static void take_options(const cli *c) {
     params.turn = turn / DEGREES;
     params.template = (sn_fill_template) template;
     params.map = (sn_fill_map)map;
+    params.spread = template_file == NULL && !cli_given(c, "template");
     if (template_file != NULL && cli_given(c, "template")) cli_usage_error(c, "--template and --template-file exclude each other");
     if (cli_given(c, "angle") && template != SN_FILL_PENNATE && template != SN_FILL_BIPENNATE)
         cli_usage_error(c, "--angle is for --template pennate or bipennate");

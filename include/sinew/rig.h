@@ -400,6 +400,8 @@ typedef struct sn_fill_params {
     sn_index origin_count, insertion_count; /* > 0 both: the ends */
     const sn_index *origin, *insertion;
     bool use_attachments; /* default true */
+    bool spread;          /* default true: a parallel template that nothing bends, mapped harmonically, between attachments has its fibres'
+                           * ends spread evenly over the attachment areas */
     sn_pool *pool;        /* NULL = the caller's thread; the fibres are the same */
 } sn_fill_params;
 
@@ -413,6 +415,9 @@ typedef struct sn_fill_report {
     sn_index outside_before, outside_after; /* fibre vertices outside the volume, before and after the pull */
     double farthest;                        /* that one lay outside */
     double mean_length, least_length, greatest_length;
+    double length_deviation;                   /* of the lengths from their mean: root of the sum of squares over their number less one */
+    bool spread;                               /* the fibres' ends are spread over the attachment areas */
+    double areas[2];                           /* of the origin and the insertion, where they are */
     double mean_pennation, greatest_pennation; /* radians, against the line of slice centroids, by length */
     double action_length;                      /* of the line of slice centroids */
     double area;                               /* of the widest level */

@@ -13,6 +13,7 @@ typedef struct filling {
     fill_levels levels;
     fill_bend bend;     /* count 0 = none */
     fill_uv *seeds;     /* (fibers) */
+    fill_areas areas;   /* members NULL = fibres are not spread over areas */
     sn_polyline *lines; /* (fibers) */
     double *z;          /* (fibers x (segments + 1)) */
     double diagonal, mean_edge;
@@ -30,7 +31,8 @@ sn_fill_params sn_fill_defaults(void) {
                             .bow = 0.5,
                             .smooth = 0,
                             .pull = true,
-                            .use_attachments = true};
+                            .use_attachments = true,
+                            .spread = true};
 }
 
 static sn_status check_curves(const sn_fill_params *p, sn_error *error) {
@@ -104,7 +106,7 @@ static bool place(const filling *f, fill_uv guide, fill_node node, sn_vec3 *out)
     return true;
 }
 
-static void smooth(sn_index count, sn_vec3 *p, sn_index rounds) {
+void fill_smooth(sn_index count, sn_vec3 *p, sn_index rounds) {
     for (sn_index r = 0; r < rounds; r++) {
         sn_vec3 before = p[0];
         for (sn_index i = 1; i + 1 < count; i++) {
@@ -115,8 +117,10 @@ static void smooth(sn_index count, sn_vec3 *p, sn_index rounds) {
     }
 }
 
-/* Points at equal steps along the line, and their z. Returns the length. */
-static double divide(sn_index count, const sn_vec3 *p, const double *z, sn_index segments, sn_vec3 *out, double *out_z) {
+double fill_divide(const fill_line *line, sn_index segments, sn_vec3 *out, double *out_z) {
+    sn_index count = line->count;
+    const sn_vec3 *p = line->points;
+    const double *z = line->z;
     double length = 0.0, way = 0.0;
     for (sn_index i = 1; i < count; i++) length += sn_distance(p[i - 1], p[i]);
     sn_index at = 0;
@@ -156,8 +160,9 @@ static void lead_fiber(const filling *f, sn_index fiber) {
         line->count = 0;
         return;
     }
-    smooth(count, points, f->params->smooth);
-    (void)divide(count, points, z, f->params->segments, line->points, f->z + (size_t)fiber * (size_t)(f->params->segments + 1));
+    fill_smooth(count, points, f->params->smooth);
+    (void)fill_divide(&(fill_line){count, points, z}, f->params->segments, line->points,
+                      f->z + (size_t)fiber * (size_t)(f->params->segments + 1));
 }
 
 static void lead_fibers(void *user, sn_index begin, sn_index end, sn_index chunk) {
@@ -291,6 +296,14 @@ static sn_status measure_fibers(const filling *f, sn_trace *trace) {
     return SN_OK;
 }
 
+/* Of the lengths, of a sample; 0 for a single fibre. */
+static double deviation(const filling *f, const sn_fill_report *r) {
+    double sum = 0.0;
+    for (sn_index i = 0; i < f->params->fibers; i++)
+        if (f->lines[i].count > 0) sum += (f->lines[i].length - r->mean_length) * (f->lines[i].length - r->mean_length);
+    return r->fibers > 1 ? sqrt(sum / (double)(r->fibers - 1)) : 0.0;
+}
+
 static void summarise(const filling *f, sn_fill_report *r) {
     const fill_levels *l = &f->levels;
     double lengths = 0.0, turned = 0.0;
@@ -307,6 +320,7 @@ static void summarise(const filling *f, sn_fill_report *r) {
     }
     if (r->fibers == 0) r->least_length = 0.0;
     r->mean_length = r->fibers > 0 ? lengths / (double)r->fibers : 0.0;
+    r->length_deviation = deviation(f, r);
     r->mean_pennation = lengths > 0.0 ? turned / lengths : 0.0;
     r->levels = l->level_count;
     r->action_length = l->length;
@@ -344,6 +358,7 @@ static sn_status filling_alloc(filling *f, sn_error *error) {
 static void filling_free(filling *f) {
     fill_levels_free(&f->levels);
     fill_bend_free(&f->bend);
+    for (int k = 0; k < 2; k++) free(f->areas.member[k]);
     free(f->seeds);
     free(f->z);
     for (sn_index i = 0; f->lines && i < f->params->fibers; i++) free(f->lines[i].points);
@@ -353,6 +368,35 @@ static void filling_free(filling *f) {
 static sn_index levels_wanted(const sn_fill_params *p) {
     sn_index wanted = LEVELS_A_SEGMENT * (p->segments < TEMPLATE_NODES ? p->segments : TEMPLATE_NODES) + 1;
     return wanted < LEAST_LEVELS ? LEAST_LEVELS : wanted > TEMPLATE_NODES ? TEMPLATE_NODES : wanted;
+}
+
+static bool is_spread(const sn_fill_params *p, sn_fill_ends_kind ends) {
+    return p->spread && ends == SN_FILL_ENDS_ATTACHMENTS && p->template == SN_FILL_PARALLEL && p->bend_count == 0 &&
+           p->map == SN_FILL_HARMONIC;
+}
+
+static void mark_members(filling *f, const fill_ends *ends, const char *attached) {
+    bool known[2] = {false, false};
+    for (sn_index i = 0; i < ends->count; i++) known[ends->values[i] != 0.0] |= attached[ends->vertices[i]];
+    for (sn_index i = 0; i < ends->count; i++) {
+        int side = ends->values[i] != 0.0;
+        f->areas.member[side][ends->vertices[i]] = attached[ends->vertices[i]] || !known[side];
+    }
+}
+
+/* What of the attachments serves as ends. Where a head without one ends at its tip no fibre goes there; an end without any is what stands
+ * for it. */
+static sn_status find_areas(filling *f, const fill_ends *ends, sn_error *error) {
+    const sn_muscle *m = f->muscle;
+    char *attached = SN_NEW(char, m->mesh.vertex_count);
+    f->areas.mesh = &m->mesh;
+    for (int k = 0; k < 2; k++) f->areas.member[k] = SN_NEW(char, m->mesh.vertex_count);
+    bool made = attached && f->areas.member[0] && f->areas.member[1];
+    for (sn_index i = 0; made && i < m->attachment_count; i++)
+        for (sn_index k = 0; k < m->attachments[i].count; k++) attached[m->attachments[i].vertices[k]] = 1;
+    if (made) mark_members(f, ends, attached);
+    free(attached);
+    return made ? SN_OK : sn_fail_memory(error, "the attachment areas");
 }
 
 /* The field from the ends, and its levels. */
@@ -368,8 +412,53 @@ static sn_status slice_muscle(filling *f, const sn_topology *topology, sn_trace 
     report->ends = ends.kind;
     report->chosen = ends.choice;
     report->leaves = ends.leaves;
+    if (!status && is_spread(f->params, ends.kind)) status = find_areas(f, &ends, error);
     fill_ends_free(&ends);
     free(u);
+    return status;
+}
+
+static sn_status lead_from_seeds(filling *f, sn_fill_report *report, sn_error *error) {
+    sn_status status = fill_make_seeds(&f->levels, f->params, f->seeds, report, error);
+    if (!status) sn_parallel_for(f->params->pool, f->params->fibers, FIBERS_A_CHUNK, lead_fibers, f);
+    return status;
+}
+
+/* Ends of the muscle, and those of them that a path leads to. */
+static sn_status count_ends(const fill_levels *l, sn_index fibers, const fill_path *paths, sn_fill_report *report, sn_error *error) {
+    bool *reached = SN_NEW(bool, l->loop_count);
+    if (!reached) return sn_fail_memory(error, "the fibres");
+    for (sn_index i = 0; i < fibers; i++)
+        for (int k = 0; k < 2; k++) reached[paths[i].loop[k]] = true;
+    for (sn_index i = 0; i < l->loop_count; i++) {
+        if (!l->loops[i].reached || (l->loops[i].level != 0 && l->loops[i].level != l->level_count - 1)) continue;
+        report->leaf_loops++;
+        report->leaves_reached += reached[i];
+    }
+    free(reached);
+    return SN_OK;
+}
+
+static sn_status lead_between_areas(filling *f, sn_fill_report *report, sn_error *error) {
+    const sn_fill_params *p = f->params;
+    fill_path *paths = SN_NEW(fill_path, p->fibers);
+    sn_status status = paths ? fill_spread_ends(&f->levels, &f->areas, p, paths, error) : sn_fail_memory(error, "the fibres");
+    const fill_leading lead = {.levels = &f->levels,
+                               .mesh = &f->muscle->mesh,
+                               .diagonal = f->diagonal,
+                               .closed = f->closed,
+                               .fibers = p->fibers,
+                               .segments = p->segments,
+                               .smooth = p->smooth,
+                               .paths = paths,
+                               .lines = f->lines,
+                               .z = f->z,
+                               .pool = p->pool};
+    if (!status) status = count_ends(&f->levels, p->fibers, paths, report, error);
+    if (!status) status = fill_lead_paths(&lead, error);
+    for (int k = 0; k < 2; k++) report->areas[k] = fill_area(f->areas.mesh, f->areas.member[k]);
+    report->spread = !status;
+    free(paths);
     return status;
 }
 
@@ -391,9 +480,8 @@ static sn_status fill(filling *f, const sn_topology *topology, sn_trace *trace, 
     if (!status) status = filling_alloc(f, error);
     if (!status) status = map_slices(f, error);
     if (!status && f->bend.count > 0) status = fill_bend_find(&f->levels, f->params, f->diagonal, &f->bend, error);
-    if (!status) status = fill_make_seeds(&f->levels, f->params, f->seeds, report, error);
+    if (!status) status = f->areas.mesh ? lead_between_areas(f, report, error) : lead_from_seeds(f, report, error);
     if (status) return status;
-    sn_parallel_for(f->params->pool, f->params->fibers, FIBERS_A_CHUNK, lead_fibers, f);
     status = keep_inside(f, trace, report, error);
     if (status && status != SN_STOPPED) return status;
     sn_status measured = measure_fibers(f, status ? NULL : trace);

@@ -110,6 +110,10 @@ void fill_levels_free(fill_levels *levels);
 SN_MUST_CHECK sn_status fill_make_seeds(const fill_levels *levels, const sn_fill_params *params, fill_uv *seeds, sn_fill_report *report,
                                         sn_error *error);
 
+/* Places of the trunk that are even over its section; the first of them are, too. */
+SN_MUST_CHECK sn_status fill_even_places(const fill_levels *levels, const sn_fill_params *params, sn_index count, fill_uv *out,
+                                         sn_error *error);
+
 /* ---- templates (fill_template.c) -------------------------------------------------------------------------------------------- */
 
 /* A point of a fibre in the template: the square and z. */
@@ -151,9 +155,70 @@ SN_MUST_CHECK sn_status fill_bend_find(const fill_levels *levels, const sn_fill_
 void fill_bend_nodes(const fill_bend *bend, sn_index level_count, fill_node *nodes);
 void fill_bend_free(fill_bend *bend);
 
+/* ---- from area to area (fill_areas.c, fill_match.c, fill_spread.c, fill_lead.c) ------------------------------------------------------ */
+
+/* The attachment areas at both ends. */
+typedef struct fill_areas {
+    const sn_mesh *mesh;
+    char *member[2]; /* (vertex_count) 1 = the vertex is of an origin's, an insertion's area */
+} fill_areas;
+
+/* Of the surface that is nearer to members (vertex_count; 0 or 1) than to other corners of its triangles. */
+double fill_area(const sn_mesh *mesh, const char *member);
+/* `count` points of that area, evenly: each stands for an equal share. SN_ERROR_INPUT where it is 0. */
+SN_MUST_CHECK sn_status fill_sample_area(const sn_mesh *mesh, const char *member, sn_index count, sn_vec3 *out, sn_error *error);
+
+/* Points of any dimension. */
+typedef struct fill_features {
+    sn_index width;       /* the dimension */
+    const double *values; /* (count x width) */
+} fill_features;
+
+/* match (count): which of `to` each of `from` is paired with, each with one, so that the sum of squared distances is least; nearly so for
+ * more than 256. */
+SN_MUST_CHECK sn_status fill_match(sn_index count, const fill_features *from, const fill_features *to, sn_index *match, sn_error *error);
+
+/* A fibre from area to area; of two: at the origin, at the insertion. */
+typedef struct fill_path {
+    sn_vec3 end[2];   /* on the areas */
+    fill_uv way[2];   /* place of the trunk that leads there */
+    sn_index loop[2]; /* of the first and the last level, before the area */
+    double radius[2]; /* of a disc as large as that loop's slice */
+} fill_path;
+
+/* params->fibers paths, their ends even over the areas. */
+SN_MUST_CHECK sn_status fill_spread_ends(const fill_levels *levels, const fill_areas *areas, const sn_fill_params *params, fill_path *paths,
+                                         sn_error *error);
+
+typedef struct fill_leading {
+    const fill_levels *levels;
+    const sn_mesh *mesh;
+    double diagonal; /* of its box */
+    bool closed;
+    sn_index fibers, segments, smooth;
+    const fill_path *paths; /* (fibers) */
+    sn_polyline *lines;     /* (fibers) their points are written */
+    double *z;              /* (fibers x (segments + 1)) written */
+    sn_pool *pool;
+} fill_leading;
+
+SN_MUST_CHECK sn_status fill_lead_paths(const fill_leading *lead, sn_error *error);
+
 /* ---- fibres (fiber_fill.c) ------------------------------------------------------------------------------------------------------- */
 
 /* Where the place `at` of the trunk's square lies on a level, by the way of `guide` (fill_carry); false where the slices end before. */
 bool fill_place(const fill_levels *levels, sn_fill_map map, sn_index level, fill_uv guide, fill_uv at, sn_vec3 *out);
+
+/* A line whose points have a z each. */
+typedef struct fill_line {
+    sn_index count;
+    const sn_vec3 *points; /* (count) */
+    const double *z;       /* (count) */
+} fill_line;
+
+/* Points (segments + 1) at equal steps along the line, and their z. Returns the length. */
+double fill_divide(const fill_line *line, sn_index segments, sn_vec3 *out, double *out_z);
+/* Rounds of smoothing; the ends stay. */
+void fill_smooth(sn_index count, sn_vec3 *points, sn_index rounds);
 
 #endif

@@ -66,7 +66,7 @@ static sn_index spread_over(const face *f, sn_index count, const double *numbers
 }
 
 /* `count` seeds: from the section where the template runs from end to end through one trunk, otherwise from the unit square. */
-static sn_status spread(const fill_levels *l, const sn_fill_params *params, sn_index count, fill_uv *out, sn_error *error) {
+sn_status fill_even_places(const fill_levels *l, const sn_fill_params *params, sn_index count, fill_uv *out, sn_error *error) {
     bool real = is_end_to_end(params) && params->map == SN_FILL_HARMONIC && l->root_count == 1;
     sn_index tries = real ? TRIES * count : count, found = 0;
     double *numbers = SN_NEW(double, 2 * (size_t)tries);
@@ -136,7 +136,7 @@ static sn_status reach_ends(const fill_levels *l, const sn_fill_params *params, 
     if (!is_end_to_end(params) || params->fibers > 100000 || ends_without(l, count) == 0) return SN_OK;
     sn_index more = MORE_SEEDS * params->fibers;
     fill_uv *candidates = SN_NEW(fill_uv, more);
-    sn_status status = candidates ? spread(l, params, more, candidates, error) : sn_fail_memory(error, "the fibres' seeds");
+    sn_status status = candidates ? fill_even_places(l, params, more, candidates, error) : sn_fail_memory(error, "the fibres' seeds");
     if (!status) replace_seeds(l, params->fibers, seeds, candidates, more, count);
     free(candidates);
     return status;
@@ -144,7 +144,7 @@ static sn_status reach_ends(const fill_levels *l, const sn_fill_params *params, 
 
 sn_status fill_make_seeds(const fill_levels *l, const sn_fill_params *params, fill_uv *seeds, sn_fill_report *report, sn_error *error) {
     sn_index *count = SN_NEW(sn_index, l->loop_count);
-    sn_status status = count ? spread(l, params, params->fibers, seeds, error) : sn_fail_memory(error, "the fibres' seeds");
+    sn_status status = count ? fill_even_places(l, params, params->fibers, seeds, error) : sn_fail_memory(error, "the fibres' seeds");
     if (!status) status = reach_ends(l, params, seeds, count, error);
     for (sn_index i = 0; i < l->loop_count && !status; i++) {
         if (!is_end(l, i)) continue;

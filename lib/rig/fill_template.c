@@ -40,23 +40,73 @@ static sn_index from_end_to_end(const sn_fill_params *params, const fill_levels 
     return l->level_count;
 }
 
-/* ---- oblique: straight lines, cut off at the muscle's ends ----------------------------------------------------------------------- */
+/* ---- oblique: straight lines, cut off at the muscle's sides and ends ---------------------------------------------------------------- */
 
-/* A fibre from x = from to x = to rises by |to - from| width / tan(angle) along the line of action. */
-static sn_index oblique(const sn_fill_params *params, const fill_levels *l, double from, double to, fill_uv seed,
-                        fill_node nodes[TEMPLATE_NODES]) {
-    double rise = fabs(to - from) * l->width / (sn_tan(params->angle) * l->length);
-    double low = -(1.0 - LEAST_SHARE) * rise, high = 1.0 - LEAST_SHARE * rise;
-    if (high < low) { /* longer than the muscle: any fibre crosses the middle */
-        low = fmin(0.0, 0.5 - rise);
-        high = fmax(1.0 - rise, 0.5 - rise);
-    }
-    double start = low + (high - low) * seed.x, begin = fmax(0.0, -start / rise), end = fmin(1.0, (1.0 - start) / rise);
+/* The muscle as oblique fibres of one depth (y) find it. */
+typedef struct strip {
+    const fill_levels *levels;
+    double y;
+    double width[TEMPLATE_NODES]; /* by level: from x = INSET to 1 - INSET */
+    double slope;                 /* across over z: tan(angle) times the length of the line of action */
+} strip;
+
+static void measure_strip(const sn_fill_params *params, const fill_levels *l, double y, strip *out) {
+    *out = (strip){.levels = l, .y = y, .slope = sn_tan(params->angle) * l->length};
     for (sn_index i = 0; i < l->level_count; i++) {
-        double t = begin + (end - begin) * (double)i / (double)(l->level_count - 1);
-        nodes[i] = (fill_node){{from + (to - from) * t, inset(seed.y)}, fmin(fmax(start + rise * t, 0.0), 1.0)};
+        sn_vec3 a, b;
+        fill_uv guide = {0.5, y};
+        bool both = fill_place(l, params->map, i, guide, (fill_uv){INSET, y}, &a) &&
+                    fill_place(l, params->map, i, guide, (fill_uv){1.0 - INSET, y}, &b);
+        out->width[i] = both ? sn_distance(a, b) : 0.0;
     }
-    return l->level_count;
+}
+
+static double width_at(const strip *s, double z) {
+    const fill_levels *l = s->levels;
+    sn_index i = 0;
+    while (i + 2 < l->level_count && l->z[i + 1] < z) i++;
+    double step = l->z[i + 1] - l->z[i], t = step > 0.0 ? fmin(fmax((z - l->z[i]) / step, 0.0), 1.0) : 0.0;
+    return s->width[i] + t * (s->width[i + 1] - s->width[i]);
+}
+
+/* Where a line that is in the middle at z = from meets the side, going up (way 1) or down (-1); at the muscle's end where it does not. */
+static double side_from(const strip *s, double from, double way) {
+    double before = from, step = 1.0 / (4 * TEMPLATE_NODES);
+    for (double z = from + way * step; z > 0.0 && z < 1.0; before = z, z += way * step) {
+        double off = s->slope * fabs(z - from) - 0.5 * width_at(s, z);
+        if (off < 0.0) continue;
+        double inside = 0.5 * width_at(s, before) - s->slope * fabs(before - from);
+        return before + way * step * (inside + off > 0.0 ? fmax(inside, 0.0) / (inside + off) : 0.0);
+    }
+    return way > 0.0 ? 1.0 : 0.0;
+}
+
+/* Nodes at equal steps of z on the line that is in the middle at z = through and goes towards x = 1 (way 1) or 0 (-1). */
+static sn_index oblique(const strip *s, const double span[2], double through, double way, fill_node nodes[TEMPLATE_NODES]) {
+    sn_index count = s->levels->level_count;
+    for (sn_index i = 0; i < count; i++) {
+        double z = span[0] + (span[1] - span[0]) * (double)i / (double)(count - 1), width = width_at(s, z);
+        double share = width > 0.0 ? way * s->slope * (z - through) / width : 0.0;
+        nodes[i] = (fill_node){{0.5 + (1.0 - 2.0 * INSET) * fmin(fmax(share, -0.5), 0.5), s->y}, z};
+    }
+    return count;
+}
+
+static sn_index from_side_to_side(const sn_fill_params *params, const fill_levels *l, fill_uv seed, fill_node nodes[TEMPLATE_NODES]) {
+    strip s;
+    measure_strip(params, l, inset(seed.y), &s);
+    double through = inset(seed.x), span[2] = {side_from(&s, through, -1.0), side_from(&s, through, 1.0)};
+    return oblique(&s, span, through, 1.0, nodes);
+}
+
+/* From x = 0 (way 1) or x = 1 (-1) to the middle. */
+static sn_index from_side_to_middle(const sn_fill_params *params, const fill_levels *l, fill_uv seed, double way,
+                                    fill_node nodes[TEMPLATE_NODES]) {
+    strip s;
+    measure_strip(params, l, inset(seed.y), &s);
+    double least = fmin(LEAST_SHARE * 0.5 * s.width[0] / s.slope, 0.9), through = least + (1.0 - least) * fmax(seed.x, INSET);
+    double span[2] = {side_from(&s, through, -1.0), through};
+    return oblique(&s, span, through, way, nodes);
 }
 
 /* ---- the user's ---------------------------------------------------------------------------------------------------------------------- */
@@ -98,9 +148,9 @@ sn_index fill_template_fiber(const sn_fill_params *params, const fill_levels *l,
                              fill_node nodes[TEMPLATE_NODES]) {
     switch (params->template) {
     case SN_FILL_PENNATE:
-        return oblique(params, l, INSET, 1.0 - INSET, seed, nodes);
+        return from_side_to_side(params, l, seed, nodes);
     case SN_FILL_BIPENNATE:
-        return oblique(params, l, fiber % 2 == 0 ? INSET : 1.0 - INSET, 0.5, seed, nodes);
+        return from_side_to_middle(params, l, seed, fiber % 2 == 0 ? 1.0 : -1.0, nodes);
     case SN_FILL_USER:
         return as_given(params, l, seed, nodes);
     default:

@@ -230,3 +230,62 @@ END
     "$BIN/fiber-fill" --tips --report r.json attached.json > /dev/null
     [ "$(value r.json ends)" = '"tips"' ]
 }
+
+# A sheet 120 mm wide at the top, 20 at the bottom, 80 high and 10 thick; landmarks of its two areas on one of its faces.
+make_fan() {
+    awk 'function id(s, i, j) { return s * 1271 + i * 31 + j + 1 }
+        BEGIN {
+            for (s = 0; s < 2; s++) for (i = 0; i <= 40; i++) for (j = 0; j <= 30; j++) {
+                u = i / 40; t = j / 30
+                printf "v %.9g %g %.9g\n", 120 * u + (40 + 20 * u - 120 * u) * t, 10 * s, -80 * t
+            }
+            for (i = 0; i < 40; i++) for (j = 0; j < 30; j++) {
+                printf "f %d %d %d\nf %d %d %d\n", id(0,i,j), id(0,i+1,j+1), id(0,i,j+1), id(0,i,j), id(0,i+1,j), id(0,i+1,j+1)
+                printf "f %d %d %d\nf %d %d %d\n", id(1,i,j), id(1,i,j+1), id(1,i+1,j+1), id(1,i,j), id(1,i+1,j+1), id(1,i+1,j)
+            }
+            for (i = 0; i < 40; i++) add(i, 0)
+            for (j = 0; j < 30; j++) add(40, j)
+            for (i = 40; i > 0; i--) add(i, 30)
+            for (j = 30; j > 0; j--) add(0, j)
+            for (q = 0; q < n; q++) {
+                r = (q + 1) % n
+                printf "f %d %d %d\nf %d %d %d\n", id(0,x[q],y[q]), id(1,x[r],y[r]), id(0,x[r],y[r]), id(0,x[q],y[q]), id(1,x[q],y[q]), id(1,x[r],y[r])
+            }
+        }
+        function add(i, j) { x[n + 0] = i; y[n + 0] = j; n++ }' > fan.obj
+    printf 'iliac\torigin\t%s\t0\t%s\n' 2 -2 117.5 -2 100.25 -25 13.5 -25 > fan.tsv
+    printf 'femur\tinsertion\t%s\t0\t%s\n' 36 -70 66.5 -70 60.5 -78 40 -78 >> fan.tsv
+}
+
+fan_is_right() { # report
+    [ "$(value "$1" fibers)" -eq 49 ]
+    [ "$(value "$1" outsideAfter)" -eq 0 ]
+    awk -v mean="$(value "$1" meanLength)" -v most="$(value "$1" greatestLength)" -v off="$(value "$1" lengthDeviation)" \
+        -v share="$(value "$1" lengthVariation)" -v a="$(value "$1" originArea)" -v b="$(value "$1" insertionArea)" \
+        'BEGIN { exit !(mean > 61 && mean < 69 && most < 96 && off > 3 && off < 12 && share - off / mean < 1e-9 && a > b && b > 100) }'
+}
+
+@test "a fan's fibres run from area to area, in both orders of the chain" {
+    make_fan
+    "$BIN/mesh-clean" -q --units mm fan.obj -o fan.json
+    "$BIN/attach-detect" -q --landmarks fan.tsv fan.json | "$BIN/root-select" -q | "$BIN/build-structure" -q | "$BIN/fiber-flow" -q |
+        "$BIN/fiber-fill" -n 49 --report first.json -o first.muscle.json
+    fan_is_right first.json
+    "$BIN/root-select" -q fan.json | "$BIN/build-structure" -q | "$BIN/fiber-flow" -q | "$BIN/fiber-fill" -q -n 49 |
+        "$BIN/attach-detect" -q --landmarks fan.tsv | "$BIN/fiber-flow" -q | "$BIN/fiber-fill" -q -n 49 --report last.json -o last.muscle.json
+    fan_is_right last.json
+    # both ends of every fibre lie on the face that has the areas
+    "$BIN/fiber-fill" -q -n 49 first.muscle.json -o fan-lines.obj
+    [ "$(grep -c '^l ' fan-lines.obj)" -eq 49 ]
+    [ "$(awk '$1 == "v" && ++n % 16 < 2 && ($3 > 1e-9 || $3 < -1e-9)' fan-lines.obj | wc -l)" -eq 0 ]
+}
+
+@test "a template that is asked for is not spread over the areas; its angle comes out or a warning says so" {
+    make_fan
+    "$BIN/mesh-clean" -q --units mm fan.obj | "$BIN/attach-detect" -q --landmarks fan.tsv -o fan-areas.json
+    "$BIN/fiber-fill" -q --template parallel --report r.json fan-areas.json > /dev/null
+    [ -z "$(value r.json originArea)" ]
+    "$BIN/fiber-fill" --template pennate --angle 80 --report r.json built.json 2> err > /dev/null
+    awk -v is="$(value r.json meanPennationDegrees)" 'BEGIN { exit !(is > 78 && is < 82) }' || grep -q 'not the 80.0 asked for' err
+    awk -v asked="$(value r.json angleAskedDegrees)" 'BEGIN { exit !(asked > 79.999 && asked < 80.001) }'
+}

@@ -258,7 +258,8 @@ END
     [ ! -e l.tsv ]
     simulate --plan one.scene.json --lengths l.tsv --mvc-cut 0 | python3 -c 'import json, sys
 m = json.load(sys.stdin)["plan"]["muscles"][0]
-assert m["fibers"]["weights"] == 320 * m["vertices"] and m["fibers"]["droppedWorst"] == 0'
+ends = 2 * 20  # on the attachment areas, so on the surface, where the three corners of a triangle have all the weight
+assert 280 * m["vertices"] < m["fibers"]["weights"] <= 280 * m["vertices"] + max(3, m["vertices"]) * ends and m["fibers"]["droppedWorst"] == 0'
 }
 
 @test "impossible requests: one sentence, nothing written" {

@@ -443,6 +443,149 @@ static void test_a_touch_is_no_end(void **state) {
     sn_mesh_free(&mesh);
 }
 
+/* ---- from area to area --------------------------------------------------------------------------------------------------------- */
+
+/* Areas on the bar's face y = 0: two origins beside each other at its low end, one about three times as long as the other, and an
+ * insertion. */
+enum { AREAS = 3 };
+static int bar_area(sn_vec3 p) {
+    if (p.y > 0.0 || p.x < 2.0 || p.x > 22.0 || p.z < 10.0 || p.z > 150.0) return SN_NONE;
+    if (p.z >= 130.0) return 2;
+    return p.x <= 8.0 && p.z <= 40.0 ? 0 : p.x >= 16.0 && p.z <= 20.0 ? 1 : SN_NONE;
+}
+
+static sn_muscle bar_with_areas(sn_mesh mesh, sn_index *lists, sn_attachment attachments[AREAS]) {
+    static char *const bones[AREAS] = {"a", "b", "c"};
+    for (int k = 0; k < AREAS; k++) {
+        attachments[k] = (sn_attachment){.bone = bones[k], .method = "area", .vertices = lists + k * mesh.vertex_count};
+        for (sn_index v = 0; v < mesh.vertex_count; v++)
+            if (bar_area(mesh.positions[v]) == k) attachments[k].vertices[attachments[k].count++] = v;
+    }
+    return (sn_muscle){
+        .meters_per_unit = 1.0, .mesh = mesh, .has_attachments = true, .attachment_count = AREAS, .attachments = attachments};
+}
+
+/* The area that a point on the bar lies in, or half an edge from. */
+static int area_near(sn_vec3 p) {
+    assert_near(p.y, 0.0, 1e-9);
+    assert_true(p.x > 1.0 && p.x < 23.0 && p.z > 8.0 && p.z < 152.0);
+    if (p.z >= 129.0) return 2;
+    return p.x <= 8.5 && p.z <= 41.0 ? 0 : p.x >= 15.5 && p.z <= 21.0 ? 1 : SN_NONE;
+}
+
+/* Every fibre from an origin to the insertion, each area with its share by area, its quarters too. */
+static void test_ends_are_even_over_areas(void **state) {
+    (void)state;
+    sn_mesh mesh = bar();
+    sn_index *lists = SN_NEW(sn_index, AREAS * mesh.vertex_count);
+    sn_attachment attachments[AREAS];
+    sn_muscle muscle = bar_with_areas(mesh, lists, attachments);
+    sn_fill_params params = sn_fill_defaults();
+    sn_fill_report report;
+    sn_fibers fibers;
+    params.fibers = 120;
+    assert_ok(sn_fill_fibers(&muscle, &params, NULL, &fibers, &report, NULL));
+    assert_true(report.spread);
+    assert_int_equal(fibers.polyline_count, 120);
+    assert_int_equal(report.outside_after, 0);
+    int count[AREAS] = {0}, quarter[2] = {0};
+    for (sn_index i = 0; i < fibers.polyline_count; i++) {
+        const sn_polyline *line = &fibers.polylines[i];
+        sn_vec3 ends[2] = {line->points[0], line->points[line->count - 1]};
+        int area[2] = {area_near(ends[0]), area_near(ends[1])};
+        assert_true(area[0] != SN_NONE && area[1] != SN_NONE && (area[0] == 2) != (area[1] == 2));
+        for (int k = 0; k < 2; k++) {
+            count[area[k]]++;
+            if (area[k] == 2) quarter[ends[k].x > 12.0]++;
+        }
+        double turned = 0.0;
+        for (sn_index k = 2; k < line->count; k++) {
+            sn_vec3 a = sn_sub(line->points[k - 1], line->points[k - 2]), b = sn_sub(line->points[k], line->points[k - 1]);
+            turned += atan2(sn_norm(sn_cross(a, b)), sn_dot(a, b));
+        }
+        assert_true(turned < 0.75 * SN_PI); /* no zigzag */
+        assert_true(line->length < 1.15 * sn_distance(ends[0], ends[1]));
+    }
+    double origins = 7.0 * 32.0 + 7.0 * 12.0; /* vertices stand for half an edge beyond them */
+    assert_near(count[0], 120.0 * 7.0 * 32.0 / origins, 4.0);
+    assert_near(count[1], 120.0 * 7.0 * 12.0 / origins, 4.0);
+    assert_near(quarter[0], 60.0, 4.0);
+    assert_near(report.areas[0] + report.areas[1], origins + 21.0 * 22.0, 0.03 * origins);
+    sn_fibers_free(&fibers);
+    free(lists);
+    sn_mesh_free(&mesh);
+}
+
+/* Spread, the fibres do not depend on the threads; not spread, they pass the middle of the muscle as ever. More fibres than are paired at
+ * once have their ends in the areas, too. */
+static void test_spreading_is_the_same_on_any_number_of_threads(void **state) {
+    (void)state;
+    sn_mesh mesh = bar();
+    sn_index *lists = SN_NEW(sn_index, AREAS * mesh.vertex_count);
+    sn_attachment attachments[AREAS];
+    sn_muscle muscle = bar_with_areas(mesh, lists, attachments);
+    sn_fibers fibers[2];
+    for (int k = 0; k < 2; k++) {
+        sn_fill_params params = sn_fill_defaults();
+        sn_fill_report report;
+        params.fibers = 700;
+        params.pool = k == 0 ? NULL : sn_pool_create(3);
+        assert_ok(sn_fill_fibers(&muscle, &params, NULL, &fibers[k], &report, NULL));
+        sn_pool_destroy(params.pool);
+    }
+    assert_int_equal(fibers[0].polyline_count, 700);
+    for (sn_index i = 0; i < 700; i++) {
+        const sn_polyline *line = &fibers[0].polylines[i];
+        assert_memory_equal(line->points, fibers[1].polylines[i].points, 16 * sizeof(sn_vec3));
+        assert_true((area_near(line->points[0]) == 2) != (area_near(line->points[15]) == 2));
+        assert_true(line->length < 1.2 * sn_distance(line->points[0], line->points[15])); /* paired well */
+    }
+    sn_fibers_free(&fibers[0]);
+    sn_fibers_free(&fibers[1]);
+    free(lists);
+    sn_mesh_free(&mesh);
+}
+
+/* What asks for another template, or not to spread, gets what it got without areas to spread over. */
+static void test_not_spread_where_a_template_is_asked_for(void **state) {
+    (void)state;
+    sn_mesh mesh = bar();
+    sn_index *lists = SN_NEW(sn_index, AREAS * mesh.vertex_count);
+    sn_attachment attachments[AREAS];
+    sn_muscle muscle = bar_with_areas(mesh, lists, attachments);
+    for (int k = 0; k < 3; k++) {
+        sn_fill_params params = sn_fill_defaults();
+        sn_fill_report report;
+        sn_fibers fibers;
+        if (k == 0) params.spread = false;
+        if (k == 1) params.template = SN_FILL_CURVED;
+        if (k == 2) params.use_attachments = false;
+        assert_ok(sn_fill_fibers(&muscle, &params, NULL, &fibers, &report, NULL));
+        assert_false(report.spread);
+        assert_true(report.length_deviation > 0.0);
+        sn_fibers_free(&fibers);
+    }
+    free(lists);
+    sn_mesh_free(&mesh);
+}
+
+/* The angle that is asked for comes out also where the muscle is not as wide everywhere, and its sections are round. */
+static void test_angles_of_a_fusiform(void **state) {
+    (void)state;
+    sn_mesh mesh = spindle(80, 32, 200.0, 20.0);
+    for (int k = 0; k < 6; k++) {
+        sn_fill_params params = sn_fill_defaults();
+        sn_fill_report report;
+        double degrees = 10.0 * (k / 2 + 1);
+        params.template = k % 2 ? SN_FILL_BIPENNATE : SN_FILL_PENNATE;
+        params.angle = degrees * SN_PI / 180.0;
+        sn_fibers fibers = filled(&mesh, &params, &report);
+        assert_near(report.mean_pennation * 180.0 / SN_PI, degrees, 2.0);
+        sn_fibers_free(&fibers);
+    }
+    sn_mesh_free(&mesh);
+}
+
 static void test_threads_give_the_same_fibres(void **state) {
     (void)state;
     sn_mesh mesh = spindle(40, 24, 100.0, 12.0);
@@ -535,6 +678,10 @@ int main(void) {
         cmocka_unit_test(test_split),
         cmocka_unit_test(test_fibres_do_not_change_heads),
         cmocka_unit_test(test_a_touch_is_no_end),
+        cmocka_unit_test(test_ends_are_even_over_areas),
+        cmocka_unit_test(test_spreading_is_the_same_on_any_number_of_threads),
+        cmocka_unit_test(test_not_spread_where_a_template_is_asked_for),
+        cmocka_unit_test(test_angles_of_a_fusiform),
         cmocka_unit_test(test_threads_give_the_same_fibres),
         cmocka_unit_test(test_concave_sections),
         cmocka_unit_test(test_impossible_requests),
