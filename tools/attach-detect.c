@@ -17,8 +17,8 @@ enum { METHOD_AREA = 3, METHOD_NONE = 4 };
 static const char *const pair_names[] = {"nearby", "all", NULL};
 
 static cli_list bone_texts, list_files, pin_texts;
-static int method, pairs, bone_unit = -1, bone_up; /* bone_unit -1: the muscle's */
-static sn_length distance = {-1.0, 0.0}, pair_distance = {-1.0, 0.0}, landmark_distance = {-1.0, 0.0};
+static int method, pairs, area_kind, bone_unit = -1, bone_up; /* bone_unit -1: the muscle's */
+static sn_length distance = {-1.0, 0.0}, pair_distance = {-1.0, 0.0}, landmark_distance = {-1.0, 0.0}, line_width = {-1.0, 0.0};
 static int64_t voxels;
 static const char *landmark_file;
 static neighbour_request neighbours = {.reach = {-1.0, 0.0}, .minimum = {-1.0, 0.0}, .tendon = {-1.0, 0.0}, .targets = 2, .hold = 1};
@@ -42,9 +42,13 @@ static const cli_option options[] = {
     {0, "pin", "NAME=SELECTOR", CLI_LIST, &pin_texts, CLI_RESULT, 0, 0, NULL,
      "attach the selected vertices to bone NAME, which needs no mesh, before all else"},
     {0, "landmarks", "FILE", CLI_TEXT, &landmark_file, CLI_RESULT | CLI_FILE, 0, 0, NULL,
-     "attachment areas by landmarks around them: lines of bone, area, x, y, z with tabs, or JSON"},
+     "attachment areas by landmarks around them, or along a line: lines of bone, area, x, y, z with tabs, or JSON"},
     {0, "landmark-distance", "LENGTH", CLI_LENGTH, &landmark_distance, CLI_RESULT, 0, 0, NULL,
-     "a landmark farther from the muscle is an error (default 10mm)"},
+     "an area with a landmark farther from the muscle is left out (default 10mm)"},
+    {0, "area-kind", "KIND", CLI_CHOICE, &area_kind, CLI_RESULT, 0, 0, sn_area_kind_names,
+     "what the landmarks of an area are: a boundary that closes, a line, or either, as they lie (auto; default)"},
+    {0, "line-width", "LENGTH", CLI_LENGTH, &line_width, CLI_RESULT, 0, 0, NULL,
+     "width of an area along a line (default: the mean distance of its landmarks from the muscle)"},
     {'m', "method", "METHOD", CLI_CHOICE, &method, CLI_RESULT, 0, 0, method_names,
      "for bones without areas: contact (on or in the bone), proximity (closer than --distance), both (default); area and none: nothing"},
     {'d', "distance", "LENGTH", CLI_LENGTH, &distance, CLI_RESULT, 0, 0, NULL,
@@ -211,8 +215,13 @@ static void write_area(sn_json *json, const outcome *o, const sn_attach_area *ar
     sn_json_number(json, "areaShare", area->area_share);
     sn_json_number(json, "boundary", area->boundary);
     sn_json_number(json, "farthest", area->farthest);
+    sn_json_bool(json, "leftOut", area->left_out);
     sn_json_bool(json, "reordered", area->reordered);
     sn_json_bool(json, "coarse", area->coarse);
+    if (!area->left_out) sn_json_text(json, "kind", sn_area_kind_names[area->line ? SN_AREA_LINE : SN_AREA_BOUNDARY]);
+    if (!area->left_out) sn_json_bool(json, "doubtful", area->doubtful);
+    if (area->line) sn_json_number(json, "width", area->width);
+    if (area->line) sn_json_number(json, "meanWidth", area->mean_width);
     sn_json_close(json);
 }
 
@@ -234,34 +243,78 @@ static void write_report(sn_json *json, const void *data) {
     if (wants_neighbours()) neighbours_write(json, &o->neighbours, o->muscle);
 }
 
+static void say_area(const cli *c, const outcome *o, const sn_attach_area *area) {
+    double mm = 1e3 * o->muscle->meters_per_unit;
+    const char *name = o->landmarks.areas[area->area].name, *bone = o->landmarks.areas[area->area].bone;
+    if (area->line)
+        cli_say(c, "area %s: a line %.3g mm long, its band %.3g mm wide", name != NULL ? name : bone, area->boundary * mm,
+                area->mean_width * mm);
+    else if (!area->left_out)
+        cli_say(c, "area %s: a boundary %.3g mm long", name != NULL ? name : bone, area->boundary * mm);
+}
+
 static void say_results(const cli *c, const outcome *o) {
     const sn_muscle *muscle = o->muscle;
     for (sn_index i = 0; i < muscle->attachment_count && wants_attachments(); i++) {
         const sn_attachment *a = &muscle->attachments[i];
         cli_say(c, "%s: %ld vertices by %s", a->bone, (long)a->count, a->method);
     }
+    for (sn_index i = 0; i < o->report.area_count; i++) say_area(c, o, &o->report.areas[i]);
     if (wants_neighbours()) neighbours_say(c, &o->neighbours, muscle);
 }
 
 /* ---- warnings --------------------------------------------------------------------------------------------------------- */
 
-static void warn_of_areas(const cli *c, const outcome *o) {
-    for (sn_index i = 0; i < o->report.area_count; i++) {
-        const sn_attach_area *area = &o->report.areas[i];
-        const sn_landmark_area *given = &o->landmarks.areas[area->area];
-        const char *name = given->name != NULL ? given->name : given->bone;
-        if (area->reordered)
-            cli_warn(c,
-                     "area %s: its boundary crosses itself in the order given; the landmarks were put into the order of the shortest tour",
-                     name);
-        if (area->area_share > 0.3)
-            cli_warn(c,
-                     "area %s: it is %.0f %% of the muscle's surface; does its boundary run around the muscle, not around a patch of it?",
-                     name, 100.0 * area->area_share);
-        if (area->coarse)
-            cli_warn(c, "area %s: its boundary encloses no vertex; the nearest vertex of each landmark was taken; a finer mesh would help",
-                     name);
+static const char *area_name(const outcome *o, const sn_attach_area *area) {
+    const sn_landmark_area *given = &o->landmarks.areas[area->area];
+    return given->name != NULL ? given->name : given->bone;
+}
+
+static void warn_of_line(const cli *c, const char *name, const sn_attach_area *area, double mm) {
+    if (area->coarse)
+        cli_warn(c, "area %s: it is a line %.3g mm wide, and its band is %.3g mm wide on average: the mesh is coarser than the line", name,
+                 area->width * mm, area->mean_width * mm);
+    if (area->doubtful)
+        cli_warn(c, "area %s: its landmarks were taken for a line that bends back; where they go around an area, give --area-kind boundary",
+                 name);
+    if (area->reordered) cli_warn(c, "area %s: its landmarks are not in their order along the line; they were put into it", name);
+}
+
+static void warn_of_boundary(const cli *c, const char *name, const sn_attach_area *area) {
+    if (area->reordered)
+        cli_warn(c, "area %s: its boundary crosses itself in the order given; the landmarks were put into the order of the shortest tour",
+                 name);
+    if (area->coarse)
+        cli_warn(c, "area %s: its boundary encloses no vertex; the nearest vertex of each landmark was taken; a finer mesh would help",
+                 name);
+    if (area->doubtful)
+        cli_warn(c,
+                 "area %s: its boundary was closed by more than twice its longest step; where the landmarks are a line, give --area-kind "
+                 "line",
+                 name);
+}
+
+static void warn_of_area(cli *c, const outcome *o, const sn_attach_area *area) {
+    const char *name = area_name(o, area);
+    double mm = 1e3 * o->muscle->meters_per_unit;
+    if (area->left_out) {
+        cli_shortfall(c,
+                      "area %s on bone %s is left out, and the bone holds nothing by it: landmark %d lies %.3g mm off the muscle, and the "
+                      "limit is %.3g mm; raise it with --landmark-distance, or correct the landmark",
+                      name, o->landmarks.areas[area->area].bone, (int)area->far + 1, area->farthest * mm, o->report.landmark_reach * mm);
+        return;
     }
+    if (area->line)
+        warn_of_line(c, name, area, mm);
+    else
+        warn_of_boundary(c, name, area);
+    if (area->area_share > 0.3)
+        cli_warn(c, "area %s: it is %.0f %% of the muscle's surface; does its boundary run around the muscle, not around a patch of it?",
+                 name, 100.0 * area->area_share);
+}
+
+static void warn_of_areas(cli *c, const outcome *o) {
+    for (sn_index i = 0; i < o->report.area_count; i++) warn_of_area(c, o, &o->report.areas[i]);
 }
 
 static const char *name_of(const outcome *o) { return o->muscle->name != NULL ? o->muscle->name : "(no name)"; }
@@ -332,7 +385,7 @@ static sn_status warn_of_bones(const outcome *o, sn_error *error) {
     return status;
 }
 
-static sn_status warn(const cli *c, const outcome *o, bool stopped, sn_error *error) {
+static sn_status warn(cli *c, const outcome *o, bool stopped, sn_error *error) {
     sn_status status = warn_of_bones(o, error);
     if (status != SN_OK) return status;
     warn_of_areas(c, o);
@@ -362,6 +415,8 @@ static sn_status detect(cli *c, sn_muscle *muscle, const pin_list *pins, outcome
     params.area_count = o->landmarks.count;
     params.areas = o->landmarks.areas;
     params.landmark_reach = cli_length(landmark_distance, muscle->meters_per_unit);
+    params.area_kind = (sn_area_kind)area_kind;
+    params.line_width = cli_length(line_width, muscle->meters_per_unit);
     params.threads = c->threads;
     sn_attach_bone *bones = SN_NEW(sn_attach_bone, o->bones.count);
     if (bones == NULL) return sn_fail_memory(error, "the bones");
@@ -472,6 +527,9 @@ static void check_usage(const cli *c) {
         cli_usage_error(c, "--method none attaches pins only; give a --pin");
     if (method == METHOD_NONE && landmark_file != NULL)
         cli_usage_error(c, "--method none attaches pins only; for --landmarks it is --method area");
+    if ((cli_given(c, "area-kind") || cli_given(c, "line-width")) && landmark_file == NULL)
+        cli_usage_error(c, "--%s is for areas; give their --landmarks", cli_given(c, "line-width") ? "line-width" : "area-kind");
+    if (cli_given(c, "line-width") && area_kind == SN_AREA_BOUNDARY) cli_usage_error(c, "--line-width has no meaning with --area-kind boundary");
     if (method == METHOD_AREA && landmark_file == NULL) cli_usage_error(c, "--method area attaches areas; give their --landmarks");
     if (distance.value >= 0.0 && !(method_bits[method] & SN_ATTACH_PROXIMITY))
         cli_usage_error(c, "--distance has no meaning with --method %s", method_names[method]);

@@ -215,7 +215,14 @@ typedef struct sn_attach_pin {
     sn_selector selector;
 } sn_attach_pin;
 
-/* An attachment area ([K21] 3.3): landmarks in order along its boundary, on the bone or the muscle. */
+/* What the landmarks of an area are. A boundary closes: its last step is about as long as the others. A line, as an insertion along a
+ * ridge, does not: with steps of length W in all, the longest M, and G from the last landmark to the first (of three landmarks G is the
+ * longest side), landmarks are a line where there are two of them; G >= 0.98 W; G > 2 M and G > 0.8 W; G > 4 M and G > 0.5 W; or all lie
+ * within 1 % of their length from a straight line. Eight and more are smoothed (1:2:1) before W and M are measured, as they may be noisy. */
+typedef enum sn_area_kind { SN_AREA_AUTO, SN_AREA_BOUNDARY, SN_AREA_LINE } sn_area_kind;
+extern const char *const sn_area_kind_names[]; /* "auto", "boundary", "line"; NULL at the end */
+
+/* An attachment area ([K21] 3.3): landmarks in order along its boundary, or along a line, on the bone or the muscle. */
 typedef struct sn_landmark_area {
     char *bone;
     char *name; /* nullable */
@@ -237,7 +244,11 @@ typedef struct sn_attach_params {
     const sn_attach_pin *pins; /* taken first: a pinned vertex stays with its bone */
     sn_index area_count;
     const sn_landmark_area *areas; /* taken next, in their order; their bones hold nothing by contact or proximity */
-    double landmark_reach;         /* a landmark farther from the muscle is an error; < 0 (default) = 10 mm */
+    double landmark_reach;  /* an area with a landmark farther from the muscle is left out, an error where nothing else is to be done;
+                             * < 0 (default) = 10 mm */
+    sn_area_kind area_kind; /* default auto: by the test above */
+    double line_width;      /* of the band along a line, document units; < 0 (default) = the mean distance of its landmarks from the muscle;
+                             * the triangles that the line runs through are in the band in any case */
     int threads;                   /* 0 = all */
 } sn_attach_params;
 
@@ -259,9 +270,16 @@ typedef struct sn_attach_area {
     sn_index area;     /* index into the areas given */
     sn_index vertices; /* in its patch */
     bool reordered;    /* its boundary crossed itself: the landmarks were put into the order of the shortest tour */
-    bool coarse;       /* its boundary encloses no vertex: the nearest vertex of each landmark was taken */
+    bool coarse;       /* its boundary encloses no vertex: the nearest vertex of each landmark was taken; or its band is more than twice as
+                        * wide as the line */
+    bool line;         /* it is the band along a line */
+    bool doubtful;     /* auto: a boundary that closes by more than twice its longest step, or a line that bends back (G < 0.8 W) */
+    bool left_out;     /* a landmark, `far`, lies beyond the reach */
+    sn_index far;      /* index of the landmark that is farthest from the muscle */
     double farthest;   /* landmark from the muscle, document units */
-    double boundary;   /* length of the boundary */
+    double boundary;   /* length of the boundary, or of the line */
+    double width;      /* of the band that was asked for, document units; 0 of boundaries, and of lines that lie on the muscle */
+    double mean_width; /* of the band that was taken: its area by its length; 0 of boundaries */
     double area_share; /* of the muscle's surface */
 } sn_attach_area;
 
@@ -278,6 +296,7 @@ typedef struct sn_attach_report {
     sn_index attached;     /* vertices in all */
     double distance;       /* the distance of proximity in use, document units; 0 without */
     double pair_distance;  /* of the pair rule in use, document units */
+    double landmark_reach; /* in use, document units; 0 without areas */
 } sn_attach_report;
 
 sn_attach_params sn_attach_defaults(void);

@@ -40,7 +40,8 @@ sn_attach_params sn_attach_defaults(void) {
                               .distance = -1.0,
                               .pair_distance = -1.0,
                               .pair_share = 0.008,
-                              .landmark_reach = -1.0};
+                              .landmark_reach = -1.0,
+                              .line_width = -1.0};
 }
 
 static sn_status check_bone(const detection *d, sn_index b, sn_error *error) {
@@ -182,13 +183,36 @@ static sn_status apply_area(detection *d, const sn_area_ground *ground, sn_index
     return status;
 }
 
+/* Bones with areas, and all bones where only pins and areas count, hold nothing by distance. */
+static bool holds_by_distance(const detection *d, sn_index bone) { return d->params->methods != 0 && !d->has_area[bone]; }
+
+/* Where every area is too far off, and nothing else is to be done, it is a slip: of the unit, mostly. */
+static sn_status check_areas(const detection *d, sn_error *error) {
+    bool more = d->params->pin_count > 0;
+    for (sn_index a = 0; a < d->report->area_count; a++) more = more || !d->report->areas[a].left_out;
+    for (sn_index b = 0; b < d->params->bone_count; b++) more = more || holds_by_distance(d, b);
+    if (more) return SN_OK;
+    const sn_attach_area *area = &d->report->areas[0];
+    const sn_landmark_area *given = &d->params->areas[area->area];
+    double mm = 1e3 * d->muscle->meters_per_unit;
+    return sn_fail(error, SN_ERROR_INPUT,
+                   "area \"%.60s\" on bone \"%.60s\": landmark %d lies %.3g mm off the muscle, and the limit is %.3g mm; check its unit, or "
+                   "raise the limit with --landmark-distance",
+                   given->name != NULL ? given->name : "(no name)", given->bone, (int)area->far + 1, area->farthest * mm,
+                   d->report->landmark_reach * mm);
+}
+
 static sn_status apply_areas(detection *d, sn_error *error) {
     if (d->params->area_count == 0) return SN_OK;
     sn_area_ground ground = {0};
     bool *inside = SN_NEW(bool, d->muscle->mesh.vertex_count);
     sn_status status = inside != NULL ? sn_area_ground_create(d->muscle, &d->topology, &ground, error) : sn_fail_memory(error, "areas");
     ground.reach = d->params->landmark_reach >= 0.0 ? d->params->landmark_reach : 0.010 / d->muscle->meters_per_unit;
+    ground.kind = d->params->area_kind;
+    ground.line_width = d->params->line_width;
+    d->report->landmark_reach = ground.reach;
     for (sn_index a = 0; a < d->params->area_count && status == SN_OK; a++) status = apply_area(d, &ground, a, inside, error);
+    if (status == SN_OK) status = check_areas(d, error);
     sn_area_ground_free(&ground);
     free(inside);
     return status;
@@ -245,9 +269,6 @@ static double measure(detection *d, const sn_bone_search *search, sn_index bone,
 }
 
 /* ---- one bone: what it holds ------------------------------------------------------------------------------------------------------ */
-
-/* Bones with areas, and all bones where only pins and areas count, hold nothing by distance. */
-static bool holds_by_distance(const detection *d, sn_index bone) { return d->params->methods != 0 && !d->has_area[bone]; }
 
 static bool asks_pair_rule(const detection *d, sn_index bone) { return d->params->bones[bone].if_nearby && holds_by_distance(d, bone); }
 

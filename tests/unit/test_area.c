@@ -173,7 +173,10 @@ static void a_patch_without_vertices_takes_the_nearest(void **state) {
 
 static void impossible_areas_are_refused_by_name(void **state) {
     fixture *f = *state;
-    add_area(f, "ulna", "insertion", 2, rectangle);
+    add_area(f, "ulna", "insertion", 1, rectangle);
+    assert_refused(f, "area \"insertion\" on bone \"ulna\" has 1 landmark; a boundary needs at least 3, a line 2");
+    f->areas[0].count = 2;
+    f->params.area_kind = SN_AREA_BOUNDARY;
     assert_refused(f, "area \"insertion\" on bone \"ulna\" has 2 landmarks; a boundary needs at least 3");
     f->areas[0].count = 4;
     f->points[0][0] = rectangle[0], f->points[0][1] = rectangle[1], f->points[0][2] = rectangle[2], f->points[0][3] = rectangle[3];
@@ -190,7 +193,10 @@ static void a_boundary_over_two_components_does_not_close(void **state) {
     f->muscle.mesh = joined(f->muscle.mesh, sheet(5, 5)); /* the second 1000 away */
     const sn_vec3 split[3] = {{2.5, 2.5, 0}, {1002.5, 2.5, 0}, {5.5, 7.5, 0}};
     add_area(f, "ulna", NULL, 3, split);
+    f->params.area_kind = SN_AREA_BOUNDARY;
     assert_refused(f, "the area on bone \"ulna\": its boundary does not close: landmarks 1 and 2");
+    f->params.area_kind = SN_AREA_AUTO; /* in a row */
+    assert_refused(f, "the area on bone \"ulna\": its line breaks: landmarks 1 and 3");
 }
 
 static void a_boundary_around_a_handle_is_refused(void **state) {
