@@ -20,6 +20,7 @@ static cli_list bone_texts, list_files, pin_texts;
 static int method, pairs, area_kind, bone_unit = -1, bone_up; /* bone_unit -1: the muscle's */
 static sn_length distance = {-1.0, 0.0}, pair_distance = {-1.0, 0.0}, landmark_distance = {-1.0, 0.0}, line_width = {-1.0, 0.0};
 static int64_t voxels;
+static bool raw;
 static const char *landmark_file;
 static neighbour_request neighbours = {.reach = {-1.0, 0.0}, .minimum = {-1.0, 0.0}, .tendon = {-1.0, 0.0}, .targets = 2, .hold = 1};
 static int tendons;
@@ -55,6 +56,8 @@ static const cli_option options[] = {
      "reach of proximity (default: 0.1 mean edge lengths with contact, 1 alone)"},
     {0, "voxels", "N", CLI_INTEGER, &voxels, CLI_RESULT, 1, 134217728, NULL,
      "contact also in the cells that the bone's surface runs through, of about N in its box"},
+    {0, "raw", NULL, CLI_FLAG, &raw, CLI_RESULT, 0, 0, NULL,
+     "keep the vertices as the rules found them: no patches, no tips that touch nothing, and what slides stays"},
     {.kind = CLI_HEADING, .help = "Neighbours, for external constraints:"},
     {0, "glue", "[NAME=]FILE", CLI_LIST, &neighbours.glue, CLI_RESULT | CLI_FILE, 0, 0, NULL,
      "another muscle (document or mesh), any number of times: find where the surfaces face each other"},
@@ -189,6 +192,25 @@ static void write_attachments(sn_json *json, const sn_muscle *muscle) {
     sn_json_close(json);
 }
 
+static void write_change(sn_json *json, const char *name, const sn_attach_change *change) {
+    sn_json_object(json, name);
+    sn_json_integer(json, "vertices", change->vertices);
+    sn_json_number(json, "area", change->area);
+    sn_json_close(json);
+}
+
+static void write_patch(sn_json *json, const sn_attach_pair *pair) {
+    sn_json_bool(json, "tip", pair->tip);
+    write_change(json, "slid", &pair->slid);
+    sn_json_integer(json, "piecesBefore", pair->patch.pieces_before);
+    sn_json_integer(json, "pieces", pair->patch.pieces);
+    sn_json_integer(json, "holesBefore", pair->patch.holes_before);
+    sn_json_integer(json, "holes", pair->patch.holes);
+    write_change(json, "filled", &pair->patch.filled);
+    write_change(json, "dropped", &pair->patch.dropped);
+    write_change(json, "moved", &pair->patch.moved);
+}
+
 static void write_pair(sn_json *json, const outcome *o, const sn_attach_pair *pair) {
     sn_json_object(json, NULL);
     sn_json_text(json, "bone", o->bones.items[pair->bone].name);
@@ -201,6 +223,7 @@ static void write_pair(sn_json *json, const outcome *o, const sn_attach_pair *pa
         if (isfinite(pair->position)) sn_json_number(json, "position", pair->position);
         if (isfinite(pair->girth)) sn_json_number(json, "girth", pair->girth);
         if (isfinite(pair->position)) sn_json_bool(json, "looksSliding", pair->sliding);
+        if ((isfinite(pair->position) || pair->tip) && !raw) write_patch(json, pair);
     }
     sn_json_close(json);
 }
@@ -243,14 +266,36 @@ static void write_report(sn_json *json, const void *data) {
     if (wants_neighbours()) neighbours_write(json, &o->neighbours, o->muscle);
 }
 
+static const char *area_name(const outcome *o, const sn_attach_area *area) {
+    const sn_landmark_area *given = &o->landmarks.areas[area->area];
+    return given->name != NULL ? given->name : given->bone;
+}
+
 static void say_area(const cli *c, const outcome *o, const sn_attach_area *area) {
     double mm = 1e3 * o->muscle->meters_per_unit;
-    const char *name = o->landmarks.areas[area->area].name, *bone = o->landmarks.areas[area->area].bone;
+    const char *name = area_name(o, area);
     if (area->line)
-        cli_say(c, "area %s: a line %.3g mm long, its band %.3g mm wide", name != NULL ? name : bone, area->boundary * mm,
-                area->mean_width * mm);
+        cli_say(c, "area %s: a line %.3g mm long, its band %.3g mm wide", name, area->boundary * mm, area->mean_width * mm);
     else if (!area->left_out)
-        cli_say(c, "area %s: a boundary %.3g mm long", name != NULL ? name : bone, area->boundary * mm);
+        cli_say(c, "area %s: a boundary %.3g mm long", name, area->boundary * mm);
+}
+
+/* What became of what the rules found. */
+static void say_pair(const cli *c, const outcome *o, const sn_attach_pair *pair) {
+    const sn_attach_patch *p = &pair->patch;
+    const char *bone_name = o->bones.items[pair->bone].name;
+    double mm = 1e3 * o->muscle->meters_per_unit, mm2 = mm * mm;
+    if (p->filled.vertices + p->dropped.vertices + p->moved.vertices > 0)
+        cli_say(
+            c,
+            "%s: %d pieces with %d holes became %d with %d: %d vertices (%.3g mm2) filled, %d (%.3g mm2) dropped, %d (%.3g mm2) moved at "
+            "borders",
+            bone_name, (int)p->pieces_before, (int)p->holes_before, (int)p->pieces, (int)p->holes, (int)p->filled.vertices,
+            p->filled.area * mm2, (int)p->dropped.vertices, p->dropped.area * mm2, (int)p->moved.vertices, p->moved.area * mm2);
+    if (pair->slid.vertices > 0)
+        cli_say(c, "%s: %d vertices (%.3g mm2) let go, as a tendon slides there", bone_name, (int)pair->slid.vertices,
+                pair->slid.area * mm2);
+    if (pair->tip) cli_say(c, "%s: the tip that runs to it, %.3g mm away", bone_name, pair->nearest * mm);
 }
 
 static void say_results(const cli *c, const outcome *o) {
@@ -259,16 +304,12 @@ static void say_results(const cli *c, const outcome *o) {
         const sn_attachment *a = &muscle->attachments[i];
         cli_say(c, "%s: %ld vertices by %s", a->bone, (long)a->count, a->method);
     }
+    for (sn_index i = 0; i < o->report.pair_count; i++) say_pair(c, o, &o->report.pairs[i]);
     for (sn_index i = 0; i < o->report.area_count; i++) say_area(c, o, &o->report.areas[i]);
     if (wants_neighbours()) neighbours_say(c, &o->neighbours, muscle);
 }
 
 /* ---- warnings --------------------------------------------------------------------------------------------------------- */
-
-static const char *area_name(const outcome *o, const sn_attach_area *area) {
-    const sn_landmark_area *given = &o->landmarks.areas[area->area];
-    return given->name != NULL ? given->name : given->bone;
-}
 
 static void warn_of_line(const cli *c, const char *name, const sn_attach_area *area, double mm) {
     if (area->coarse)
@@ -319,20 +360,44 @@ static void warn_of_areas(cli *c, const outcome *o) {
 
 static const char *name_of(const outcome *o) { return o->muscle->name != NULL ? o->muscle->name : "(no name)"; }
 
-/* The names of all bones that the muscle seems to slide over, in one line. */
-static void warn_of_sliding(const cli *c, const outcome *o) {
-    char names[512] = "";
-    size_t used = 0;
-    for (sn_index i = 0; i < o->report.pair_count && used < sizeof names; i++) {
+/* The names of the bones of some pairs, in one line. */
+static void name_pairs(const outcome *o, bool (*is_meant)(const sn_attach_pair *pair), char names[512]) {
+    size_t used = 0, size = 512;
+    names[0] = '\0';
+    for (sn_index i = 0; i < o->report.pair_count && used < size; i++) {
         const sn_attach_pair *pair = &o->report.pairs[i];
-        if (pair->sliding)
-            used += (size_t)snprintf(names + used, sizeof names - used, "%s%s", used > 0 ? ", " : "", o->bones.items[pair->bone].name);
+        if (is_meant(pair))
+            used += (size_t)snprintf(names + used, size - used, "%s%s", used > 0 ? ", " : "", o->bones.items[pair->bone].name);
     }
-    if (used > 0)
-        cli_warn(c,
-                 "muscle \"%s\": what it holds looks like a tendon that slides over: %s%s; where it does, leave the bone out, or give its "
-                 "area by landmarks",
-                 name_of(o), names, used >= sizeof names ? ", ..." : "");
+    if (used >= size) memcpy(names + size - 6, ", ...", 6);
+}
+
+static bool pair_slides(const sn_attach_pair *pair) { return pair->sliding; }
+static bool pair_is_tip(const sn_attach_pair *pair) { return pair->tip; }
+
+static void warn_of_sliding(const cli *c, const outcome *o) {
+    char names[512];
+    name_pairs(o, pair_slides, names);
+    if (names[0] == '\0') return;
+    if (raw)
+        cli_warn(
+            c,
+            "muscle \"%s\": what it holds looks like a tendon that slides over: %s; where it does, leave the bone out, or give its area "
+            "by landmarks",
+            name_of(o), names);
+    else
+        cli_warn(
+            c,
+            "muscle \"%s\": a tendon looks as if it slides over: %s; what it touches there was let go; where it attaches, give its area by "
+            "landmarks, or --raw",
+            name_of(o), names);
+}
+
+static void warn_of_tips(const cli *c, const outcome *o) {
+    char names[512];
+    name_pairs(o, pair_is_tip, names);
+    if (names[0] != '\0')
+        cli_warn(c, "muscle \"%s\": it runs to %s and touches nothing there; its tip was taken, with low confidence", name_of(o), names);
 }
 
 /* The unit in which a bone's box would meet the muscle's where it does not now; -1 = none. */
@@ -390,6 +455,7 @@ static sn_status warn(cli *c, const outcome *o, bool stopped, sn_error *error) {
     if (status != SN_OK) return status;
     warn_of_areas(c, o);
     warn_of_sliding(c, o);
+    warn_of_tips(c, o);
     if (!wants_attachments() || stopped) return SN_OK;
     if (o->report.attached == 0) warn_nothing(c, o);
     return grips_warn(c, o->muscle->name, o->muscle, error);
@@ -409,6 +475,7 @@ static sn_status detect(cli *c, sn_muscle *muscle, const pin_list *pins, outcome
     params.methods = method_bits[method];
     params.distance = cli_length(distance, muscle->meters_per_unit);
     params.voxels = (sn_index)voxels;
+    params.raw = raw;
     params.pair_distance = cli_length(pair_distance, muscle->meters_per_unit);
     params.pin_count = pins->count;
     params.pins = pins->pins;
@@ -529,7 +596,8 @@ static void check_usage(const cli *c) {
         cli_usage_error(c, "--method none attaches pins only; for --landmarks it is --method area");
     if ((cli_given(c, "area-kind") || cli_given(c, "line-width")) && landmark_file == NULL)
         cli_usage_error(c, "--%s is for areas; give their --landmarks", cli_given(c, "line-width") ? "line-width" : "area-kind");
-    if (cli_given(c, "line-width") && area_kind == SN_AREA_BOUNDARY) cli_usage_error(c, "--line-width has no meaning with --area-kind boundary");
+    if (cli_given(c, "line-width") && area_kind == SN_AREA_BOUNDARY)
+        cli_usage_error(c, "--line-width has no meaning with --area-kind boundary");
     if (method == METHOD_AREA && landmark_file == NULL) cli_usage_error(c, "--method area attaches areas; give their --landmarks");
     if (distance.value >= 0.0 && !(method_bits[method] & SN_ATTACH_PROXIMITY))
         cli_usage_error(c, "--distance has no meaning with --method %s", method_names[method]);
@@ -537,6 +605,8 @@ static void check_usage(const cli *c) {
         cli_usage_error(c, "--voxels has no meaning with --method %s", method_names[method]);
     if ((cli_given(c, "pairs") || cli_given(c, "pair-distance")) && list_files.count == 0)
         cli_usage_error(c, "--pairs is for the bones of a --bones LIST; those of --bone are taken as meant");
+    if (raw && (method == METHOD_NONE || method == METHOD_AREA))
+        cli_usage_error(c, "--raw has no meaning with --method %s", method_names[method]);
     check_neighbours(c);
 }
 

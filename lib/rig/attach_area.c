@@ -101,7 +101,7 @@ static void choose_kind(outline *o, sn_attach_area *report) {
     sn_landmark_walk walk;
     bool in_line = sn_landmarks_in_line(o->area, &walk), automatic = o->ground->kind == SN_AREA_AUTO;
     o->line = report->line = automatic ? in_line : o->ground->kind == SN_AREA_LINE;
-    bool bends = walk.closing < 0.8 * walk.length, gapes = o->area->count > 3 && walk.closing > 2.0 * walk.longest;
+    bool bends = walk.closing<0.8 * walk.length, gapes = o->area->count> 3 && walk.closing > 2.0 * walk.longest;
     report->doubtful = automatic && (in_line ? bends && gapes : gapes);
     if (o->line) report->width = o->ground->line_width >= 0.0 ? o->ground->line_width : mean_distance(o);
 }
@@ -143,8 +143,7 @@ static sn_status walk(outline *o, sn_error *error) {
         sn_error reason = {0};
         sn_status status = sn_path_find(o->ground->finder, &o->landmark[a], &o->landmark[b], i, &o->path[i], &reason);
         if (status == SN_ERROR_INPUT)
-            return sn_fail(error, status,
-                           "%s: its %s: landmarks %d and %d lie on parts of the muscle that are not connected", o->name,
+            return sn_fail(error, status, "%s: its %s: landmarks %d and %d lie on parts of the muscle that are not connected", o->name,
                            o->line ? "line breaks" : "boundary does not close", (int)a + 1, (int)b + 1);
         if (status != SN_OK) return sn_fail(error, status, "%s", reason.text);
         o->walked = i + 1;

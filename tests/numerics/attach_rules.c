@@ -192,17 +192,18 @@ static const rule rules[] = {
 };
 
 typedef struct counts {
-    int found, both, warned, warned_false;
+    int found, both, warned, warned_false, tips, tips_false;
 } counts;
 
 static void count_pairs(const dog *d, size_t m, const rule *r, const sn_attach_report *report, counts *n) {
     for (sn_index p = 0; p < report->pair_count; p++) {
         const sn_attach_pair *pair = &report->pairs[p];
-        if (pair->vertices == 0) continue;
         bool good = d->is_true[m * d->bones.count + (size_t)pair->bone];
+        if (pair->tip) n->tips++, n->tips_false += !good;
+        if (pair->vertices == 0 && !pair->sliding) continue;
         n->warned += pair->sliding;
         n->warned_false += pair->sliding && !good;
-        if (r->drop_sliding && pair->sliding) continue;
+        if (pair->vertices == 0 || (r->drop_sliding && pair->sliding)) continue;
         n->found++;
         n->both += good;
     }
@@ -216,6 +217,7 @@ static void try_rule(const char *data, const dog *d, const rule *r) {
     for (size_t m = 0; m < d->muscles.count; m++) {
         if (!d->known[m]) continue;
         sn_muscle muscle = {.meters_per_unit = 1.0, .mesh = load(data, "dog-dmcontrol", d->muscles.items[m])};
+        muscle.name = sn_strdup(d->muscles.items[m]);
         sn_attach_params params = sn_attach_defaults();
         sn_attach_report report;
         sn_attachment_list found;
@@ -234,6 +236,7 @@ static void try_rule(const char *data, const dog *d, const rule *r) {
     free(bones);
     double precision = (double)n.both / n.found, recall = (double)n.both / d->true_pairs;
     printf("pairs, %s: true %d, found %d, both %d\n", r->name, d->true_pairs, n.found, n.both);
+    printf("  tips taken: %d, %d of them not true\n", n.tips, n.tips_false);
     print_row("  precision", precision, NAN, NAN);
     print_row("  recall", recall, NAN, NAN);
     print_row("  F1", 2.0 * precision * recall / (precision + recall), r->reach, r->beat);

@@ -196,7 +196,7 @@ static void a_boundary_over_two_components_does_not_close(void **state) {
     f->params.area_kind = SN_AREA_BOUNDARY;
     assert_refused(f, "the area on bone \"ulna\": its boundary does not close: landmarks 1 and 2");
     f->params.area_kind = SN_AREA_AUTO; /* in a row */
-    assert_refused(f, "the area on bone \"ulna\": its line breaks: landmarks 1 and 3");
+    assert_refused(f, "the area on bone \"ulna\": its line breaks: landmarks 3 and 2");
 }
 
 static void a_boundary_around_a_handle_is_refused(void **state) {
