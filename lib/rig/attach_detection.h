@@ -52,8 +52,6 @@ SN_MUST_CHECK sn_status attach_make_patches(detection *d, sn_error *error);
 /* Pieces of what a bone holds: piece (vertex_count) is the number of a vertex's piece, from 0, SN_NONE where the bone does not hold it.
  * Pieces are in the order of their lowest vertices. */
 SN_MUST_CHECK sn_status attach_pieces(const detection *d, sn_index bone, sn_index *piece, sn_index *count, sn_error *error);
-/* Signed distances of vertices that a stage gave to a bone: those that are NaN. */
-SN_MUST_CHECK sn_status attach_measure_added(detection *d, sn_index bone, sn_error *error);
 
 /* ---- attach_slide.c: tendons that slide --------------------------------------------------------------------------------- */
 

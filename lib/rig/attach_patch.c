@@ -31,6 +31,10 @@ typedef struct patch {
     sn_index *piece_size; /* (vertices) by piece */
     double *near, *far;   /* (vertices) distances */
     bool *next;           /* (vertices) */
+    double *gap;          /* (vertices) signed distance to the bone; NaN = not asked for yet */
+    sn_vec3 *normals;     /* (vertices) of the muscle */
+    sn_surface *surface;  /* of the bone */
+    double reach;         /* gaps are closed over this; a vertex that joins at the border is no farther from the bone */
 } patch;
 
 static sn_index vertices_of(const patch *p) { return p->d->muscle->mesh.vertex_count; }
@@ -45,8 +49,11 @@ static sn_status open_patch(detection *d, patch *p, sn_error *error) {
                  .piece_size = SN_NEW(sn_index, n),
                  .near = SN_NEW(double, n),
                  .far = SN_NEW(double, n),
-                 .next = SN_NEW(bool, n)};
-    bool complete = p->inside && p->piece && p->stack && p->piece_area && p->piece_size && p->near && p->far && p->next;
+                 .next = SN_NEW(bool, n),
+                 .gap = SN_NEW(double, n),
+                 .normals = SN_NEW(sn_vec3, n)};
+    bool complete =
+        p->inside && p->piece && p->stack && p->piece_area && p->piece_size && p->near && p->far && p->next && p->gap && p->normals;
     return complete ? SN_OK : sn_fail_memory(error, "patches");
 }
 
@@ -59,6 +66,8 @@ static void close_patch(patch *p) {
     free(p->near);
     free(p->far);
     free(p->next);
+    free(p->gap);
+    free(p->normals);
 }
 
 /* ---- pieces ------------------------------------------------------------------------------------------------------------ */
@@ -99,6 +108,22 @@ static double area_inside(const patch *p) {
 }
 
 static bool is_free(const patch *p, sn_index v) { return p->d->holder_of[v] == SN_NONE; }
+
+static double gap_at(patch *p, sn_index v) {
+    if (isnan(p->gap[v])) p->gap[v] = sn_surface_signed_distance(p->surface, p->d->muscle->mesh.positions[v], NULL);
+    return p->gap[v];
+}
+
+/* Does the muscle face the bone at a vertex? On the far side of a tendon it does not, near as the bone is. */
+static bool faces_bone(const patch *p, sn_index v) {
+    sn_vec3 at = p->d->muscle->mesh.positions[v];
+    return sn_dot(sn_sub(sn_surface_closest(p->surface, at, INFINITY).point, at), p->normals[v]) > 0.0;
+}
+
+/* May a vertex join where it is not in a hole? */
+static bool may_join(patch *p, sn_index v) {
+    return is_free(p, v) && (gap_at(p, v) <= 0.0 || (gap_at(p, v) <= p->reach && faces_bone(p, v)));
+}
 
 /* next (by piece of the complement): a hole: all of it free, some of it beside the patch, and not too large. */
 static void find_holes(patch *p, sn_index count, double largest) {
@@ -149,13 +174,13 @@ static double closing_distance(const detection *d) {
     return fmax(CLOSING_EDGES * sn_mesh_mean_edge(&d->muscle->mesh, &d->topology), CLOSING_SHARE * d->length);
 }
 
-static sn_status close_gaps(patch *p, double distance, sn_attach_change *filled, sn_error *error) {
+static sn_status close_gaps(patch *p, sn_attach_change *filled, sn_error *error) {
     sn_status status = distance_from(p, p->inside, true, p->near, error);
     if (status != SN_OK) return status;
-    for (sn_index v = 0; v < vertices_of(p); v++) p->next[v] = p->near[v] <= distance;
+    for (sn_index v = 0; v < vertices_of(p); v++) p->next[v] = p->near[v] <= p->reach;
     status = distance_from(p, p->next, false, p->far, error);
     for (sn_index v = 0; v < vertices_of(p) && status == SN_OK; v++)
-        if (!p->inside[v] && is_free(p, v) && p->next[v] && p->far[v] > distance && isfinite(p->far[v])) take(p, v, filled);
+        if (!p->inside[v] && p->next[v] && p->far[v] > p->reach && isfinite(p->far[v]) && may_join(p, v)) take(p, v, filled);
     return status;
 }
 
@@ -208,12 +233,21 @@ static double share_around(const patch *p, sn_index v) {
 }
 
 /* A small piece, and one that the user gave a part of, loses nothing. */
-static void smooth_border(patch *p, sn_attach_change *moved) {
-    find_pieces(p, p->inside, true);
+static void propose(patch *p, bool leave) {
     for (sn_index v = 0; v < vertices_of(p); v++) {
         double share = share_around(p, v);
-        bool keeps = p->inside[v] && (p->piece_size[p->piece[v]] < SMALL_PIECE || attach_is_given(p->d, v));
-        p->next[v] = p->inside[v] ? keeps || share >= LEAVE_SHARE : is_free(p, v) && share > JOIN_SHARE;
+        bool keeps = p->inside[v] && (!leave || p->piece_size[p->piece[v]] < SMALL_PIECE || attach_is_given(p->d, v));
+        p->next[v] = p->inside[v] ? keeps || share >= LEAVE_SHARE : share > JOIN_SHARE && may_join(p, v);
+    }
+}
+
+/* A round that would part a piece in two only adds. */
+static void smooth_border(patch *p, sn_attach_change *moved) {
+    sn_index before = find_pieces(p, p->inside, true);
+    propose(p, true);
+    if (find_pieces(p, p->next, true) > before) {
+        find_pieces(p, p->inside, true);
+        propose(p, false);
     }
     for (sn_index v = 0; v < vertices_of(p); v++) {
         if (p->next[v] == p->inside[v]) continue;
@@ -236,16 +270,15 @@ static void apply(patch *p) {
     detection *d = p->d;
     for (sn_index v = 0; v < vertices_of(p); v++) {
         bool held = d->holder_of[v] == p->bone;
-        if (p->inside[v] && !held) attach_hold(d, v, p->bone, NAN, SN_REASON_FILLED);
+        if (p->inside[v] && !held) attach_hold(d, v, p->bone, gap_at(p, v), SN_REASON_FILLED);
         if (!p->inside[v] && held) let_go(d, v);
     }
 }
 
 static sn_status work_on(patch *p, sn_attach_patch *report, sn_error *error) {
-    for (sn_index v = 0; v < vertices_of(p); v++) p->inside[v] = p->d->holder_of[v] == p->bone;
     report->pieces_before = find_pieces(p, p->inside, true);
     report->holes_before = count_holes(p);
-    sn_status status = close_gaps(p, closing_distance(p->d), &report->filled, error);
+    sn_status status = close_gaps(p, &report->filled, error);
     if (status != SN_OK) return status;
     fill_holes(p, &report->filled);
     drop_crumbs(p, &report->dropped);
@@ -255,17 +288,31 @@ static sn_status work_on(patch *p, sn_attach_patch *report, sn_error *error) {
     report->pieces = find_pieces(p, p->inside, true);
     report->holes = count_holes(p);
     apply(p);
-    return attach_measure_added(p->d, p->bone, error);
+    return SN_OK;
+}
+
+static sn_status make_patch(patch *p, sn_attach_pair *pair, sn_error *error) {
+    p->bone = pair->bone;
+    for (sn_index v = 0; v < vertices_of(p); v++) {
+        p->inside[v] = p->d->holder_of[v] == p->bone;
+        p->gap[v] = NAN;
+    }
+    sn_status status = sn_surface_create(p->d->params->bones[p->bone].mesh, &p->surface, error);
+    if (status == SN_OK) status = work_on(p, &pair->patch, error);
+    sn_surface_destroy(p->surface);
+    p->surface = NULL;
+    return status;
 }
 
 sn_status attach_make_patches(detection *d, sn_error *error) {
     patch p;
     sn_status status = open_patch(d, &p, error);
+    if (status == SN_OK) sn_mesh_vertex_normals(&d->muscle->mesh, p.normals);
+    p.reach = closing_distance(d);
     for (sn_index i = 0; i < d->report->pair_count && status == SN_OK; i++) {
         sn_attach_pair *pair = &d->report->pairs[i];
         if (!attach_holds_by_distance(d, pair->bone) || !attach_holds_any(d, pair->bone)) continue;
-        p.bone = pair->bone;
-        status = work_on(&p, &pair->patch, error);
+        status = make_patch(&p, pair, error);
     }
     close_patch(&p);
     return status;
@@ -295,17 +342,4 @@ sn_status attach_pieces(const detection *d, sn_index bone, sn_index *piece, sn_i
     }
     free(stack);
     return SN_OK;
-}
-
-sn_status attach_measure_added(detection *d, sn_index bone, sn_error *error) {
-    sn_index count = 0;
-    for (sn_index v = 0; v < d->muscle->mesh.vertex_count; v++)
-        if (d->holder_of[v] == bone && isnan(d->distance[v])) d->list[count++] = v;
-    if (count == 0) return SN_OK;
-    sn_surface *surface = NULL;
-    sn_status status = sn_surface_create(d->params->bones[bone].mesh, &surface, error);
-    for (sn_index i = 0; i < count && status == SN_OK; i++)
-        d->distance[d->list[i]] = sn_surface_signed_distance(surface, d->muscle->mesh.positions[d->list[i]], NULL);
-    sn_surface_destroy(surface);
-    return status;
 }
