@@ -82,9 +82,9 @@ static bool looks_sliding(const detection *d, const sn_attach_pair *pair) {
 
 /* ---- piece by piece ---------------------------------------------------------------------------------------------------- */
 
-/* A piece slides where what it lies on is less than this share as thick as the muscle's belly, and other bones hold by more than BEYOND of
- * the length nearer to both tips. On the dog 18 of the 22 pairs that go by this are no attachments, where one of five is in all; at a
- * fifth it is 20 of 37. */
+/* A piece slides where what it lies on is less than this share as thick as the muscle's belly, and the muscle is held by more than
+ * BEYOND of the length nearer to both tips. On the dog 18 of the 22 pairs that go by this are no attachments, where one of five is in all;
+ * at a fifth it is 20 of 37. */
 static const double TENDON_GIRTH = 0.15, BEYOND = 0.05;
 /* The thickness at a piece is that of the surface joined to it within this share of the length beyond its ends. */
 static const double BAND_MARGIN = 0.02;
@@ -153,14 +153,16 @@ static sn_status girth_at(const detection *d, const piece *p, const sn_index *nu
     return status;
 }
 
+/* What is held nearer to both tips need not be of other bones, but one side is: a bone that is passed may hold the end as well. */
 static bool is_passed(const piece_list *list, const piece *p) {
-    bool before = false, behind = false;
+    bool before = false, behind = false, other = false;
     for (size_t i = 0; i < list->count; i++) {
-        if (list->items[i].bone == p->bone) continue;
-        before = before || list->items[i].middle < p->middle - BEYOND;
-        behind = behind || list->items[i].middle > p->middle + BEYOND;
+        bool is_before = list->items[i].middle<p->middle - BEYOND, is_behind = list->items[i].middle> p->middle + BEYOND;
+        before = before || is_before;
+        behind = behind || is_behind;
+        other = other || ((is_before || is_behind) && list->items[i].bone != p->bone);
     }
-    return before && behind;
+    return before && behind && other;
 }
 
 static void let_go(detection *d, const piece *p, const sn_index *number, sn_attach_pair *pair) {
