@@ -16,8 +16,10 @@ static const double CLOSING_EDGES = 1.5, CLOSING_SHARE = 0.005;
 static const double HOLE_SHARE = 0.5;
 /* A crumb is smaller than the former share of what the bone holds; all crumbs together are at most the latter. */
 static const double CRUMB_SHARE = 0.05, CRUMBS_SHARE = 0.2;
-/* A vertex whose neighbourhood is held by less than the former share goes, one by more than the latter comes; of areas around it. */
+/* A vertex whose neighbourhood is held by less than the former share goes, one by more than the latter comes. */
 static const double LEAVE_SHARE = 0.4, JOIN_SHARE = 0.6;
+/* A round of smoothing leaves at least so much of the area, or takes none away. */
+static const double KEPT_SHARE = 0.95;
 enum { SMOOTHING_ROUNDS = 3, SMALL_PIECE = 6 };
 
 /* One bone's patch under work. */
@@ -220,16 +222,22 @@ static void drop_crumbs(patch *p, sn_attach_change *dropped) {
         if (p->inside[v] && p->next[p->piece[v]]) drop(p, v, dropped);
 }
 
-/* Of the area of a vertex and its neighbours, the share that is inside. */
+/* Of a vertex and its neighbours, the share that is inside: by number, as where triangles are uneven areas would have the large ones
+ * decide. */
 static double share_around(const patch *p, sn_index v) {
     const sn_topology *t = &p->d->topology;
-    double all = p->d->vertex_area[v], inside = p->inside[v] ? all : 0.0;
-    for (sn_index k = t->vertex_start[v]; k < t->vertex_start[v + 1]; k++) {
-        double area = p->d->vertex_area[t->neighbours[k]];
-        all += area;
-        inside += p->inside[t->neighbours[k]] ? area : 0.0;
-    }
-    return all > 0.0 ? inside / all : 0.0;
+    sn_index all = 1 + t->vertex_start[v + 1] - t->vertex_start[v], inside = p->inside[v];
+    for (sn_index k = t->vertex_start[v]; k < t->vertex_start[v + 1]; k++) inside += p->inside[t->neighbours[k]];
+    return (double)inside / all;
+}
+
+/* Would the proposed set part a piece in two, or lose more than KEPT_SHARE leaves of the area? */
+static bool harms(patch *p) {
+    double kept = 0.0;
+    sn_index before = find_pieces(p, p->inside, true);
+    if (find_pieces(p, p->next, true) > before) return true;
+    for (sn_index v = 0; v < vertices_of(p); v++) kept += p->next[v] ? p->d->vertex_area[v] : 0.0;
+    return kept < KEPT_SHARE * area_inside(p);
 }
 
 /* A small piece, and one that the user gave a part of, loses nothing. */
@@ -241,11 +249,11 @@ static void propose(patch *p, bool leave) {
     }
 }
 
-/* A round that would part a piece in two only adds. */
+/* A round that would do harm only adds. */
 static void smooth_border(patch *p, sn_attach_change *moved) {
-    sn_index before = find_pieces(p, p->inside, true);
+    find_pieces(p, p->inside, true);
     propose(p, true);
-    if (find_pieces(p, p->next, true) > before) {
+    if (harms(p)) {
         find_pieces(p, p->inside, true);
         propose(p, false);
     }
