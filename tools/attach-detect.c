@@ -17,9 +17,10 @@ enum { METHOD_AREA = 3, METHOD_NONE = 4 };
 static const char *const pair_names[] = {"nearby", "all", NULL};
 
 static cli_list bone_texts, list_files, pin_texts;
-static int method, pairs, bone_unit = -1, bone_up; /* bone_unit -1: the muscle's */
-static sn_length distance = {-1.0, 0.0}, pair_distance = {-1.0, 0.0}, landmark_distance = {-1.0, 0.0};
+static int method, pairs, area_kind, bone_unit = -1, bone_up; /* bone_unit -1: the muscle's */
+static sn_length distance = {-1.0, 0.0}, pair_distance = {-1.0, 0.0}, landmark_distance = {-1.0, 0.0}, line_width = {-1.0, 0.0};
 static int64_t voxels;
+static bool raw;
 static const char *landmark_file;
 static neighbour_request neighbours = {.reach = {-1.0, 0.0}, .minimum = {-1.0, 0.0}, .tendon = {-1.0, 0.0}, .targets = 2, .hold = 1};
 static int tendons;
@@ -42,15 +43,21 @@ static const cli_option options[] = {
     {0, "pin", "NAME=SELECTOR", CLI_LIST, &pin_texts, CLI_RESULT, 0, 0, NULL,
      "attach the selected vertices to bone NAME, which needs no mesh, before all else"},
     {0, "landmarks", "FILE", CLI_TEXT, &landmark_file, CLI_RESULT | CLI_FILE, 0, 0, NULL,
-     "attachment areas by landmarks around them: lines of bone, area, x, y, z with tabs, or JSON"},
+     "attachment areas by landmarks around them, or along a line: lines of bone, area, x, y, z with tabs, or JSON"},
     {0, "landmark-distance", "LENGTH", CLI_LENGTH, &landmark_distance, CLI_RESULT, 0, 0, NULL,
-     "a landmark farther from the muscle is an error (default 10mm)"},
+     "an area with a landmark farther from the muscle is left out (default 10mm)"},
+    {0, "area-kind", "KIND", CLI_CHOICE, &area_kind, CLI_RESULT, 0, 0, sn_area_kind_names,
+     "what the landmarks of an area are: a boundary that closes, a line, or either, as they lie (auto; default)"},
+    {0, "line-width", "LENGTH", CLI_LENGTH, &line_width, CLI_RESULT, 0, 0, NULL,
+     "width of an area along a line (default: the mean distance of its landmarks from the muscle)"},
     {'m', "method", "METHOD", CLI_CHOICE, &method, CLI_RESULT, 0, 0, method_names,
      "for bones without areas: contact (on or in the bone), proximity (closer than --distance), both (default); area and none: nothing"},
     {'d', "distance", "LENGTH", CLI_LENGTH, &distance, CLI_RESULT, 0, 0, NULL,
      "reach of proximity (default: 0.1 mean edge lengths with contact, 1 alone)"},
     {0, "voxels", "N", CLI_INTEGER, &voxels, CLI_RESULT, 1, 134217728, NULL,
      "contact also in the cells that the bone's surface runs through, of about N in its box"},
+    {0, "raw", NULL, CLI_FLAG, &raw, CLI_RESULT, 0, 0, NULL,
+     "keep the vertices as the rules found them: no patches, no tips that touch nothing, and what slides stays"},
     {.kind = CLI_HEADING, .help = "Neighbours, for external constraints:"},
     {0, "glue", "[NAME=]FILE", CLI_LIST, &neighbours.glue, CLI_RESULT | CLI_FILE, 0, 0, NULL,
      "another muscle (document or mesh), any number of times: find where the surfaces face each other"},
@@ -185,6 +192,25 @@ static void write_attachments(sn_json *json, const sn_muscle *muscle) {
     sn_json_close(json);
 }
 
+static void write_change(sn_json *json, const char *name, const sn_attach_change *change) {
+    sn_json_object(json, name);
+    sn_json_integer(json, "vertices", change->vertices);
+    sn_json_number(json, "area", change->area);
+    sn_json_close(json);
+}
+
+static void write_patch(sn_json *json, const sn_attach_pair *pair) {
+    sn_json_bool(json, "tip", pair->tip);
+    write_change(json, "slid", &pair->slid);
+    sn_json_integer(json, "piecesBefore", pair->patch.pieces_before);
+    sn_json_integer(json, "pieces", pair->patch.pieces);
+    sn_json_integer(json, "holesBefore", pair->patch.holes_before);
+    sn_json_integer(json, "holes", pair->patch.holes);
+    write_change(json, "filled", &pair->patch.filled);
+    write_change(json, "dropped", &pair->patch.dropped);
+    write_change(json, "moved", &pair->patch.moved);
+}
+
 static void write_pair(sn_json *json, const outcome *o, const sn_attach_pair *pair) {
     sn_json_object(json, NULL);
     sn_json_text(json, "bone", o->bones.items[pair->bone].name);
@@ -197,6 +223,7 @@ static void write_pair(sn_json *json, const outcome *o, const sn_attach_pair *pa
         if (isfinite(pair->position)) sn_json_number(json, "position", pair->position);
         if (isfinite(pair->girth)) sn_json_number(json, "girth", pair->girth);
         if (isfinite(pair->position)) sn_json_bool(json, "looksSliding", pair->sliding);
+        if ((isfinite(pair->position) || pair->tip) && !raw) write_patch(json, pair);
     }
     sn_json_close(json);
 }
@@ -211,8 +238,13 @@ static void write_area(sn_json *json, const outcome *o, const sn_attach_area *ar
     sn_json_number(json, "areaShare", area->area_share);
     sn_json_number(json, "boundary", area->boundary);
     sn_json_number(json, "farthest", area->farthest);
+    sn_json_bool(json, "leftOut", area->left_out);
     sn_json_bool(json, "reordered", area->reordered);
     sn_json_bool(json, "coarse", area->coarse);
+    if (!area->left_out) sn_json_text(json, "kind", sn_area_kind_names[area->line ? SN_AREA_LINE : SN_AREA_BOUNDARY]);
+    if (!area->left_out) sn_json_bool(json, "doubtful", area->doubtful);
+    if (area->line) sn_json_number(json, "width", area->width);
+    if (area->line) sn_json_number(json, "meanWidth", area->mean_width);
     sn_json_close(json);
 }
 
@@ -234,52 +266,138 @@ static void write_report(sn_json *json, const void *data) {
     if (wants_neighbours()) neighbours_write(json, &o->neighbours, o->muscle);
 }
 
+static const char *area_name(const outcome *o, const sn_attach_area *area) {
+    const sn_landmark_area *given = &o->landmarks.areas[area->area];
+    return given->name != NULL ? given->name : given->bone;
+}
+
+static void say_area(const cli *c, const outcome *o, const sn_attach_area *area) {
+    double mm = 1e3 * o->muscle->meters_per_unit;
+    const char *name = area_name(o, area);
+    if (area->line)
+        cli_say(c, "area %s: a line %.3g mm long, its band %.3g mm wide", name, area->boundary * mm, area->mean_width * mm);
+    else if (!area->left_out)
+        cli_say(c, "area %s: a boundary %.3g mm long", name, area->boundary * mm);
+}
+
+/* What became of what the rules found. */
+static void say_pair(const cli *c, const outcome *o, const sn_attach_pair *pair) {
+    const sn_attach_patch *p = &pair->patch;
+    const char *bone_name = o->bones.items[pair->bone].name;
+    double mm = 1e3 * o->muscle->meters_per_unit, mm2 = mm * mm;
+    if (p->filled.vertices + p->dropped.vertices + p->moved.vertices > 0)
+        cli_say(
+            c,
+            "%s: %d pieces with %d holes became %d with %d: %d vertices (%.3g mm2) filled, %d (%.3g mm2) dropped, %d (%.3g mm2) moved at "
+            "borders",
+            bone_name, (int)p->pieces_before, (int)p->holes_before, (int)p->pieces, (int)p->holes, (int)p->filled.vertices,
+            p->filled.area * mm2, (int)p->dropped.vertices, p->dropped.area * mm2, (int)p->moved.vertices, p->moved.area * mm2);
+    if (pair->slid.vertices > 0)
+        cli_say(c, "%s: %d vertices (%.3g mm2) let go, as a tendon slides there", bone_name, (int)pair->slid.vertices,
+                pair->slid.area * mm2);
+    if (pair->tip) cli_say(c, "%s: the tip that runs to it, %.3g mm away", bone_name, pair->nearest * mm);
+}
+
 static void say_results(const cli *c, const outcome *o) {
     const sn_muscle *muscle = o->muscle;
     for (sn_index i = 0; i < muscle->attachment_count && wants_attachments(); i++) {
         const sn_attachment *a = &muscle->attachments[i];
         cli_say(c, "%s: %ld vertices by %s", a->bone, (long)a->count, a->method);
     }
+    for (sn_index i = 0; i < o->report.pair_count; i++) say_pair(c, o, &o->report.pairs[i]);
+    for (sn_index i = 0; i < o->report.area_count; i++) say_area(c, o, &o->report.areas[i]);
     if (wants_neighbours()) neighbours_say(c, &o->neighbours, muscle);
 }
 
 /* ---- warnings --------------------------------------------------------------------------------------------------------- */
 
-static void warn_of_areas(const cli *c, const outcome *o) {
-    for (sn_index i = 0; i < o->report.area_count; i++) {
-        const sn_attach_area *area = &o->report.areas[i];
-        const sn_landmark_area *given = &o->landmarks.areas[area->area];
-        const char *name = given->name != NULL ? given->name : given->bone;
-        if (area->reordered)
-            cli_warn(c,
-                     "area %s: its boundary crosses itself in the order given; the landmarks were put into the order of the shortest tour",
-                     name);
-        if (area->area_share > 0.3)
-            cli_warn(c,
-                     "area %s: it is %.0f %% of the muscle's surface; does its boundary run around the muscle, not around a patch of it?",
-                     name, 100.0 * area->area_share);
-        if (area->coarse)
-            cli_warn(c, "area %s: its boundary encloses no vertex; the nearest vertex of each landmark was taken; a finer mesh would help",
-                     name);
+static void warn_of_line(const cli *c, const char *name, const sn_attach_area *area, double mm) {
+    if (area->coarse)
+        cli_warn(c, "area %s: it is a line %.3g mm wide, and its band is %.3g mm wide on average: the mesh is coarser than the line", name,
+                 area->width * mm, area->mean_width * mm);
+    if (area->doubtful)
+        cli_warn(c, "area %s: its landmarks were taken for a line that bends back; where they go around an area, give --area-kind boundary",
+                 name);
+    if (area->reordered) cli_warn(c, "area %s: its landmarks are not in their order along the line; they were put into it", name);
+}
+
+static void warn_of_boundary(const cli *c, const char *name, const sn_attach_area *area) {
+    if (area->reordered)
+        cli_warn(c, "area %s: its boundary crosses itself in the order given; the landmarks were put into the order of the shortest tour",
+                 name);
+    if (area->coarse)
+        cli_warn(c, "area %s: its boundary encloses no vertex; the nearest vertex of each landmark was taken; a finer mesh would help",
+                 name);
+    if (area->doubtful)
+        cli_warn(c,
+                 "area %s: its boundary was closed by more than twice its longest step; where the landmarks are a line, give --area-kind "
+                 "line",
+                 name);
+}
+
+static void warn_of_area(cli *c, const outcome *o, const sn_attach_area *area) {
+    const char *name = area_name(o, area);
+    double mm = 1e3 * o->muscle->meters_per_unit;
+    if (area->left_out) {
+        cli_shortfall(c,
+                      "area %s on bone %s is left out, and the bone holds nothing by it: landmark %d lies %.3g mm off the muscle, and the "
+                      "limit is %.3g mm; raise it with --landmark-distance, or correct the landmark",
+                      name, o->landmarks.areas[area->area].bone, (int)area->far + 1, area->farthest * mm, o->report.landmark_reach * mm);
+        return;
     }
+    if (area->line)
+        warn_of_line(c, name, area, mm);
+    else
+        warn_of_boundary(c, name, area);
+    if (area->area_share > 0.3)
+        cli_warn(c, "area %s: it is %.0f %% of the muscle's surface; does its boundary run around the muscle, not around a patch of it?",
+                 name, 100.0 * area->area_share);
+}
+
+static void warn_of_areas(cli *c, const outcome *o) {
+    for (sn_index i = 0; i < o->report.area_count; i++) warn_of_area(c, o, &o->report.areas[i]);
 }
 
 static const char *name_of(const outcome *o) { return o->muscle->name != NULL ? o->muscle->name : "(no name)"; }
 
-/* The names of all bones that the muscle seems to slide over, in one line. */
-static void warn_of_sliding(const cli *c, const outcome *o) {
-    char names[512] = "";
-    size_t used = 0;
-    for (sn_index i = 0; i < o->report.pair_count && used < sizeof names; i++) {
+/* The names of the bones of some pairs, in one line. */
+static void name_pairs(const outcome *o, bool (*is_meant)(const sn_attach_pair *pair), char names[512]) {
+    size_t used = 0, size = 512;
+    names[0] = '\0';
+    for (sn_index i = 0; i < o->report.pair_count && used < size; i++) {
         const sn_attach_pair *pair = &o->report.pairs[i];
-        if (pair->sliding)
-            used += (size_t)snprintf(names + used, sizeof names - used, "%s%s", used > 0 ? ", " : "", o->bones.items[pair->bone].name);
+        if (is_meant(pair))
+            used += (size_t)snprintf(names + used, size - used, "%s%s", used > 0 ? ", " : "", o->bones.items[pair->bone].name);
     }
-    if (used > 0)
-        cli_warn(c,
-                 "muscle \"%s\": what it holds looks like a tendon that slides over: %s%s; where it does, leave the bone out, or give its "
-                 "area by landmarks",
-                 name_of(o), names, used >= sizeof names ? ", ..." : "");
+    if (used >= size) memcpy(names + size - 6, ", ...", 6);
+}
+
+static bool pair_slides(const sn_attach_pair *pair) { return pair->sliding; }
+static bool pair_is_tip(const sn_attach_pair *pair) { return pair->tip; }
+
+static void warn_of_sliding(const cli *c, const outcome *o) {
+    char names[512];
+    name_pairs(o, pair_slides, names);
+    if (names[0] == '\0') return;
+    if (raw)
+        cli_warn(
+            c,
+            "muscle \"%s\": what it holds looks like a tendon that slides over: %s; where it does, leave the bone out, or give its area "
+            "by landmarks",
+            name_of(o), names);
+    else
+        cli_warn(
+            c,
+            "muscle \"%s\": a tendon looks as if it slides over: %s; what it touches there was let go; where it attaches, give its area by "
+            "landmarks, or --raw",
+            name_of(o), names);
+}
+
+static void warn_of_tips(const cli *c, const outcome *o) {
+    char names[512];
+    name_pairs(o, pair_is_tip, names);
+    if (names[0] != '\0')
+        cli_warn(c, "muscle \"%s\": it runs to %s and touches nothing there; its tip was taken, with low confidence", name_of(o), names);
 }
 
 /* The unit in which a bone's box would meet the muscle's where it does not now; -1 = none. */
@@ -332,11 +450,12 @@ static sn_status warn_of_bones(const outcome *o, sn_error *error) {
     return status;
 }
 
-static sn_status warn(const cli *c, const outcome *o, bool stopped, sn_error *error) {
+static sn_status warn(cli *c, const outcome *o, bool stopped, sn_error *error) {
     sn_status status = warn_of_bones(o, error);
     if (status != SN_OK) return status;
     warn_of_areas(c, o);
     warn_of_sliding(c, o);
+    warn_of_tips(c, o);
     if (!wants_attachments() || stopped) return SN_OK;
     if (o->report.attached == 0) warn_nothing(c, o);
     return grips_warn(c, o->muscle->name, o->muscle, error);
@@ -356,12 +475,15 @@ static sn_status detect(cli *c, sn_muscle *muscle, const pin_list *pins, outcome
     params.methods = method_bits[method];
     params.distance = cli_length(distance, muscle->meters_per_unit);
     params.voxels = (sn_index)voxels;
+    params.raw = raw;
     params.pair_distance = cli_length(pair_distance, muscle->meters_per_unit);
     params.pin_count = pins->count;
     params.pins = pins->pins;
     params.area_count = o->landmarks.count;
     params.areas = o->landmarks.areas;
     params.landmark_reach = cli_length(landmark_distance, muscle->meters_per_unit);
+    params.area_kind = (sn_area_kind)area_kind;
+    params.line_width = cli_length(line_width, muscle->meters_per_unit);
     params.threads = c->threads;
     sn_attach_bone *bones = SN_NEW(sn_attach_bone, o->bones.count);
     if (bones == NULL) return sn_fail_memory(error, "the bones");
@@ -472,6 +594,10 @@ static void check_usage(const cli *c) {
         cli_usage_error(c, "--method none attaches pins only; give a --pin");
     if (method == METHOD_NONE && landmark_file != NULL)
         cli_usage_error(c, "--method none attaches pins only; for --landmarks it is --method area");
+    if ((cli_given(c, "area-kind") || cli_given(c, "line-width")) && landmark_file == NULL)
+        cli_usage_error(c, "--%s is for areas; give their --landmarks", cli_given(c, "line-width") ? "line-width" : "area-kind");
+    if (cli_given(c, "line-width") && area_kind == SN_AREA_BOUNDARY)
+        cli_usage_error(c, "--line-width has no meaning with --area-kind boundary");
     if (method == METHOD_AREA && landmark_file == NULL) cli_usage_error(c, "--method area attaches areas; give their --landmarks");
     if (distance.value >= 0.0 && !(method_bits[method] & SN_ATTACH_PROXIMITY))
         cli_usage_error(c, "--distance has no meaning with --method %s", method_names[method]);
@@ -479,6 +605,8 @@ static void check_usage(const cli *c) {
         cli_usage_error(c, "--voxels has no meaning with --method %s", method_names[method]);
     if ((cli_given(c, "pairs") || cli_given(c, "pair-distance")) && list_files.count == 0)
         cli_usage_error(c, "--pairs is for the bones of a --bones LIST; those of --bone are taken as meant");
+    if (raw && (method == METHOD_NONE || method == METHOD_AREA))
+        cli_usage_error(c, "--raw has no meaning with --method %s", method_names[method]);
     check_neighbours(c);
 }
 

@@ -53,7 +53,9 @@ typedef enum sn_attach_reason {
     SN_REASON_CONTACT,   /* in or on the bone */
     SN_REASON_VOXEL,     /* in a cell that the bone's surface runs through */
     SN_REASON_PROXIMITY, /* near the bone */
-    SN_REASON_NEAREST,   /* the bone is near the muscle, but nearer to no vertex than to this: the mesh is coarse there */
+    SN_REASON_NEAREST,   /* the bone is near the muscle, but nearer to no vertex than to this: the mesh is coarse there; or its tip runs
+                          * to the bone and touches nothing */
+    SN_REASON_FILLED,    /* in a gap or hole of the patch that the bone holds */
     SN_REASON_COUNT
 } sn_attach_reason;
 const char *sn_attach_reason_name(sn_attach_reason reason); /* "pin", "area", ...; NULL = there is no such reason */

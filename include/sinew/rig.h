@@ -238,7 +238,15 @@ typedef struct sn_attach_pin {
     sn_selector selector;
 } sn_attach_pin;
 
-/* An attachment area ([K21] 3.3): landmarks in order along its boundary, on the bone or the muscle. */
+/* What the landmarks of an area are. A boundary closes: its last step is about as long as the others. A line, as an insertion along a
+ * ridge, does not: with steps of length W in all, the longest M, and G from the last landmark to the first (of three landmarks G is the
+ * longest side), landmarks are a line where there are two of them; G >= 0.98 W; G > 2 M and G > 0.8 W; G > 4 M and G > 0.5 W; or all lie
+ * within 1 % of their length from a straight line. Eight and more are smoothed (1:2:1) before W and M are measured, as they may be noisy.
+ */
+typedef enum sn_area_kind { SN_AREA_AUTO, SN_AREA_BOUNDARY, SN_AREA_LINE } sn_area_kind;
+extern const char *const sn_area_kind_names[]; /* "auto", "boundary", "line"; NULL at the end */
+
+/* An attachment area ([K21] 3.3): landmarks in order along its boundary, or along a line, on the bone or the muscle. */
 typedef struct sn_landmark_area {
     char *bone;
     char *name; /* nullable */
@@ -260,17 +268,39 @@ typedef struct sn_attach_params {
     const sn_attach_pin *pins; /* taken first: a pinned vertex stays with its bone */
     sn_index area_count;
     const sn_landmark_area *areas; /* taken next, in their order; their bones hold nothing by contact or proximity */
-    double landmark_reach;         /* a landmark farther from the muscle is an error; < 0 (default) = 10 mm */
-    int threads;                   /* 0 = all */
+    double landmark_reach;  /* an area with a landmark farther from the muscle is left out, an error where nothing else is to be done;
+                             * < 0 (default) = 10 mm */
+    sn_area_kind area_kind; /* default auto: by the test above */
+    bool raw;               /* vertices as the rules found them: no patches, no tips, and what slides is kept; default false */
+    double line_width;      /* of the band along a line, document units; < 0 (default) = the mean distance of its landmarks from the muscle;
+                             * the triangles that the line runs through are in the band in any case */
+    int threads;            /* 0 = all */
 } sn_attach_params;
 
+/* What a stage did to the vertices of a bone. */
+typedef struct sn_attach_change {
+    sn_index vertices;
+    double area; /* of these, document units squared; a vertex has a third of its triangles */
+} sn_attach_change;
+
+/* How what a bone holds by distance became patches: pieces (connected sets of its vertices) and holes in them, before and after; what was
+ * taken to fill gaps and holes, dropped as crumbs, and taken or let go to smooth borders. All 0 with raw. */
+typedef struct sn_attach_patch {
+    sn_index pieces_before, pieces;
+    sn_index holes_before, holes;
+    sn_attach_change filled, dropped, moved;
+} sn_attach_patch;
+
 typedef struct sn_attach_pair {
-    sn_index bone;     /* index into the bones given */
-    sn_index vertices; /* that the bone has in the end */
-    bool culled;       /* its box is out of reach: not searched */
-    bool nearby;       /* it may hold vertices: the pair rule says so, or it is meant */
-    bool penetrates;   /* the muscle's surface is partly in the bone; known only where the pair rule was asked */
-    bool sliding;      /* what it holds looks like a tendon that slides over the bone */
+    sn_index bone;         /* index into the bones given */
+    sn_index vertices;     /* that the bone has in the end */
+    bool culled;           /* its box is out of reach: not searched */
+    bool nearby;           /* it may hold vertices: the pair rule says so, or it is meant */
+    bool penetrates;       /* the muscle's surface is partly in the bone; known only where the pair rule was asked */
+    bool sliding;          /* what it holds, or a piece of that, looks like a tendon that slides over the bone */
+    bool tip;              /* it touches the muscle nowhere, and holds the tip that runs to it */
+    sn_attach_change slid; /* let go, as it slides */
+    sn_attach_patch patch;
     double nearest;    /* least signed distance of a vertex to the bone; where culled the distance of the boxes, a lower bound */
     double area_share; /* of the muscle's surface within pair_distance of the bone; NaN where it was not needed to decide */
     double position;   /* of what it holds along the muscle, 0 at one tip, 1 at the other; NaN where it holds nothing */
@@ -282,9 +312,16 @@ typedef struct sn_attach_area {
     sn_index area;     /* index into the areas given */
     sn_index vertices; /* in its patch */
     bool reordered;    /* its boundary crossed itself: the landmarks were put into the order of the shortest tour */
-    bool coarse;       /* its boundary encloses no vertex: the nearest vertex of each landmark was taken */
+    bool coarse;       /* its boundary encloses no vertex: the nearest vertex of each landmark was taken; or its band is more than twice as
+                        * wide as the line */
+    bool line;         /* it is the band along a line */
+    bool doubtful;     /* auto: a boundary that closes by more than twice its longest step, or a line that bends back (G < 0.8 W) */
+    bool left_out;     /* a landmark, `far`, lies beyond the reach */
+    sn_index far;      /* index of the landmark that is farthest from the muscle */
     double farthest;   /* landmark from the muscle, document units */
-    double boundary;   /* length of the boundary */
+    double boundary;   /* length of the boundary, or of the line */
+    double width;      /* of the band that was asked for, document units; 0 of boundaries, and of lines that lie on the muscle */
+    double mean_width; /* of the band that was taken: its area by its length; 0 of boundaries */
     double area_share; /* of the muscle's surface */
 } sn_attach_area;
 
@@ -301,6 +338,7 @@ typedef struct sn_attach_report {
     sn_index attached;     /* vertices in all */
     double distance;       /* the distance of proximity in use, document units; 0 without */
     double pair_distance;  /* of the pair rule in use, document units */
+    double landmark_reach; /* in use, document units; 0 without areas */
 } sn_attach_report;
 
 sn_attach_params sn_attach_defaults(void);

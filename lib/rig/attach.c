@@ -1,37 +1,13 @@
 /*
  * attach.c -- which vertices of a muscle move with which bone ([K21] 3.3): pins, areas, contact, proximity, and how sure that is.
  */
-#include "attach.h"
-#include "tips.h"
+#include "attach_detection.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 enum { VERTICES_PER_CHUNK = 256 };
-
-/* A detection under way. A "holder" is what a vertex may hang on: the bones in the order given, then bones that only pins or areas name. */
-typedef struct detection {
-    const sn_muscle *muscle;
-    const sn_attach_params *params;
-    sn_trace *trace;
-    sn_attach_report *report;
-    sn_topology topology;
-    sn_box box;           /* of the muscle */
-    double area;          /* of the muscle */
-    double reach;         /* proximity: closer than this; 0 without */
-    double pair_distance; /* of the pair rule */
-    sn_index holder_count;
-    const char **holders;  /* (holder_count) names; borrowed */
-    bool *has_area;        /* (holder_count) an area names it: it holds nothing by contact or proximity */
-    sn_index *holder_of;   /* (vertex_count) SN_NONE = free */
-    double *distance;      /* (vertex_count) signed, to the holder; NaN = not known */
-    double *runner_up;     /* (vertex_count) signed, to the nearest other bone that would take it; INFINITY = none */
-    unsigned char *reason; /* (vertex_count) sn_attach_reason that attached it */
-    double *candidate;     /* (vertex_count) signed, to the bone under search; INFINITY = out of reach */
-    sn_index *list;        /* (vertex_count) scratch */
-    double *chunk_nearest; /* (chunks) */
-} detection;
 
 /* ---- set-up ---------------------------------------------------------------------------------------------------------------- */
 
@@ -40,7 +16,8 @@ sn_attach_params sn_attach_defaults(void) {
                               .distance = -1.0,
                               .pair_distance = -1.0,
                               .pair_share = 0.008,
-                              .landmark_reach = -1.0};
+                              .landmark_reach = -1.0,
+                              .line_width = -1.0};
 }
 
 static sn_status check_bone(const detection *d, sn_index b, sn_error *error) {
@@ -108,11 +85,22 @@ static sn_status allocate(detection *d, sn_error *error) {
     d->candidate = SN_NEW(double, vertices);
     d->list = SN_NEW(sn_index, vertices);
     d->chunk_nearest = SN_NEW(double, sn_chunk_count(vertices, VERTICES_PER_CHUNK));
+    d->vertex_area = SN_NEW(double, vertices);
+    d->along = SN_NEW(double, vertices);
     d->report->pairs = SN_NEW(sn_attach_pair, d->params->bone_count);
     d->report->areas = SN_NEW(sn_attach_area, d->params->area_count);
     bool complete = d->holders && d->has_area && d->holder_of && d->distance && d->runner_up && d->reason && d->candidate && d->list &&
-                    d->chunk_nearest && d->report->pairs && d->report->areas;
+                    d->chunk_nearest && d->vertex_area && d->along && d->report->pairs && d->report->areas;
     return complete ? SN_OK : sn_fail_memory(error, "attachments");
+}
+
+static void share_areas(detection *d) {
+    const sn_mesh *mesh = &d->muscle->mesh;
+    for (sn_index t = 0; t < mesh->triangle_count; t++) {
+        const sn_index *v = mesh->triangles[t].v;
+        double third = sn_norm(sn_area_vector(mesh->positions[v[0]], mesh->positions[v[1]], mesh->positions[v[2]])) / 6.0;
+        for (int k = 0; k < 3; k++) d->vertex_area[v[k]] += third;
+    }
 }
 
 static sn_status set_up(detection *d, sn_error *error) {
@@ -127,6 +115,7 @@ static sn_status set_up(detection *d, sn_error *error) {
     }
     d->box = sn_mesh_box(&d->muscle->mesh);
     d->area = sn_mesh_area(&d->muscle->mesh);
+    share_areas(d);
     if (d->params->methods & SN_ATTACH_PROXIMITY) d->reach = d->params->distance >= 0.0 ? d->params->distance : default_reach(d);
     d->pair_distance = d->params->pair_distance >= 0.0 ? d->params->pair_distance : 0.002 / d->muscle->meters_per_unit;
     d->report->distance = d->reach;
@@ -145,18 +134,19 @@ static void tear_down(detection *d) {
     free(d->candidate);
     free(d->list);
     free(d->chunk_nearest);
+    free(d->vertex_area);
+    free(d->along);
 }
 
 /* ---- pins and areas --------------------------------------------------------------------------------------------------------- */
 
-static void hold(detection *d, sn_index v, sn_index holder, double distance, sn_attach_reason reason) {
+void attach_hold(detection *d, sn_index v, sn_index holder, double distance, sn_attach_reason reason) {
     d->holder_of[v] = holder;
     d->distance[v] = distance;
     d->reason[v] = (unsigned char)reason;
 }
 
-/* Vertices that the user gave to a bone: no other bone takes them. */
-static bool is_given(const detection *d, sn_index v) { return d->reason[v] == SN_REASON_PIN || d->reason[v] == SN_REASON_AREA; }
+bool attach_is_given(const detection *d, sn_index v) { return d->reason[v] == SN_REASON_PIN || d->reason[v] == SN_REASON_AREA; }
 
 static sn_status apply_pin(detection *d, const sn_attach_pin *pin, sn_error *error) {
     sn_index count, *vertices = NULL, holder = find_holder(d, pin->bone);
@@ -164,7 +154,7 @@ static sn_status apply_pin(detection *d, const sn_attach_pin *pin, sn_error *err
     sn_status status = sn_select_vertices(&d->muscle->mesh, &d->topology, &pin->selector, &count, &vertices, &reason);
     if (status != SN_OK) return sn_fail(error, status, "pin to \"%s\": %s", pin->bone, reason.text);
     for (sn_index i = 0; i < count; i++)
-        if (!is_given(d, vertices[i])) hold(d, vertices[i], holder, NAN, SN_REASON_PIN); /* the pin given first holds it */
+        if (!attach_is_given(d, vertices[i])) attach_hold(d, vertices[i], holder, NAN, SN_REASON_PIN); /* the pin given first holds it */
     free(vertices);
     return SN_OK;
 }
@@ -178,8 +168,27 @@ static sn_status apply_area(detection *d, const sn_area_ground *ground, sn_index
     if (status != SN_OK && status != SN_STOPPED) return status;
     d->report->area_count = number + 1;
     for (sn_index v = 0; v < d->muscle->mesh.vertex_count; v++)
-        if (inside[v] && !is_given(d, v)) hold(d, v, find_holder(d, area->bone), NAN, SN_REASON_AREA);
+        if (inside[v] && !attach_is_given(d, v)) attach_hold(d, v, find_holder(d, area->bone), NAN, SN_REASON_AREA);
     return status;
+}
+
+bool attach_holds_by_distance(const detection *d, sn_index bone) { return d->params->methods != 0 && !d->has_area[bone]; }
+
+/* Where every area is too far off, and nothing else is to be done, it is a slip: of the unit, mostly. */
+static sn_status check_areas(const detection *d, sn_error *error) {
+    bool more = d->params->pin_count > 0;
+    for (sn_index a = 0; a < d->report->area_count; a++) more = more || !d->report->areas[a].left_out;
+    for (sn_index b = 0; b < d->params->bone_count; b++) more = more || attach_holds_by_distance(d, b);
+    if (more) return SN_OK;
+    const sn_attach_area *area = &d->report->areas[0];
+    const sn_landmark_area *given = &d->params->areas[area->area];
+    double mm = 1e3 * d->muscle->meters_per_unit;
+    return sn_fail(
+        error, SN_ERROR_INPUT,
+        "area \"%.60s\" on bone \"%.60s\": landmark %d lies %.3g mm off the muscle, and the limit is %.3g mm; check its unit, or "
+        "raise the limit with --landmark-distance",
+        given->name != NULL ? given->name : "(no name)", given->bone, (int)area->far + 1, area->farthest * mm,
+        d->report->landmark_reach * mm);
 }
 
 static sn_status apply_areas(detection *d, sn_error *error) {
@@ -188,14 +197,17 @@ static sn_status apply_areas(detection *d, sn_error *error) {
     bool *inside = SN_NEW(bool, d->muscle->mesh.vertex_count);
     sn_status status = inside != NULL ? sn_area_ground_create(d->muscle, &d->topology, &ground, error) : sn_fail_memory(error, "areas");
     ground.reach = d->params->landmark_reach >= 0.0 ? d->params->landmark_reach : 0.010 / d->muscle->meters_per_unit;
+    ground.kind = d->params->area_kind;
+    ground.line_width = d->params->line_width;
+    d->report->landmark_reach = ground.reach;
     for (sn_index a = 0; a < d->params->area_count && status == SN_OK; a++) status = apply_area(d, &ground, a, inside, error);
+    if (status == SN_OK) status = check_areas(d, error);
     sn_area_ground_free(&ground);
     free(inside);
     return status;
 }
 
-/* The vertices that a holder has now, ascending, in list (vertex_count). */
-static sn_index held_vertices(const detection *d, sn_index holder, sn_index *list) {
+sn_index attach_held(const detection *d, sn_index holder, sn_index *list) {
     sn_index count = 0;
     for (sn_index v = 0; v < d->muscle->mesh.vertex_count; v++) {
         if (d->holder_of[v] == holder) list[count++] = v;
@@ -226,7 +238,7 @@ static void measure_range(void *user, sn_index begin, sn_index end, sn_index chu
     detection *d = m->d;
     double nearest = INFINITY;
     for (sn_index v = begin; v < end; v++) {
-        bool given_here = is_given(d, v) && d->holder_of[v] == m->bone;
+        bool given_here = attach_is_given(d, v) && d->holder_of[v] == m->bone;
         double limit = given_here ? INFINITY : fmax(m->reach, nearest);
         d->candidate[v] = distance_within(m->search, d->muscle->mesh.positions[v], limit);
         if (given_here) d->distance[v] = d->candidate[v];
@@ -235,7 +247,7 @@ static void measure_range(void *user, sn_index begin, sn_index end, sn_index chu
     d->chunk_nearest[chunk] = nearest;
 }
 
-static double measure(detection *d, const sn_bone_search *search, sn_index bone, double reach) {
+double attach_measure(detection *d, const sn_bone_search *search, sn_index bone, double reach) {
     bone_distances m = {.d = d, .bone = bone, .reach = reach, .search = search};
     sn_index vertices = d->muscle->mesh.vertex_count;
     double nearest = INFINITY;
@@ -246,10 +258,9 @@ static double measure(detection *d, const sn_bone_search *search, sn_index bone,
 
 /* ---- one bone: what it holds ------------------------------------------------------------------------------------------------------ */
 
-/* Bones with areas, and all bones where only pins and areas count, hold nothing by distance. */
-static bool holds_by_distance(const detection *d, sn_index bone) { return d->params->methods != 0 && !d->has_area[bone]; }
-
-static bool asks_pair_rule(const detection *d, sn_index bone) { return d->params->bones[bone].if_nearby && holds_by_distance(d, bone); }
+static bool asks_pair_rule(const detection *d, sn_index bone) {
+    return d->params->bones[bone].if_nearby && attach_holds_by_distance(d, bone);
+}
 
 /* How far from a bone anything is looked for. */
 static double bone_reach(const detection *d, sn_index bone) {
@@ -259,12 +270,12 @@ static double bone_reach(const detection *d, sn_index bone) {
 /* A free vertex, or one that a farther bone holds. */
 static void offer(detection *d, sn_index v, sn_index bone, sn_attach_reason reason) {
     double distance = d->candidate[v];
-    if (is_given(d, v)) return;
+    if (attach_is_given(d, v)) return;
     if (d->holder_of[v] == SN_NONE) {
-        hold(d, v, bone, distance, reason);
+        attach_hold(d, v, bone, distance, reason);
     } else if (distance < d->distance[v]) {
         d->runner_up[v] = d->distance[v];
-        hold(d, v, bone, distance, reason);
+        attach_hold(d, v, bone, distance, reason);
     } else {
         d->runner_up[v] = fmin(d->runner_up[v], distance);
     }
@@ -305,7 +316,7 @@ static sn_status make_voxels(const detection *d, const sn_mesh *bone, sn_voxels 
 
 static sn_status hold_bone(detection *d, const sn_bone_search *search, const sn_attach_pair *pair, sn_error *error) {
     sn_voxels voxels = {0};
-    if (!holds_by_distance(d, pair->bone)) return SN_OK;
+    if (!attach_holds_by_distance(d, pair->bone)) return SN_OK;
     if (d->params->voxels > 0 && (d->params->methods & SN_ATTACH_CONTACT)) {
         sn_status status = make_voxels(d, search->bone, &voxels, error);
         if (status != SN_OK) return status;
@@ -344,14 +355,14 @@ static sn_status search_bone(detection *d, sn_pool *pool, sn_attach_pair *pair, 
     sn_status status = sn_surface_create(bone->mesh, &surface, &reason);
     if (status != SN_OK) return sn_fail(error, status, "bone \"%s\": %s", bone->name, reason.text);
     sn_bone_search search = {.muscle = &d->muscle->mesh, .bone = bone->mesh, .surface = surface, .box = box, .pool = pool};
-    pair->nearest = measure(d, &search, pair->bone, bone_reach(d, pair->bone));
+    pair->nearest = attach_measure(d, &search, pair->bone, bone_reach(d, pair->bone));
     status = judge(d, &search, pair, error);
     if (status == SN_OK && pair->nearby) status = hold_bone(d, &search, pair, error);
     sn_surface_destroy(surface);
     return status;
 }
 
-static bool holds_any(const detection *d, sn_index holder) {
+bool attach_holds_any(const detection *d, sn_index holder) {
     for (sn_index v = 0; v < d->muscle->mesh.vertex_count; v++) {
         if (d->holder_of[v] == holder) return true;
     }
@@ -362,12 +373,12 @@ static bool holds_any(const detection *d, sn_index holder) {
 static sn_status try_bone(detection *d, sn_pool *pool, sn_index bone, sn_attach_pair *pair, sn_error *error) {
     sn_box box = sn_mesh_box(d->params->bones[bone].mesh);
     *pair = (sn_attach_pair){.bone = bone, .nearest = sn_box_gap(d->box, box), .area_share = NAN, .position = NAN, .girth = NAN};
-    pair->culled = pair->nearest > bone_reach(d, bone) && !holds_any(d, bone);
+    pair->culled = pair->nearest > bone_reach(d, bone) && !attach_holds_any(d, bone);
     return pair->culled ? SN_OK : search_bone(d, pool, pair, box, error);
 }
 
 static bool trace_bone(const detection *d, const sn_attach_pair *pair) {
-    sn_index count = sn_trace_wanted(d->trace) ? held_vertices(d, pair->bone, d->list) : 0;
+    sn_index count = sn_trace_wanted(d->trace) ? attach_held(d, pair->bone, d->list) : 0;
     return SN_TRACE(d->trace, "bone", sn_trace_text("bone", d->params->bones[pair->bone].name), sn_trace_number("culled", pair->culled),
                     sn_trace_number("nearest", pair->nearest), sn_trace_indices("vertices", d->list, count));
 }
@@ -386,93 +397,6 @@ static sn_status try_bones(detection *d, sn_error *error) {
         if (status == SN_OK && trace_bone(d, &d->report->pairs[b])) status = SN_STOPPED;
     }
     sn_pool_destroy(pool);
-    return status;
-}
-
-/* ---- tendons that slide ---------------------------------------------------------------------------------------------------------- */
-
-enum { SLICES = 20 };
-
-/* The muscle from tip to tip. */
-typedef struct profile {
-    double *along;        /* (vertex_count) 0 at one tip, 1 at the other; NaN on other components */
-    double girth[SLICES]; /* surface area of each twentieth, relative to the largest */
-} profile;
-
-static int slice_of(double along) { return (int)fmin(along * SLICES, SLICES - 1); }
-
-static sn_status find_along(const detection *d, double *along, sn_error *error) {
-    const sn_mesh *mesh = &d->muscle->mesh;
-    surface_survey survey;
-    tips ends;
-    double *other = SN_NEW(double, mesh->vertex_count);
-    sn_status status = other != NULL ? survey_surface(mesh, &d->topology, &survey, error) : sn_fail_memory(error, "attachments");
-    if (status == SN_OK) status = find_tips(mesh, &d->topology, survey.main_vertex, NULL, &ends, error);
-    if (status == SN_OK) status = sn_edge_distance(mesh, &d->topology, 1, &ends.end[0], along, error);
-    if (status == SN_OK) status = sn_edge_distance(mesh, &d->topology, 1, &ends.end[1], other, error);
-    for (sn_index v = 0; v < mesh->vertex_count && status == SN_OK; v++) along[v] = along[v] / (along[v] + other[v]);
-    free(other);
-    return status;
-}
-
-static void measure_girth(const detection *d, profile *p) {
-    const sn_mesh *mesh = &d->muscle->mesh;
-    double largest = 0.0;
-    for (sn_index t = 0; t < mesh->triangle_count; t++) {
-        const sn_index *v = mesh->triangles[t].v;
-        double area = sn_norm(sn_area_vector(mesh->positions[v[0]], mesh->positions[v[1]], mesh->positions[v[2]]));
-        for (int k = 0; k < 3; k++)
-            if (!isnan(p->along[v[k]])) p->girth[slice_of(p->along[v[k]])] += area;
-    }
-    for (int i = 0; i < SLICES; i++) largest = fmax(largest, p->girth[i]);
-    for (int i = 0; i < SLICES && largest > 0.0; i++) p->girth[i] /= largest;
-}
-
-static void place_pair(const detection *d, const profile *p, sn_attach_pair *pair) {
-    double position = 0.0, girth = 0.0;
-    sn_index count = held_vertices(d, pair->bone, d->list), placed = 0;
-    for (sn_index i = 0; i < count; i++) {
-        double along = p->along[d->list[i]];
-        if (isnan(along)) continue;
-        position += along;
-        girth += p->girth[slice_of(along)];
-        placed++;
-    }
-    if (placed == 0) return;
-    pair->position = position / placed;
-    pair->girth = girth / placed;
-}
-
-static bool was_given(const detection *d, sn_index bone) {
-    for (sn_index v = 0; v < d->muscle->mesh.vertex_count; v++)
-        if (d->holder_of[v] == bone && is_given(d, v)) return true;
-    return false;
-}
-
-/* A tendon slides over what lies on its way: where the muscle is less than a fifth as thick as its belly, with bones that hold it nearer
- * to both tips. On the dog three of four such pairs are no attachments, where one of five is in all. */
-static bool looks_sliding(const detection *d, const sn_attach_pair *pair) {
-    bool before = false, behind = false;
-    for (sn_index p = 0; p < d->report->pair_count; p++) {
-        before = before || d->report->pairs[p].position < pair->position - 0.05;
-        behind = behind || d->report->pairs[p].position > pair->position + 0.05;
-    }
-    return pair->girth < 0.2 && before && behind && !was_given(d, pair->bone);
-}
-
-static sn_status find_sliding(detection *d, sn_error *error) {
-    sn_attach_report *r = d->report;
-    profile p = {.along = SN_NEW(double, d->muscle->mesh.vertex_count)};
-    bool any = false;
-    for (sn_index i = 0; i < r->pair_count; i++) any = any || holds_any(d, r->pairs[i].bone);
-    sn_status status = p.along != NULL ? SN_OK : sn_fail_memory(error, "attachments");
-    if (status == SN_OK && any) status = find_along(d, p.along, error);
-    if (status == SN_OK && any) {
-        measure_girth(d, &p);
-        for (sn_index i = 0; i < r->pair_count; i++) place_pair(d, &p, &r->pairs[i]);
-        for (sn_index i = 0; i < r->pair_count; i++) r->pairs[i].sliding = looks_sliding(d, &r->pairs[i]);
-    }
-    free(p.along);
     return status;
 }
 
@@ -500,20 +424,30 @@ static void fill_distances(const detection *d, sn_attachment *a) {
     }
 }
 
+/* A vertex that no rule found by its own distance. */
+static bool is_guess(const detection *d, sn_index v) {
+    sn_index holder = d->holder_of[v];
+    if (d->reason[v] == SN_REASON_FILLED) return true;
+    return d->reason[v] == SN_REASON_NEAREST && holder < d->report->pair_count && d->report->pairs[holder].tip;
+}
+
 /* How sure it is that a vertex moves with its bone. Given by the user: 1. In the bone: 0.5 on its surface to 1 at a depth of the pair
  * distance. Near it: 0.5 on the surface to 0 at the reach. Times 0.5 where another bone is as near, up to 1 where that one is farther by
- * the pair distance. Times 0.5 where the pair looks like a sliding tendon. */
+ * the pair distance. Filled, or at a tip that touches nothing: a quarter at most. Times 0.5 where the pair looks like a sliding tendon and
+ * is kept. */
 static double confidence_of(const detection *d, sn_index v, bool sliding) {
     double scale = fmax(d->pair_distance, 1e-300), distance = d->distance[v];
-    if (is_given(d, v)) return 1.0;
+    if (attach_is_given(d, v)) return 1.0;
     double reach = fmax(d->reason[v] == SN_REASON_PROXIMITY ? d->reach : scale, distance);
     double depth = distance <= 0.0 ? 0.5 + 0.5 * fmin(1.0, -distance / scale) : 0.5 * (1.0 - distance / reach);
+    if (is_guess(d, v)) depth = fmax(0.05, fmin(0.25, depth));
     double margin = 0.5 + 0.5 * fmin(1.0, (d->runner_up[v] - distance) / scale);
     return depth * margin * (sliding ? 0.5 : 1.0);
 }
 
 static bool is_sliding(const detection *d, sn_index holder) {
-    return holder < d->report->pair_count && d->report->pairs[holder].sliding; /* the pairs are in the order of the bones */
+    return d->params->raw && holder < d->report->pair_count &&
+           d->report->pairs[holder].sliding; /* the pairs are in the order of the bones */
 }
 
 static sn_status fill_attachment(const detection *d, sn_index holder, sn_index count, sn_attachment *out, sn_error *error) {
@@ -527,7 +461,7 @@ static sn_status fill_attachment(const detection *d, sn_index holder, sn_index c
     out->confidence = SN_NEW(double, count);
     if (!out->bone || !out->method || !out->vertices || !out->distances || !out->reasons || !out->confidence)
         return sn_fail_memory(error, "attachments");
-    out->count = held_vertices(d, holder, out->vertices);
+    out->count = attach_held(d, holder, out->vertices);
     for (sn_index i = 0; i < count; i++) {
         out->reasons[i] = d->reason[out->vertices[i]];
         out->confidence[i] = confidence_of(d, out->vertices[i], is_sliding(d, holder));
@@ -561,6 +495,17 @@ static sn_status collect(const detection *d, sn_attachment_list *out, sn_error *
     return SN_OK;
 }
 
+/* What distance alone cannot tell: areas instead of speckles, what slides, and tips that touch nothing. */
+static sn_status judge_holds(detection *d, sn_error *error) {
+    bool any = false, raw = d->params->raw, both = d->params->methods == (SN_ATTACH_CONTACT | SN_ATTACH_PROXIMITY);
+    for (sn_index i = 0; i < d->report->pair_count; i++) any = any || attach_holds_any(d, d->report->pairs[i].bone);
+    sn_status status = any ? attach_find_along(d, error) : SN_OK;
+    if (status == SN_OK && any && !raw) status = attach_make_patches(d, error);
+    if (status == SN_OK && any) status = attach_find_sliding(d, !raw, error);
+    if (status == SN_OK && any && !raw && both) status = attach_take_tips(d, error);
+    return status;
+}
+
 sn_status sn_attach_detect(const sn_muscle *muscle, const sn_attach_params *params, sn_trace *trace, sn_attachment_list *out,
                            sn_attach_report *report, sn_error *error) {
     *out = (sn_attachment_list){0};
@@ -570,7 +515,7 @@ sn_status sn_attach_detect(const sn_muscle *muscle, const sn_attach_params *para
     for (sn_index p = 0; p < params->pin_count && status == SN_OK; p++) status = apply_pin(&d, &params->pins[p], error);
     if (status == SN_OK) status = apply_areas(&d, error);
     if (status == SN_OK) status = try_bones(&d, error);
-    if (status == SN_OK) status = find_sliding(&d, error);
+    if (status == SN_OK) status = judge_holds(&d, error);
     bool stopped = status == SN_STOPPED;
     if (status == SN_OK || stopped) status = collect(&d, out, error);
     tear_down(&d);

@@ -4,6 +4,7 @@
  * The landmarks are projected on the muscle and joined, in their order, by geodesic paths. The paths run between the vertices, never
  * through one, so the closed boundary parts the vertices in two: walking from vertex to vertex, every crossing changes the side. The
  * patch is the smaller side. Where the boundary crosses itself the landmarks are put into the order of the shortest tour first.
+ * Landmarks in a row are joined from the first to the last; their patch is a band (attach_line.c).
  */
 #include "attach.h"
 
@@ -24,6 +25,7 @@ typedef struct outline {
     sn_index *order;       /* (area->count) of the landmarks along the boundary */
     sn_surface_path *path; /* (area->count) from landmark order[i] to the one after it */
     sn_index walked;       /* paths done */
+    bool line;             /* no path from the last landmark to the first */
     char name[160];        /* for messages */
 } outline;
 
@@ -57,18 +59,23 @@ static void move_inside(const sn_mesh *mesh, sn_closest *c) {
     }
 }
 
-static sn_status project(outline *o, double *farthest, sn_error *error) {
-    double reach = o->ground->reach, mm = 1e3 * o->ground->muscle->meters_per_unit;
+/* The landmarks' feet on the muscle; says which is farthest, and whether that is too far. */
+static sn_status find_feet(outline *o, sn_attach_area *report, sn_error *error) {
     for (sn_index i = 0; i < o->area->count; i++) {
         if (!sn_finite3(o->area->landmarks[i])) return sn_fail(error, SN_ERROR_INPUT, "%s: landmark %d is not finite", o->name, (int)i + 1);
+        o->landmark[i] = sn_surface_closest(o->ground->surface, o->area->landmarks[i], INFINITY);
+        if (o->landmark[i].triangle == SN_NONE) return sn_fail(error, SN_ERROR_INPUT, "%s: the muscle has no surface", o->name);
+        if (i > 0 && !(o->landmark[i].distance > report->farthest)) continue;
+        report->farthest = o->landmark[i].distance;
+        report->far = i;
+    }
+    report->left_out = report->farthest > o->ground->reach;
+    return SN_OK;
+}
+
+static sn_status project(outline *o) {
+    for (sn_index i = 0; i < o->area->count; i++) {
         sn_closest *c = &o->landmark[i];
-        *c = sn_surface_closest(o->ground->surface, o->area->landmarks[i], INFINITY);
-        if (c->triangle == SN_NONE || c->distance > reach)
-            return sn_fail(error, SN_ERROR_INPUT,
-                           "%s: landmark %d lies %.3g mm off the muscle, and the limit is %.3g mm; check its unit, or raise the limit with "
-                           "--landmark-distance",
-                           o->name, (int)i + 1, c->distance * mm, reach * mm);
-        *farthest = fmax(*farthest, c->distance);
         double distance = c->distance;
         move_inside(mesh_of(o), c);
         o->order[i] = i;
@@ -80,6 +87,23 @@ static sn_status project(outline *o, double *farthest, sn_error *error) {
             return SN_STOPPED;
     }
     return SN_OK;
+}
+
+/* ---- boundary or line? ------------------------------------------------------------------------------------------------ */
+
+static double mean_distance(const outline *o) {
+    double sum = 0.0;
+    for (sn_index i = 0; i < o->area->count; i++) sum += o->landmark[i].distance;
+    return sum / o->area->count;
+}
+
+static void choose_kind(outline *o, sn_attach_area *report) {
+    sn_landmark_walk walk;
+    bool in_line = sn_landmarks_in_line(o->area, &walk), automatic = o->ground->kind == SN_AREA_AUTO;
+    o->line = report->line = automatic ? in_line : o->ground->kind == SN_AREA_LINE;
+    bool bends = walk.closing<0.8 * walk.length, gapes = o->area->count> 3 && walk.closing > 2.0 * walk.longest;
+    report->doubtful = automatic && (in_line ? bends && gapes : gapes);
+    if (o->line) report->width = o->ground->line_width >= 0.0 ? o->ground->line_width : mean_distance(o);
 }
 
 /* ---- the boundary ----------------------------------------------------------------------------------------------------- */
@@ -114,14 +138,13 @@ static sn_status trace_path(const outline *o, sn_index i, sn_error *error) {
 static sn_status walk(outline *o, sn_error *error) {
     forget_paths(o);
     sn_index count = o->area->count;
-    for (sn_index i = 0; i < count; i++) {
+    for (sn_index i = 0; i < (o->line ? count - 1 : count); i++) {
         sn_index a = o->order[i], b = o->order[(i + 1) % count];
         sn_error reason = {0};
         sn_status status = sn_path_find(o->ground->finder, &o->landmark[a], &o->landmark[b], i, &o->path[i], &reason);
         if (status == SN_ERROR_INPUT)
-            return sn_fail(error, status,
-                           "%s: its boundary does not close: landmarks %d and %d lie on parts of the muscle that are not connected",
-                           o->name, (int)a + 1, (int)b + 1);
+            return sn_fail(error, status, "%s: its %s: landmarks %d and %d lie on parts of the muscle that are not connected", o->name,
+                           o->line ? "line breaks" : "boundary does not close", (int)a + 1, (int)b + 1);
         if (status != SN_OK) return sn_fail(error, status, "%s", reason.text);
         o->walked = i + 1;
         if ((status = trace_path(o, i, error)) != SN_OK) return status;
@@ -283,8 +306,9 @@ static sn_status reorder(outline *o, sn_error *error) {
 static sn_status close_boundary(outline *o, bool *reordered, sn_error *error) {
     sn_index crossing[2];
     bool crosses = false;
-    *reordered = false;
+    *reordered = o->line && sn_line_order(o->area, o->order);
     sn_status status = walk(o, error);
+    if (o->line) return status;
     if (status == SN_OK) status = find_crossing(o, &crosses, crossing, error);
     if (status != SN_OK || !crosses) return status;
     *reordered = true;
@@ -391,22 +415,39 @@ static sn_status trace_patch(const outline *o, sn_attach_area *report, sn_error 
     return stop ? SN_STOPPED : SN_OK;
 }
 
+static sn_status fill_band(const outline *o, sn_attach_area *report, sn_error *error) {
+    sn_line line = {.count = o->walked, .paths = o->path, .width = report->width};
+    double area = 0.0;
+    sn_status status = sn_line_band(o->ground, &line, o->inside, &area, error);
+    report->area_share = o->ground->total_area > 0.0 ? area / o->ground->total_area : 0.0;
+    report->mean_width = report->boundary > 0.0 ? area / report->boundary : 0.0;
+    report->coarse = report->width > 0.0 && report->mean_width > 2.0 * report->width;
+    return status;
+}
+
 static sn_status draw(outline *o, sn_attach_area *report, sn_error *error) {
-    sn_status status = project(o, &report->farthest, error);
+    sn_status status = find_feet(o, report, error);
+    if (status != SN_OK || report->left_out) return status;
+    choose_kind(o, report);
+    status = project(o);
     if (status == SN_OK) status = close_boundary(o, &report->reordered, error);
     for (sn_index i = 0; i < o->walked; i++) report->boundary += o->path[i].length;
     if (status == SN_STOPPED) show_unfinished(o);
-    if (status == SN_OK) status = fill(o, report, error);
+    if (status == SN_OK) status = o->line ? fill_band(o, report, error) : fill(o, report, error);
     return status == SN_OK ? trace_patch(o, report, error) : status;
 }
+
+const char *const sn_area_kind_names[] = {"auto", "boundary", "line", NULL};
 
 sn_status sn_area_patch(const sn_area_ground *ground, const sn_landmark_area *area, sn_trace *trace, bool *inside, sn_attach_area *report,
                         sn_error *error) {
     outline o = {.ground = ground, .area = area, .trace = trace, .inside = inside};
     give_name(&o);
     memset(inside, 0, (size_t)ground->muscle->mesh.vertex_count * sizeof *inside);
-    if (area->count < 3)
-        return sn_fail(error, SN_ERROR_INPUT, "%s has %d landmarks; a boundary needs at least 3", o.name, (int)area->count);
+    int least = ground->kind == SN_AREA_BOUNDARY ? 3 : 2;
+    if (area->count < least)
+        return sn_fail(error, SN_ERROR_INPUT, "%s has %d landmark%s; a boundary needs at least 3, a line 2", o.name, (int)area->count,
+                       area->count == 1 ? "" : "s");
     if (area->count > MOST_LANDMARKS)
         return sn_fail(error, SN_ERROR_INPUT, "%s has %d landmarks; %d are the most", o.name, (int)area->count, MOST_LANDMARKS);
     o.landmark = SN_NEW(sn_closest, area->count);

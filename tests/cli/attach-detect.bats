@@ -71,8 +71,10 @@ vertices() { tr -d ' \n' | grep -o "\"bone\":\"$1\",\"vertices\":\[[0-9,]*\]" | 
     attach -q $bones --report report.json strip.off -o out.json
     tr -d ' \n' < report.json > report
     grep -q '"attached":8,' report
-    grep -q '{"bone":"left","vertices":4,"nearest":-1,"culled":false,"nearby":true,"position":0.[0-9]*,"girth":[0-9.]*,"looksSliding":false}' report
-    grep -q '{"bone":"right","vertices":4,"nearest":-1,"culled":false,"nearby":true,"position":0.[0-9]*,"girth":[0-9.]*,"looksSliding":false}' report
+    grep -q '{"bone":"left","vertices":4,"nearest":-1,"culled":false,"nearby":true,"position":0.[0-9]*,"girth":[0-9.]*,"looksSliding":false,"tip":false,"slid":{"vertices":0,"area":0},"piecesBefore":1,"pieces":1,"holesBefore":0,"holes":0,"filled":{"vertices":0,"area":0},"dropped":{"vertices":0,"area":0},"moved":{"vertices":0,"area":0}}' report
+    grep -q '{"bone":"right","vertices":4,"nearest":-1,"culled":false,"nearby":true,"position":0.[0-9]*,"girth":[0-9.]*,"looksSliding":false,"tip":false' report
+    attach -q --raw $bones --report raw.json strip.off -o out.json
+    tr -d ' \n' < raw.json | grep -q '"looksSliding":false}'
     grep -q '{"bone":"moon","vertices":0,"nearest":990,"culled":true}' report
 }
 
@@ -223,8 +225,11 @@ ring() { # BONE AREA X0 X1 Y0 Y1 [ORDER]
 @test "impossible areas are refused in one sentence" {
     sheet
     head -n 2 < <(ring ulna insertion 2.5 5.5 2.5 4.5) > two.tsv
-    run -1 attach -q --landmarks two.tsv sheet.off
+    run -1 attach -q --area-kind boundary --landmarks two.tsv sheet.off
     [[ "$output" == *'area "insertion" on bone "ulna" has 2 landmarks; a boundary needs at least 3'* ]]
+    head -n 1 two.tsv > one.tsv
+    run -1 attach -q --landmarks one.tsv sheet.off
+    [[ "$output" == *'area "insertion" on bone "ulna" has 1 landmark; a boundary needs at least 3, a line 2'* ]]
     ring ulna insertion 2.5 55 2.5 4.5 > far.tsv
     run -1 attach -q --landmarks far.tsv sheet.off
     [[ "$output" == *'landmark 2 lies 2.5e+04 mm off the muscle, and the limit is 10 mm'* ]]
@@ -243,6 +248,56 @@ ring() { # BONE AREA X0 X1 Y0 Y1 [ORDER]
     [[ "$output" == *'areas[0].bone'* ]]
     run -2 attach --method area sheet.off --bone left.off
     run -2 attach --method none --landmarks a.tsv sheet.off
+}
+
+@test "landmarks in a row are a line; --area-kind and --line-width; its band in the report" {
+    sheet
+    for x in 5 8 11 14 17; do printf 'femur\tlinea\t%s.5\t10.5\t0.001\n' $x; done > row.tsv
+    attach -v --landmarks row.tsv --report r.json sheet.off -o a.json 2> err
+    grep -q 'area linea: a line 1.2e+04 mm long' err
+    grep -q '"kind": "line"' r.json
+    [ "$(grep -c 'encloses no vertex' err)" -eq 0 ]
+    grep -q 'area linea: it is a line 1 mm wide, and its band is .* mm wide on average: the mesh is coarser' err
+    attach -q --landmarks row.tsv --line-width 4m sheet.off -o wide.json
+    [ "$(vertices femur < wide.json | tr ',' '\n' | wc -l)" -ge 52 ] # rows 9 to 12, columns 5 to 17 and what is beyond the ends
+    [ "$(vertices femur < a.json | tr ',' '\n' | wc -l)" -lt 40 ]
+    attach --landmarks row.tsv --area-kind boundary sheet.off -o b.json 2> err
+    grep -q 'area linea: its boundary encloses no vertex' err
+    head -n 2 row.tsv > two.tsv
+    attach -q --landmarks two.tsv sheet.off -o two.json
+    [ "$(vertices femur < two.json | tr ',' '\n' | wc -l)" -ge 8 ]
+    run -2 attach --line-width 4m --pin a=indices:1 sheet.off
+    run -2 attach --area-kind line --pin a=indices:1 sheet.off
+    run -2 attach --area-kind boundary --line-width 4m --landmarks row.tsv sheet.off
+    run -2 attach --area-kind curve --landmarks row.tsv sheet.off
+}
+
+@test "an area far off is left out with a warning, and the rest is done, status 3" {
+    sheet
+    { ring ulna insertion 2.5 5.5 2.5 4.5; ring femur origin 2.5 55 2.5 4.5; } > two.tsv
+    run -3 --separate-stderr attach --landmarks two.tsv --report r.json sheet.off -o a.json
+    [[ "$stderr" == *'area origin on bone femur is left out, and the bone holds nothing by it: landmark 2 lies 2.5e+04 mm off the muscle'* ]]
+    [ "$(vertices ulna < a.json)" = "[96,97,98,127,128,129]" ]
+    [ -z "$(vertices femur < a.json)" ]
+    grep -q '"leftOut": true' r.json
+}
+
+# A bone under the sheet that touches it at all vertices with x <= 12 but for a hole, and at a crumb.
+@test "holes are filled and crumbs dropped, and told; --raw keeps what the rules found" {
+    sheet
+    box -2 40 | awk 'NR > 2 && NF == 3 { print $1, $2 * 20, $3 < 0 ? -9 : 0; next } { print }' > bed.off
+    awk 'NR > 2 && NF == 3 { v = NR - 3; x = v % 31; y = int(v / 31); $3 = x <= 12 && !(x == 6 && y == 8) || x == 25 && y == 10 ? 0 : 0.3 } { print }' sheet.off > lifted.off
+    attach -q --raw --bone bed.off lifted.off -o raw.json
+    attach -v --bone bed.off --report r.json lifted.off -o new.json 2> err
+    grep -q 'bed: 2 pieces with 1 holes became 1 with 0: 1 vertices (1.06e+06 mm2) filled, 1 (1.06e+06 mm2) dropped, ' err
+    tr -d ' \n' < r.json | grep -q '"piecesBefore":2,"pieces":1,"holesBefore":1,"holes":0,"filled":{"vertices":1,"area":1'
+    [ "$(vertices bed < raw.json | tr ',' '\n' | wc -l)" -eq 273 ]
+    vertices bed < new.json | grep -q ',254,' # the hole
+    [ "$(vertices bed < raw.json | grep -c ',254,')" -eq 0 ]
+    [ "$(vertices bed < new.json | grep -c '335')" -eq 0 ] # the crumb
+    grep -q '+filled"' new.json
+    "$BIN/rig-view" --size 120x90 raw.json new.json -o both.png # reason 7 is known
+    run -2 attach --raw --method none --pin a=indices:1 sheet.off
 }
 
 @test "every step of an area can be traced and stopped at, and drawn" {

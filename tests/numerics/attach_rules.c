@@ -192,17 +192,18 @@ static const rule rules[] = {
 };
 
 typedef struct counts {
-    int found, both, warned, warned_false;
+    int found, both, warned, warned_false, tips, tips_false;
 } counts;
 
 static void count_pairs(const dog *d, size_t m, const rule *r, const sn_attach_report *report, counts *n) {
     for (sn_index p = 0; p < report->pair_count; p++) {
         const sn_attach_pair *pair = &report->pairs[p];
-        if (pair->vertices == 0) continue;
         bool good = d->is_true[m * d->bones.count + (size_t)pair->bone];
+        if (pair->tip) n->tips++, n->tips_false += !good;
+        if (pair->vertices == 0 && !pair->sliding) continue;
         n->warned += pair->sliding;
         n->warned_false += pair->sliding && !good;
-        if (r->drop_sliding && pair->sliding) continue;
+        if (pair->vertices == 0 || (r->drop_sliding && pair->sliding)) continue;
         n->found++;
         n->both += good;
     }
@@ -216,6 +217,7 @@ static void try_rule(const char *data, const dog *d, const rule *r) {
     for (size_t m = 0; m < d->muscles.count; m++) {
         if (!d->known[m]) continue;
         sn_muscle muscle = {.meters_per_unit = 1.0, .mesh = load(data, "dog-dmcontrol", d->muscles.items[m])};
+
         sn_attach_params params = sn_attach_defaults();
         sn_attach_report report;
         sn_attachment_list found;
@@ -234,6 +236,7 @@ static void try_rule(const char *data, const dog *d, const rule *r) {
     free(bones);
     double precision = (double)n.both / n.found, recall = (double)n.both / d->true_pairs;
     printf("pairs, %s: true %d, found %d, both %d\n", r->name, d->true_pairs, n.found, n.both);
+    printf("  tips taken: %d, %d of them not true\n", n.tips, n.tips_false);
     print_row("  precision", precision, NAN, NAN);
     print_row("  recall", recall, NAN, NAN);
     print_row("  F1", 2.0 * precision * recall / (precision + recall), r->reach, r->beat);
@@ -245,6 +248,94 @@ static void try_pairs(const char *data, bool all) {
     dog d = load_dog(data);
     for (size_t i = 0; i < (all ? sizeof rules / sizeof *rules : 1); i++) try_rule(data, &d, &rules[i]);
     free_dog(&d);
+}
+
+/* ---- how compact what bones hold is ------------------------------------------------------------------------------------- */
+
+typedef struct compactness {
+    int holds, pieces, slight, speckled; /* bones that hold, their connected pieces, grips that sn_grip_judge finds bad */
+    int holes, filled, dropped, moved, slid, tips, vertices;
+} compactness;
+
+static void count_grips(sn_muscle *muscle, compactness *c) {
+    sn_grip *grips = SN_NEW(sn_grip, muscle->attachment_count);
+    sn_error error = {0};
+    if (grips == NULL || sn_muscle_grips(muscle, grips, &error) != SN_OK) die(error.text);
+    for (sn_index i = 0; i < muscle->attachment_count; i++) {
+        c->holds++;
+        c->pieces += grips[i].patches;
+        c->slight += sn_grip_judge(&muscle->attachments[i], &grips[i]) == SN_GRIP_SLIGHT;
+        c->speckled += sn_grip_judge(&muscle->attachments[i], &grips[i]) == SN_GRIP_SPECKLED;
+        c->vertices += muscle->attachments[i].count;
+    }
+    free(grips);
+}
+
+static void count_changes(const sn_attach_report *report, compactness *before, compactness *after) {
+    for (sn_index i = 0; i < report->pair_count; i++) {
+        const sn_attach_pair *pair = &report->pairs[i];
+        before->holes += pair->patch.holes_before;
+        after->holes += pair->patch.holes;
+        after->filled += pair->patch.filled.vertices;
+        after->dropped += pair->patch.dropped.vertices;
+        after->moved += pair->patch.moved.vertices;
+        after->slid += pair->slid.vertices;
+        after->tips += pair->tip;
+    }
+}
+
+static void try_compactness_of(const char *data, const char *set, const char *file, sn_attach_params *params, compactness tally[2]) {
+    double meters_per_unit = strcmp(set, "leg-vhf") == 0 ? 0.001 : 1.0;
+    for (int smooth = 0; smooth < 2; smooth++) {
+        sn_muscle muscle = {.meters_per_unit = meters_per_unit, .mesh = load(data, set, file)};
+        sn_attachment_list found;
+        sn_attach_report report;
+        sn_error error = {0};
+        params->raw = !smooth;
+        if (sn_attach_detect(&muscle, params, NULL, &found, &report, &error) != SN_OK) die(error.text);
+        muscle.attachment_count = found.count;
+        muscle.attachments = found.items;
+        count_grips(&muscle, &tally[smooth]);
+        if (smooth) count_changes(&report, &tally[0], &tally[1]);
+        sn_attach_report_free(&report);
+        sn_muscle_free(&muscle);
+    }
+}
+
+static void print_compactness(const char *set, const compactness tally[2]) {
+    for (int smooth = 0; smooth < 2; smooth++) {
+        const compactness *c = &tally[smooth];
+        printf("%s, %s: %d bones hold %d vertices in %d pieces (%.2f a bone) with %d holes; %d slight, %d speckled\n", set,
+               smooth ? "patches" : "raw", c->holds, c->vertices, c->pieces, (double)c->pieces / c->holds, c->holes, c->slight,
+               c->speckled);
+    }
+    const compactness *c = &tally[1];
+    printf("  %d vertices filled, %d dropped, %d moved at borders, %d let go as they slide; %d tips taken\n", c->filled, c->dropped,
+           c->moved, c->slid, c->tips);
+    verdict((double)tally[1].pieces / tally[1].holds < (double)tally[0].pieces / tally[0].holds);
+    verdict(tally[1].holes <= tally[0].holes && tally[1].speckled <= tally[0].speckled);
+}
+
+static void try_compactness(const char *data, const char *set, int stride) {
+    names muscles = list_files(data, set, "muscle"), bone_files = list_files(data, set, "bone");
+    sn_mesh *meshes = SN_NEW(sn_mesh, bone_files.count);
+    sn_attach_bone *bones = SN_NEW(sn_attach_bone, bone_files.count);
+    sn_attach_params params = sn_attach_defaults();
+    compactness tally[2] = {{0}, {0}};
+    if (meshes == NULL || bones == NULL) die("out of memory");
+    for (size_t b = 0; b < bone_files.count; b++) {
+        meshes[b] = load(data, set, bone_files.items[b]);
+        bones[b] = (sn_attach_bone){bone_files.items[b], &meshes[b], true};
+    }
+    params.bone_count = (sn_index)bone_files.count;
+    params.bones = bones;
+    for (size_t m = 0; m < muscles.count; m += (size_t)stride) try_compactness_of(data, set, muscles.items[m], &params, tally);
+    print_compactness(set, tally);
+    for (size_t b = 0; b < bone_files.count; b++) sn_mesh_free(&meshes[b]);
+    free(meshes);
+    free(bones);
+    free_names(&muscles);
+    free_names(&bone_files);
 }
 
 /* ---- areas: a known patch --------------------------------------------------------------------------------------------- */
@@ -564,6 +655,8 @@ int main(int argc, char **argv) {
     }
     printf("row\tvalue\treach\tbeat\n");
     try_pairs(data, all);
+    try_compactness(data, "leg-vhf", all ? 1 : 4);
+    try_compactness(data, "dog-dmcontrol", all ? 1 : 8);
     try_areas_of(data, "leg-vhf", 0.001, all ? 1 : 4);
     try_areas_of(data, "dog-dmcontrol", 1.0, all ? 1 : 8);
     printf("%d passed, %d failed\n", passed, failed);

@@ -169,11 +169,190 @@ static void a_patch_without_vertices_takes_the_nearest(void **state) {
     assert_int_equal(f->attachments.items[0].vertices[0], 5 * 31 + 5);
 }
 
+/* ---- lines ---------------------------------------------------------------------------------------------------------------------- */
+
+/* The same 30 x 20 mm of sheet, its vertices so far apart. */
+static void set_spacing(fixture *f, double spacing) {
+    sn_mesh_free(&f->muscle.mesh);
+    f->muscle.mesh = sheet((sn_index)(30 / spacing), (sn_index)(20 / spacing));
+    for (sn_index v = 0; v < f->muscle.mesh.vertex_count; v++) f->muscle.mesh.positions[v] = sn_scale(f->muscle.mesh.positions[v], spacing);
+}
+
+typedef sn_vec3 curve(double t);
+static sn_vec3 across(double t) { return sn_v3(4.3 + 21.1 * t, 12.2 - 6.3 * t, 0); }
+static sn_vec3 along_edge(double t) { return sn_v3(3.1 + 24.2 * t, 0.1, 0); }
+static sn_vec3 bent(double t) { return sn_v3(15 + 9.1 * cos(SN_PI * (0.1 + 0.7 * t)), 6 + 9.1 * sin(SN_PI * (0.1 + 0.7 * t)), 0); }
+
+static sn_vec3 half_round(double t) { return sn_v3(15 + 9.1 * cos(SN_PI * (0.05 + 0.9 * t)), 6 + 9.1 * sin(SN_PI * (0.05 + 0.9 * t)), 0); }
+
+static double distance_to_curve(curve *line, sn_vec3 p) {
+    double least = INFINITY;
+    for (int i = 0; i <= 400; i++) least = fmin(least, sn_distance(line(i / 400.0), p));
+    return least;
+}
+
+/* The band holds what lies within half its width, and nothing farther than that and the triangles that the line runs through. */
+static void assert_band(const fixture *f, curve *line, double width, double slack) {
+    const sn_attachment *a = &f->attachments.items[0];
+    double edge = sn_distance(f->muscle.mesh.positions[0], f->muscle.mesh.positions[1]);
+    sn_index next = 0;
+    for (sn_index v = 0; v < f->muscle.mesh.vertex_count; v++) {
+        double distance = distance_to_curve(line, f->muscle.mesh.positions[v]);
+        bool held = next < a->count && a->vertices[next] == v;
+        next += held;
+        if (distance < 0.5 * width - slack) assert_true(held);
+        if (distance > fmax(0.5 * width, sqrt(2) * edge) + slack) assert_false(held);
+    }
+}
+
+static void set_line(fixture *f, curve *line, sn_index count, double noise, double height) {
+    static sn_vec3 points[64];
+    uint64_t random = 11;
+    for (sn_index i = 0; i < count; i++) {
+        sn_vec3 off = sn_v3(noise * (2 * sn_random(&random) - 1), noise * (2 * sn_random(&random) - 1), height);
+        points[i] = sn_add(line(count > 1 ? (double)i / (count - 1) : 0.5), off);
+    }
+    f->params.area_count = 1;
+    f->areas[0] = (sn_landmark_area){(char[]){"femur"}, (char[]){"line"}, count, points};
+}
+
+static void landmarks_in_a_row_are_a_band(void **state) {
+    fixture *f = *state;
+    static curve *const curves[3] = {across, along_edge, bent};
+    static const double spacings[3] = {2, 1, 0.5}, lengths[3] = {22.0, 24.2, 20.0};
+    for (int s = 0; s < 3; s++)
+        for (int c = 0; c < 3; c++)
+            for (sn_index count = c == 2 ? 9 : 2; count <= 16; count += count < 3 ? 1 : 13) {
+                set_spacing(f, spacings[s]);
+                set_line(f, curves[c], count, 0, 1.5);
+                f->params.line_width = -1;
+                assert_int_equal(detect(f, NULL), SN_OK);
+                assert_true(f->report.areas[0].line && !f->report.areas[0].reordered);
+                assert_true(fabs(f->report.areas[0].width - 1.5) < 1e-9); /* the mean distance of the landmarks */
+                assert_true(fabs(f->report.areas[0].boundary - lengths[c]) < 0.04 * lengths[c]);
+                assert_band(f, curves[c], 1.5, 0.3);
+                f->params.line_width = 4;
+                assert_int_equal(detect(f, NULL), SN_OK);
+                assert_band(f, curves[c], 4, 0.3);
+                assert_false(f->report.areas[0].coarse);
+            }
+}
+
+static void noisy_lines_are_lines(void **state) {
+    fixture *f = *state;
+    static const sn_index counts[4] = {5, 11, 24, 40};
+    f->params.line_width = 3;
+    for (int c = 0; c < 2; c++)
+        for (int n = 0; n < 4; n++) {
+            set_line(f, c ? bent : across, counts[n], 0.5, 0);
+            if (c && n == 0) continue; /* five landmarks around more than a third of a circle close as well as they do not */
+            assert_int_equal(detect(f, NULL), SN_OK);
+            assert_true(f->report.areas[0].line);
+            assert_band(f, c ? bent : across, 3, 0.9);
+        }
+}
+
+/* Boundaries of every size and number of landmarks, thin ones from each of their corners, are not taken for lines. */
+static void closed_boundaries_are_no_lines(void **state) {
+    fixture *f = *state;
+    static sn_vec3 ring[16];
+    for (double radius = 0.2; radius < 9.9; radius *= 1.5)
+        for (int count = 3; count <= 16; count++) {
+            for (int i = 0; i < count; i++)
+                ring[i] = sn_v3(15.2 + radius * cos(2 * SN_PI * i / count), 10.1 + 0.5 * radius * sin(2 * SN_PI * i / count), 0);
+            f->params.area_count = 1;
+            f->areas[0] = (sn_landmark_area){(char[]){"femur"}, NULL, count, ring};
+            assert_int_equal(detect(f, NULL), SN_OK);
+            assert_false(f->report.areas[0].line || f->report.areas[0].doubtful);
+        }
+    for (int start = 0; start < 4; start++) {
+        static const sn_vec3 thin[4] = {{4.5, 8.5, 0}, {24.5, 8.5, 0}, {24.5, 9.5, 0}, {4.5, 9.5, 0}};
+        for (int i = 0; i < 4; i++) ring[i] = thin[(i + start) % 4];
+        f->areas[0].count = 4;
+        assert_int_equal(detect(f, NULL), SN_OK);
+        assert_false(f->report.areas[0].line);
+        assert_rectangle(f, &f->attachments.items[0], 4.5, 24.5, 8.5, 9.5);
+    }
+}
+
+static void three_landmarks_are_a_line_only_in_a_row(void **state) {
+    fixture *f = *state;
+    static sn_vec3 points[3] = {{4.5, 8.5, 0}, {20.5, 8.5, 0}, {12.5, 9.3, 0}}; /* the last between the others */
+    f->params.area_count = 1;
+    f->areas[0] = (sn_landmark_area){(char[]){"femur"}, NULL, 3, points};
+    assert_int_equal(detect(f, NULL), SN_OK);
+    assert_true(f->report.areas[0].line);
+    points[2].y = 14.5;
+    assert_int_equal(detect(f, NULL), SN_OK);
+    assert_false(f->report.areas[0].line);
+    f->params.area_kind = SN_AREA_LINE; /* said so */
+    assert_int_equal(detect(f, NULL), SN_OK);
+    assert_true(f->report.areas[0].line);
+}
+
+/* Out of order in a straight row: put into order, and told; the same band. */
+static void a_straight_row_is_put_in_order(void **state) {
+    fixture *f = *state;
+    static sn_vec3 points[7];
+    static const int order[7] = {3, 0, 6, 1, 5, 2, 4};
+    for (int i = 0; i < 7; i++) points[i] = across(order[i] / 6.0);
+    f->params.area_count = 1;
+    f->params.line_width = 3;
+    f->areas[0] = (sn_landmark_area){(char[]){"femur"}, NULL, 7, points};
+    assert_int_equal(detect(f, NULL), SN_OK);
+    assert_true(f->report.areas[0].line && f->report.areas[0].reordered);
+    assert_band(f, across, 3, 0.3);
+    assert_true(fabs(f->report.areas[0].boundary - 22.0) < 1.0);
+}
+
+/* A boundary that is left open on one side, and a line that bends back, are told of. */
+static void doubtful_kinds_are_told_of(void **state) {
+    fixture *f = *state;
+    set_line(f, half_round, 16, 0, 0);
+    assert_int_equal(detect(f, NULL), SN_OK);
+    assert_true(f->report.areas[0].line && f->report.areas[0].doubtful);
+    set_line(f, half_round, 5, 0, 0);
+    assert_int_equal(detect(f, NULL), SN_OK);
+    assert_true(!f->report.areas[0].line && f->report.areas[0].doubtful);
+    set_line(f, across, 9, 0, 0);
+    assert_int_equal(detect(f, NULL), SN_OK);
+    assert_false(f->report.areas[0].doubtful);
+}
+
+static void a_band_on_a_coarse_mesh_says_so(void **state) {
+    fixture *f = *state;
+    set_spacing(f, 2);
+    set_line(f, across, 5, 0, 0);
+    f->params.line_width = 0.3;
+    assert_int_equal(detect(f, NULL), SN_OK);
+    assert_true(f->report.areas[0].coarse && f->report.areas[0].mean_width > 0.6);
+}
+
+static void an_area_far_off_is_left_out_and_the_rest_is_done(void **state) {
+    fixture *f = *state;
+    sn_vec3 off[4];
+    for (int i = 0; i < 4; i++) off[i] = sn_add(rectangle[i], sn_v3(0, 0, i == 2 ? 40 : 0));
+    add_area(f, "femur", "far", 4, off);
+    add_area(f, "ulna", "near", 4, rectangle);
+    assert_int_equal(detect(f, NULL), SN_OK);
+    assert_true(f->report.areas[0].left_out && f->report.areas[0].far == 2 && fabs(f->report.areas[0].farthest - 40.3) < 1e-9);
+    assert_int_equal(f->report.areas[0].vertices, 0);
+    assert_false(f->report.areas[1].left_out);
+    assert_int_equal(f->attachments.count, 1);
+    assert_string_equal(f->attachments.items[0].bone, "ulna");
+    assert_rectangle(f, &f->attachments.items[0], 4.5, 12.5, 3.5, 9.5);
+    f->params.area_count = 1; /* nothing is left to do */
+    assert_refused(f, "area \"far\" on bone \"femur\": landmark 3 lies 40.3 mm off the muscle, and the limit is 10 mm");
+}
+
 /* ---- impossible areas -------------------------------------------------------------------------------------------------------------- */
 
 static void impossible_areas_are_refused_by_name(void **state) {
     fixture *f = *state;
-    add_area(f, "ulna", "insertion", 2, rectangle);
+    add_area(f, "ulna", "insertion", 1, rectangle);
+    assert_refused(f, "area \"insertion\" on bone \"ulna\" has 1 landmark; a boundary needs at least 3, a line 2");
+    f->areas[0].count = 2;
+    f->params.area_kind = SN_AREA_BOUNDARY;
     assert_refused(f, "area \"insertion\" on bone \"ulna\" has 2 landmarks; a boundary needs at least 3");
     f->areas[0].count = 4;
     f->points[0][0] = rectangle[0], f->points[0][1] = rectangle[1], f->points[0][2] = rectangle[2], f->points[0][3] = rectangle[3];
@@ -190,7 +369,10 @@ static void a_boundary_over_two_components_does_not_close(void **state) {
     f->muscle.mesh = joined(f->muscle.mesh, sheet(5, 5)); /* the second 1000 away */
     const sn_vec3 split[3] = {{2.5, 2.5, 0}, {1002.5, 2.5, 0}, {5.5, 7.5, 0}};
     add_area(f, "ulna", NULL, 3, split);
+    f->params.area_kind = SN_AREA_BOUNDARY;
     assert_refused(f, "the area on bone \"ulna\": its boundary does not close: landmarks 1 and 2");
+    f->params.area_kind = SN_AREA_AUTO; /* in a row */
+    assert_refused(f, "the area on bone \"ulna\": its line breaks: landmarks 3 and 2");
 }
 
 static void a_boundary_around_a_handle_is_refused(void **state) {
@@ -396,6 +578,10 @@ int main(void) {
         TEST(landmarks_enclose_their_patch),           TEST(the_sense_of_the_boundary_does_not_matter),
         TEST(a_crossing_boundary_is_put_in_order),     TEST(a_bone_may_have_two_areas_and_the_first_area_wins),
         TEST(the_patch_is_the_smaller_side),           TEST(a_patch_without_vertices_takes_the_nearest),
+        TEST(landmarks_in_a_row_are_a_band),           TEST(noisy_lines_are_lines),
+        TEST(closed_boundaries_are_no_lines),          TEST(three_landmarks_are_a_line_only_in_a_row),
+        TEST(a_straight_row_is_put_in_order),          TEST(doubtful_kinds_are_told_of),
+        TEST(a_band_on_a_coarse_mesh_says_so),         TEST(an_area_far_off_is_left_out_and_the_rest_is_done),
         TEST(impossible_areas_are_refused_by_name),    TEST(a_boundary_over_two_components_does_not_close),
         TEST(a_boundary_around_a_handle_is_refused),   TEST(a_bone_that_is_not_there_is_refused),
         TEST(every_step_of_an_area_can_be_stopped_at), TEST(a_listed_bone_needs_its_share_of_the_area),
