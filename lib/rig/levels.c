@@ -263,13 +263,13 @@ static sn_status find_centres(levels *l, sn_error *error) {
     return SN_OK;
 }
 
+/* The outermost levels, of caps and of fronts that reach the end askew, do not show a direction: the window stays off them. */
 sn_vec3 levels_direction(const levels *l, double along) {
     double at = (along - l->low) / l->step - 0.5;
-    sn_index reach = l->level_count / 10, last = l->level_count - 1;
-    sn_index middle = at < 0.0 ? 0 : at > last ? last : (sn_index)(at + 0.5);
-    /* a window of one width at the tips too: their own levels, a few vertices, do not show a direction */
-    sn_index low = middle - reach < 0 ? 0 : middle + reach > last ? last - 2 * reach : middle - reach;
-    return sn_normalize(sn_sub(l->centre[low + 2 * reach], l->centre[low]));
+    sn_index reach = l->level_count / 10, first = l->level_count / 12, last = l->level_count - 1 - first;
+    double low = fmin(fmax(at - reach, first), last - 2 * reach);
+    sn_index from = (sn_index)(low + 0.5);
+    return sn_normalize(sn_sub(l->centre[from + 2 * reach], l->centre[from]));
 }
 
 /* ---- the whole ----------------------------------------------------------------------------------------------------------------- */

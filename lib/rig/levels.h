@@ -38,7 +38,8 @@ typedef struct levels {
 /* SN_ERROR_INPUT where the surface has no length to cut. */
 SN_MUST_CHECK sn_status levels_build(const sn_mesh *mesh, const sn_topology *topology, levels *out, sn_error *error);
 void levels_free(levels *l);
-/* The direction of the line of centroids where the field is `along`: unit, over a tenth of the muscle's length to either side. */
+/* The direction of the line of centroids where the field is `along`: unit, over a tenth of the muscle's length to either side, and
+ * not over the outermost twelfth at either end. */
 sn_vec3 levels_direction(const levels *l, double along);
 
 /* Which loops are tendon, from 0 (muscle) to 1: long thin parts, and what hangs on them (lib/rig/tendon_map.c). loop (loop_count); thin,

@@ -95,7 +95,8 @@ static void compare_with_bellies(walk *w) {
     for (sn_index i = 0; i < w->count; i++) {
         sn_index node = w->order[i], parent = w->parent[node];
         double own = is_loop(w, node) ? w->l->loops[node].area : 0.0;
-        double share = parent != SN_NONE && w->shares[parent] > 0.0 ? w->widest[node] / w->shares[parent] : 1.0;
+        bool splits = parent != SN_NONE && parent != w->order[0] && w->shares[parent] > 0.0; /* the first goes on to both sides */
+        double share = splits ? w->widest[node] / w->shares[parent] : 1.0;
         w->belly[node] = fmax(own, parent != SN_NONE ? share * w->belly[parent] : 0.0);
     }
 }
