@@ -107,6 +107,10 @@ golden-accept: $(B)/tests/numerics/sim_golden
 	-git --no-pager diff --stat -- tests/data/golden.txt
 stability: programs $(B)/tests/numerics/sim_extremes
 	tests/stability $(B)/bin $(B)/tests/numerics/sim_extremes $(DATA) $(B)/stability
+# fibre lengths of rigs of a leg against those that Ward et al. (2009) measured
+.PHONY: ward-table
+ward-table: $(BUILT_TOOLS)
+	@tests/ward-table $(B)/bin $(DATA) $(B)/ward-table
 # the scheme kohout at its paper's setting: what is left of the arm's muscles and of two of the leg, by hinges and iterations
 .PHONY: kohout-table
 kohout-table: programs examples $(B)/tests/numerics/hinge_rules
