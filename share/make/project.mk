@@ -50,6 +50,7 @@ $(PROGRAM_STAMPS): $(STAMPS)/program-%: $(B)/tests/%
 $(CLI_STAMPS): $(STAMPS)/cli-%: tests/cli/%.bats $(EVERYTHING)
 	@BIN=$(CURDIR)/$(B)/bin EXAMPLES=$(CURDIR)/$(B)/examples DATA=$(abspath $(DATA)) CONFIG=$(CONFIG) tests/suite $@ cli/$* bats --tap $<
 $(STAMPS)/cli-make: Makefile share/make/project.mk share/make/install-packages tests/sum
+$(STAMPS)/cli-fiber-fill: tests/ward-table
 $(STAMPS)/cli-papers: tests/kohout-table $(B)/tests/numerics/hinge_rules
 $(STAMPS)/examples: tests/run-man-examples tests/sample-folder README.md $(wildcard share/man/*.[157]) $(EVERYTHING)
 	@tests/suite $@ examples tests/run-man-examples $(B)/bin $(B)/examples
