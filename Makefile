@@ -119,6 +119,7 @@ $(B)/bin/motion-import $(B)/bin/motion-fit: $(B)/tools/clip.o
 $(B)/bin/rig-view: $(B)/tools/motion_view.o $(B)/tools/frame_list.o $(B)/tools/section_view.o
 $(B)/bin/motion-import: $(B)/tools/model_bones.o
 $(B)/bin/attach-detect: $(B)/tools/neighbours.o
+$(B)/bin/fiber-fill: $(B)/tools/fiber_architecture.o
 $(B)/bin/scene-build: $(B)/tools/model_bones.o $(B)/tools/scene_list.o
 
 $(B)/libexec/sinew/%: $(B)/tools/%.o $(TOOL_SHARED) $(B)/libsinew.a

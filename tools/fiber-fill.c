@@ -1,5 +1,6 @@
 /* fiber-fill.c -- decompose a muscle's volume into fibres. */
 #include "cli.h"
+#include "fiber_architecture.h"
 
 #include <stdlib.h>
 
@@ -12,7 +13,7 @@ static sn_fill_params params;
 static int64_t fibers = -1, segments = -1, smooth = -1;
 static int template, map;
 static double angle = -1.0, narrow = -1.0, bow = NAN, turn = 0.0, mvc_cut = 0.0;
-static const char *template_file, *ends_file, *embedding_file, *bend_file;
+static const char *template_file, *ends_file, *embedding_file, *bend_file, *tendon;
 
 /* In the order of sn_fill_template and sn_fill_map. */
 static const char *const template_names[] = {"parallel", "pennate", "bipennate", "fan", "curved", NULL};
@@ -42,6 +43,8 @@ static const cli_option options[] = {
     {0, "tips", NULL, CLI_CLEAR, &params.use_attachments, CLI_RESULT, 0, 0, NULL, "let fibres end at the tips, not at the attachments"},
     {0, "smooth", "N", CLI_INTEGER, &smooth, CLI_RESULT, 0, 10000, NULL, "rounds of smoothing along each fibre (default 0)"},
     {0, "no-pull", NULL, CLI_CLEAR, &params.pull, CLI_RESULT, 0, 0, NULL, "leave fibre vertices outside the volume where they are"},
+    {0, "tendon", "HOW", CLI_TEXT, &tendon, CLI_RESULT, 0, 0, NULL,
+     "paint what is tendon on the mesh: thickness, painted (a map), none, or ORIGIN,INSERTION: lengths, or shares as 5%"},
     {0, "embedding", "FILE", CLI_TEXT, &embedding_file, CLI_WRITES, 0, 0, NULL,
      "also write the weights that bind the fibres to the surface: 3-D mean value coordinates"},
     {0, "mvc-cut", "W", CLI_NUMBER, &mvc_cut, 0, 0, 0.09, NULL,
@@ -63,6 +66,7 @@ typedef struct outcome {
     sn_fill_report fill;
     sn_embedding_report embedding;
     bool embedded;
+    fiber_architecture architecture;
 } outcome;
 
 static bool is_oblique(void) { return params.template == SN_FILL_PENNATE || params.template == SN_FILL_BIPENNATE; }
@@ -125,6 +129,7 @@ static void write_report(sn_json *json, const void *data) {
         sn_json_close(json);
     }
     if (o->embedded) write_embedding(json, &o->embedding);
+    fiber_architecture_write(json, &o->architecture);
     write_each(json, o->fibers);
 }
 
@@ -273,9 +278,13 @@ static sn_status save_embedding(const sn_muscle *muscle, outcome *o, sn_error *e
 static sn_status save(cli *c, cli_muscle *muscle, outcome *o, sn_error *error) {
     sn_lines_format format = sn_lines_format_from_name(c->output);
     o->fibers = &muscle->muscle.fibers;
-    sn_status status = save_embedding(&muscle->muscle, o, error);
+    sn_status status = fiber_architecture_measure(c, tendon, &muscle->muscle, &o->architecture, error);
+    if (status == SN_OK) status = save_embedding(&muscle->muscle, o, error);
     if (status != SN_OK) return status;
-    status = format != SN_LINES_UNKNOWN ? save_lines(c, &muscle->muscle, format, error) : cli_save(c, muscle, SN_SECTION_FIBERS, error);
+    if (o->architecture.paints && format != SN_LINES_UNKNOWN)
+        cli_warn(c, "bare lines have no surface to paint: the map of tendons is lost");
+    unsigned changed = SN_SECTION_FIBERS | fiber_architecture_changes(&o->architecture);
+    status = format != SN_LINES_UNKNOWN ? save_lines(c, &muscle->muscle, format, error) : cli_save(c, muscle, changed, error);
     return status == SN_OK ? cli_report(c, write_report, o, error) : status;
 }
 
@@ -298,6 +307,7 @@ static sn_status fill(cli *c, cli_muscle *muscle, sn_error *error) {
         comment(c, &o.fill, stopped);
         status = save(c, muscle, &o, error);
     }
+    fiber_architecture_free(&o.architecture);
     sn_fibers_free(&template_lines);
     sn_fibers_free(&superficial);
     sn_fibers_free(&lines);

@@ -905,12 +905,21 @@ static void warn_of_idle_tone(const job *j, const sn_model_muscle *m) {
                  source->name);
 }
 
+static void warn_of_idle_tendon(const job *j, const sn_scene_muscle *source) {
+    bool idle = source->tendon_map == NULL && source->activation_map == NULL && sn_mesh_attribute(&source->rig.mesh, "tendon") != NULL;
+    if (idle)
+        cli_warn(&j->c,
+                 "muscle \"%s\": its tendon map is not used, all of it contracts; name it in the scene: \"maps\": {\"tendon\": \"tendon\"}",
+                 source->name);
+}
+
 static sn_status warn_of_loose_muscles(const job *j, sn_error *error) {
     sn_status status = SN_OK;
     if (j->model->muscle_count == 0) cli_warn(&j->c, "the scene has no muscle that is enabled: there is nothing to simulate");
     for (sn_index i = 0; status == SN_OK && i < j->model->muscle_count; i++) {
         const sn_model_muscle *m = &j->model->muscles[i];
         warn_of_idle_tone(j, m);
+        warn_of_idle_tendon(j, m->source);
         if (m->kinematic_count == 0)
             cli_warn(&j->c, "muscle \"%s\" is attached to no bone and moves freely (attach-detect attaches it)", plan_of(j, i)->name);
         else

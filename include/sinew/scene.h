@@ -104,6 +104,7 @@ typedef struct sn_scene_muscle {
     bool stiffness_scaled;     /* edges and hinges by the area beside them (numerics.md 9); default true */
     sn_knots stiffness_curve;  /* activation in [0,1] -> N/m, in log scale; 0 knots = straight from relaxed to active */
     char *activation_map;      /* vertex attribute of the rig's mesh in [0,1]: share of the contraction; NULL = 1 everywhere */
+    char *tendon_map;          /* vertex attribute in [0,1]: 1 = tendon, which does not contract; NULL = muscle everywhere */
     char *stiffness_map;       /* vertex attribute above 0: factor on the stiffness of distances; NULL = 1 everywhere */
     sn_anisotropy anisotropy;
     double least_area;     /* no triangle below this share of its rest area; in [0,1); default 0.5; 0 = no such rows */

@@ -11,7 +11,7 @@
 
 /* The members of a muscle that can be set, in the order in which they are written: "activation", "stiffness.relaxed", ...; NULL at the
  * end. */
-enum { SN_DRAFT_MEMBERS = 24 };
+enum { SN_DRAFT_MEMBERS = 25 };
 extern const char *const sn_draft_members[SN_DRAFT_MEMBERS + 1];
 
 typedef struct sn_draft_muscle {

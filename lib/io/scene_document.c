@@ -252,13 +252,15 @@ static sn_status parse_stiffness(const sn_json_value *value, sn_scene_muscle *ou
     return status;
 }
 
-/* "maps": { "activation": ATTRIBUTE, "stiffness": ATTRIBUTE } */
+/* "maps": { "activation": ATTRIBUTE, "tendon": ATTRIBUTE, "stiffness": ATTRIBUTE } */
 static sn_status parse_maps(const sn_json_value *value, sn_scene_muscle *out, sn_error *error) {
-    static const char *const known[] = {"activation", "stiffness", NULL};
+    static const char *const known[] = {"activation", "tendon", "stiffness", NULL};
     if (!sn_json_has(value)) return SN_OK;
-    sn_json_value activation = sn_json_member(value, "activation"), stiffness = sn_json_member(value, "stiffness");
+    sn_json_value activation = sn_json_member(value, "activation"), stiffness = sn_json_member(value, "stiffness"),
+                  tendon = sn_json_member(value, "tendon");
     sn_status status = sn_json_expect_object(value, error);
     if (status == SN_OK) status = sn_json_get_text(&activation, &out->activation_map, error);
+    if (status == SN_OK) status = sn_json_get_text(&tendon, &out->tendon_map, error);
     if (status == SN_OK) status = sn_json_get_text(&stiffness, &out->stiffness_map, error);
     if (status == SN_OK) status = sn_json_check_members(value, known, error);
     return status;
@@ -477,9 +479,10 @@ static void write_curve(const char *key, const sn_knots *knots, sn_json *json) {
 }
 
 static void write_maps(const sn_scene_muscle *muscle, sn_json *json) {
-    if (muscle->activation_map == NULL && muscle->stiffness_map == NULL) return;
+    if (muscle->activation_map == NULL && muscle->tendon_map == NULL && muscle->stiffness_map == NULL) return;
     sn_json_object(json, "maps");
     if (muscle->activation_map != NULL) sn_json_text(json, "activation", muscle->activation_map);
+    if (muscle->tendon_map != NULL) sn_json_text(json, "tendon", muscle->tendon_map);
     if (muscle->stiffness_map != NULL) sn_json_text(json, "stiffness", muscle->stiffness_map);
     sn_json_close(json);
 }

@@ -161,6 +161,7 @@ static void free_muscle(sn_scene_muscle *muscle) {
     free_knots(&muscle->stiffness_curve);
     free_knots(&muscle->volume_ratio);
     free(muscle->activation_map);
+    free(muscle->tendon_map);
     free(muscle->stiffness_map);
 }
 
@@ -320,6 +321,7 @@ static sn_status check_attachment(const sn_scene *scene, const sn_scene_muscle *
 static sn_status check_rig(const sn_scene *scene, const sn_scene_muscle *muscle, sn_error *error) {
     sn_status status = sn_muscle_validate(&muscle->rig, error);
     if (status == SN_OK) status = check_map(muscle, muscle->activation_map, 0.0, 1.0, error);
+    if (status == SN_OK) status = check_map(muscle, muscle->tendon_map, 0.0, 1.0, error);
     if (status == SN_OK) status = check_map(muscle, muscle->stiffness_map, 1e-6, 1e6, error);
     for (sn_index i = 0; i < muscle->rig.attachment_count && status == SN_OK; i++)
         status = check_attachment(scene, muscle, &muscle->rig.attachments[i], error);

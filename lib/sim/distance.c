@@ -109,6 +109,13 @@ static double map_mean(const sn_build *build, const char *attribute, sn_index p0
     return ((first ? values[p0] : values[p1]) + (second ? values[p1] : values[p0])) / 2.0;
 }
 
+/* Share of the contraction that a row has: what is tendon has none. */
+static double contraction_share(const sn_build *build, sn_index p0, sn_index p1) {
+    const char *map = build->source->activation_map;
+    double share = map != NULL ? map_mean(build, map, p0, p1) : 1.0;
+    return build->tendon != NULL ? share * (1.0 - (build->tendon[p0] + build->tendon[p1]) / 2.0) : share;
+}
+
 /* Factors of one row on stiffness, correction and contraction. */
 static void set_factors(const sn_build *build, sn_row_kind kind, sn_index row, sn_vec3 axis, double area) {
     sn_model_muscle *m = build->model;
@@ -121,7 +128,7 @@ static void set_factors(const sn_build *build, sn_row_kind kind, sn_index row, s
     if (build->anisotropy == SN_ANISOTROPY_XPBD) stiffness *= fmax(yielding, 1e-6);
     if (m->distance_softness != NULL) m->distance_softness[row] = 1.0 / stiffness;
     if (m->distance_gain != NULL) m->distance_gain[row] = yielding;
-    if (m->distance_share != NULL) m->distance_share[row] = map_mean(build, build->source->activation_map, p[0], p[1]);
+    if (m->distance_share != NULL) m->distance_share[row] = contraction_share(build, p[0], p[1]);
 }
 
 /* An end of a row: its point, and the fibre axis there. */
@@ -213,7 +220,7 @@ static sn_status alloc_rows(const sn_build *build, size_t most, sn_error *error)
     made = (m->distance_terms = sn_alloc(most, sizeof(*m->distance_terms))) != NULL && made;
     if (soft) made = (m->distance_softness = SN_NEW(double, most)) != NULL && made;
     if (build->anisotropy == SN_ANISOTROPY_PBD) made = (m->distance_gain = SN_NEW(double, most)) != NULL && made;
-    if (source->activation_map != NULL) made = (m->distance_share = SN_NEW(double, most)) != NULL && made;
+    if (source->activation_map != NULL || build->tendon != NULL) made = (m->distance_share = SN_NEW(double, most)) != NULL && made;
     if (m->single) made = (m->distance_pairs = SN_NEW(bool, most / 4)) != NULL && made;
     return made ? SN_OK : sn_fail_memory(error, "distance rows");
 }

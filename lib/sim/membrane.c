@@ -73,6 +73,7 @@ static void add_triangle(const sn_build *build, membrane_rows *all, const sn_ind
                          .edge = {{sn_dot(e1, axis), sn_dot(e2, axis)}, {sn_dot(e1, across), sn_dot(e2, across)}},
                          .share = along_fiber};
     if (build->source->activation_map != NULL) to->share *= map_mean(build, build->source->activation_map, v);
+    if (build->source->tendon_map != NULL) to->share *= 1.0 - map_mean(build, build->source->tendon_map, v);
     to->softness = build->source->stiffness_map != NULL ? 1.0 / map_mean(build, build->source->stiffness_map, v) : 1.0;
     for (int i = 0; i < 3; i++) all->index[3 * (size_t)row + (size_t)i] = v[i];
 }

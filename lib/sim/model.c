@@ -147,6 +147,7 @@ static sn_status build_muscle(sn_build *build, sn_error *error) {
     /* of a free muscle the rest shape's Hessian is singular to rounding: nothing but its mass holds it */
     m->corotated = m->quasi_newton && m->kinematic_count > 0 && build->scene->solver.preconditioner == SN_PRECONDITION_COROTATED;
     m->two_level = m->quasi_newton && m->kinematic_count > 0 && build->scene->solver.preconditioner == SN_PRECONDITION_TWO_LEVEL;
+    if ((status = sn_tendons_of_points(build, error)) != SN_OK) return status;
     if ((status = sn_rows_build(build, error)) != SN_OK) return status;
     fit_arrays(m);
     sn_plan_count(build);
@@ -179,6 +180,7 @@ static sn_status add_muscle(sn_model *model, const sn_scene_muscle *source, sn_p
     if (status == SN_OK) status = build_muscle(&build, error);
     plan->iterations = build.model->iterations;
     sn_samples_release(&build);
+    free(build.tendon);
     sn_topology_free(&topology);
     return status;
 }

@@ -15,6 +15,7 @@ typedef struct sn_build {
     sn_plan_muscle *plan;
     sn_index *sample_points;               /* (samples of the structure) its point; SN_NONE: it is left out */
     sn_index *sample_parents;              /* (the same) the sample that it is joined to; SN_NONE: none, or it is left out */
+    double *tendon;                        /* (points) share of tendon, 0 to 1; NULL: the muscle has no such map */
     bool scaled;                           /* stiffness by area */
     sn_anisotropy anisotropy;              /* as it runs: NONE, PBD or XPBD */
     const struct sn_contact_plan *contact; /* NULL = contact is off */
@@ -193,6 +194,11 @@ typedef struct sn_row_ops {
 #define SN_ROW_OPS(id, name) extern const sn_row_ops sn_rows_##name;
 SN_ROW_LIST(SN_ROW_OPS)
 #undef SN_ROW_OPS
+
+/* ---- samples.c ---- */
+/* How much of each point is tendon: a vertex by the muscle's map, a sample by the mean of the vertices that hang on it. build->tendon, the
+ * caller's; stays NULL where there is no map. */
+SN_MUST_CHECK sn_status sn_tendons_of_points(sn_build *build, sn_error *error);
 
 /* ---- stiffness.c ---- */
 /* Does a stiffness of this share of the edges' ever differ from 0? */

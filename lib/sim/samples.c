@@ -61,3 +61,31 @@ void sn_samples_release(sn_build *build) {
     free(build->sample_parents);
     build->sample_points = build->sample_parents = NULL;
 }
+
+/* The mean over the vertices that hang on each sample; at least one does on those that are points. */
+static void spread_to_samples(sn_build *build, sn_index *hung) {
+    const sn_structure *structure = &build->source->rig.structure;
+    sn_index first = build->model->vertex_count, count = build->model->point_count;
+    for (sn_index v = 0; count > first && v < first; v++) {
+        sn_index sample = structure->vertex_sample[v], point = sample != SN_NONE ? build->sample_points[sample] : SN_NONE;
+        if (point == SN_NONE) continue;
+        build->tendon[point] += build->tendon[v];
+        hung[point]++;
+    }
+    for (sn_index p = first; p < count; p++) build->tendon[p] /= hung[p] > 0 ? hung[p] : 1;
+}
+
+sn_status sn_tendons_of_points(sn_build *build, sn_error *error) {
+    if (build->source->tendon_map == NULL) return SN_OK;
+    sn_index *hung = SN_NEW(sn_index, build->model->point_count);
+    build->tendon = SN_NEW(double, build->model->point_count);
+    if (hung == NULL || build->tendon == NULL) {
+        free(hung);
+        return sn_fail_memory(error, "the tendons of a muscle");
+    }
+    const double *values = sn_mesh_attribute(&build->source->rig.mesh, build->source->tendon_map)->values;
+    for (sn_index v = 0; v < build->model->vertex_count; v++) build->tendon[v] = values[v];
+    spread_to_samples(build, hung);
+    free(hung);
+    return SN_OK;
+}

@@ -86,8 +86,8 @@ function add_bones(i, words, where,    k, n, b, word, any) {
 }
 
 function add_row(pattern, tool, words, where,    i, any) {
-    if (!(tool in tool_number) && tool != "bones" && tool != "candidates")
-        complain(where "'" tool "' is none of mesh-clean, attach-detect, root-select, build-structure, fiber-flow, fiber-fill, bones, candidates")
+    if (!(tool in tool_number) && tool != "bones" && tool != "candidates" && tool != "architecture")
+        complain(where "'" tool "' is none of mesh-clean, attach-detect, root-select, build-structure, fiber-flow, fiber-fill, bones, candidates, architecture")
     if ((" " words " ") ~ / (-o|--output|--report)[ =]/) complain(where "--output and --report are given by sinew.mk")
     for (i = 1; i <= count["in"]; i++) {
         if (!is_called(pattern, "in", i)) continue
@@ -169,6 +169,10 @@ function write_muscle(i,    t, tool, words, text, rules, name) {
     sub(/^ +/, "", words)
     write_if_changed(state "/options/" name ".candidates", words "\n")
     rules = rules state "/candidates/" name ".done:" named_files(words) bone_sums(i) "\n"
+    words = given[i, "architecture"]
+    sub(/^ +/, "", words)
+    write_if_changed(state "/options/" name ".architecture", words "\n")
+    rules = rules state "/architecture/" name ".done:" named_files(words) "\n"
     words = state "/in/" name "." extension["in", i]
     rules = rules stages "/" name ".clean.done: " words "\n" state "/lint/surface/" name ".done: " words "\n"
     return rules stages "/" name ".attached.done:" bone_sums(i) "\n"

@@ -50,6 +50,7 @@ $(PROGRAM_STAMPS): $(STAMPS)/program-%: $(B)/tests/%
 $(CLI_STAMPS): $(STAMPS)/cli-%: tests/cli/%.bats $(EVERYTHING)
 	@BIN=$(CURDIR)/$(B)/bin EXAMPLES=$(CURDIR)/$(B)/examples DATA=$(abspath $(DATA)) CONFIG=$(CONFIG) tests/suite $@ cli/$* bats --tap $<
 $(STAMPS)/cli-make: Makefile share/make/project.mk share/make/install-packages tests/sum
+$(STAMPS)/cli-fiber-fill: tests/ward-table
 $(STAMPS)/cli-papers: tests/kohout-table $(B)/tests/numerics/hinge_rules
 $(STAMPS)/examples: tests/run-man-examples tests/sample-folder README.md $(wildcard share/man/*.[157]) $(EVERYTHING)
 	@tests/suite $@ examples tests/run-man-examples $(B)/bin $(B)/examples
@@ -107,6 +108,10 @@ golden-accept: $(B)/tests/numerics/sim_golden
 	-git --no-pager diff --stat -- tests/data/golden.txt
 stability: programs $(B)/tests/numerics/sim_extremes
 	tests/stability $(B)/bin $(B)/tests/numerics/sim_extremes $(DATA) $(B)/stability
+# fibre lengths of rigs of a leg against those that Ward et al. (2009) measured
+.PHONY: ward-table
+ward-table: $(BUILT_TOOLS)
+	@tests/ward-table $(B)/bin $(DATA) $(B)/ward-table
 # the scheme kohout at its paper's setting: what is left of the arm's muscles and of two of the leg, by hinges and iterations
 .PHONY: kohout-table
 kohout-table: programs examples $(B)/tests/numerics/hinge_rules

@@ -8,6 +8,7 @@
 #   make [-jN]      every rig, $(SINEW_OUT)/NAME.muscle.json, then summary.tsv and contact sheets beside them
 #   make rigs       the rigs alone; a muscle that fails ends it, unless with -k
 #   make candidates the rigs with candidates for external constraints, $(SINEW_OUT)/candidates/NAME.muscle.json, and candidates.tsv
+#   make architecture   the rigs with fibres through them, $(SINEW_OUT)/architecture/NAME.muscle.json, and architecture.tsv
 #   make lint       what is wrong with every surface and bone: lint.tsv, and contact sheets of the defective ones
 #
 # A stage is run again when its input, its options or its tool's version has changed. X.done says when X was last made, X keeps its
@@ -68,7 +69,7 @@ endif
 sinew_state := $(SINEW_OUT)/state
 sinew_stages := $(SINEW_OUT)/stages
 
-.PHONY: assets rigs summary lint candidates candidate-documents assets-clean
+.PHONY: assets rigs summary lint candidates candidate-documents architecture architecture-documents assets-clean
 assets:
 	@$(sinew_assets) plan rigs
 	@$(MAKE) -k --no-print-directory -f $(sinew_makefile) SINEW_LISTED=yes rigs || true
@@ -121,6 +122,23 @@ candidate-documents: $(sinew_near:%=$(SINEW_OUT)/candidates/%.muscle.json)
 $(sinew_near:%=$(sinew_state)/candidates/%.done): $(sinew_state)/candidates/%.done: $(SINEW_OUT)/%.muscle.json $(sinew_state)/near/% $(sinew_state)/options/%.candidates $(sinew_state)/tools/attach-detect
 	@$(sinew_assets) candidate $*
 $(sinew_near:%=$(SINEW_OUT)/candidates/%.muscle.json): $(SINEW_OUT)/candidates/%.muscle.json: $(sinew_state)/candidates/%.done
+	@test -e $@ || { rm -f $<; $(MAKE) --no-print-directory -f $(sinew_makefile) SINEW_LISTED=yes $<; }
+
+# ---- architecture: fibres through every rig that is there, and what they measure ------------------------------------------------------
+architecture:
+	@$(sinew_assets) plan rigs
+	@$(MAKE) -k --no-print-directory -f $(sinew_makefile) SINEW_LISTED=yes rigs || true
+	@$(sinew_assets) forget-architecture
+	@$(sinew_assets) plan architecture
+	@$(MAKE) -k --no-print-directory -f $(sinew_makefile) SINEW_LISTED=yes architecture-documents || true
+	@$(sinew_assets) architecture-table
+
+sinew_rigged := $(filter $(sinew_names),$(patsubst %.muscle.json,%,$(notdir $(wildcard $(SINEW_OUT)/*.muscle.json))))
+architecture-documents: $(sinew_rigged:%=$(SINEW_OUT)/architecture/%.muscle.json)
+	@:
+$(sinew_rigged:%=$(sinew_state)/architecture/%.done): $(sinew_state)/architecture/%.done: $(SINEW_OUT)/%.muscle.json $(sinew_state)/options/%.architecture $(sinew_state)/tools/fiber-fill
+	@$(sinew_assets) architecture $*
+$(sinew_rigged:%=$(SINEW_OUT)/architecture/%.muscle.json): $(SINEW_OUT)/architecture/%.muscle.json: $(sinew_state)/architecture/%.done
 	@test -e $@ || { rm -f $<; $(MAKE) --no-print-directory -f $(sinew_makefile) SINEW_LISTED=yes $<; }
 
 # ---- lint -------------------------------------------------------------------------------------------------------------------------

@@ -476,3 +476,46 @@ candidates() { make -j2 candidates > said 2> complaints; status=$?; sed 's/^\[[^
     [ -s rigs/sheet-2.png ]
     [ ! -e rigs/sheet-3.png ]
 }
+
+# the rigs whose fibres were made
+architecture() { make -j2 architecture > said 2> complaints; status=$?; sed 's/^\[[^]]*\] //' said | grep -E ': architecture$' | sed 's/: .*//' | sort | tr '\n' ' ' > ran; return $status; }
+cell() { awk -F '\t' -v name="$1" -v column="$2" 'NR == 1 { for (i = 1; i <= NF; i++) if ($i == column) c = i } $1 == name { print $c }' rigs/architecture.tsv; }
+
+@test "architecture: fibres through every rig in one more target, again only where a rig or its options have changed" {
+    row '*' architecture '-n 12'
+    architecture
+    [ "$(cat ran)" = "biceps brachialis triceps " ]
+    grep -Eq '^fibres of 3 rigs.*; see rigs/architecture.tsv' said
+    [ "$(wc -l < rigs/architecture.tsv)" -eq 4 ]
+    awk -F '\t' 'NR == 1 { n = NF; next } NF != n || $2 != "ok" || $7 != 12 || !($8 > 0.05) || !($6 > 1e-6) || !($14 > 0) { exit 1 }' rigs/architecture.tsv
+    "$BIN/fiber-fill" -q -n 12 --report hand.json --no-history rigs/biceps.muscle.json -o hand.muscle.json
+    grep -q "\"lengthMean\": $(cell biceps lengthMean)," hand.json
+    grep -q "\"physiologicalArea\": $(cell biceps physiologicalArea)," hand.json
+    cmp <(sed -n '/"polylines"/,/^ *"attachments"/p' hand.muscle.json) <(sed -n '/"polylines"/,/^ *"attachments"/p' rigs/architecture/biceps.muscle.json)
+    architecture
+    [ ! -s ran ]
+    touch muscles/biceps.ply
+    architecture
+    [ ! -s ran ]
+    row triceps architecture '--tendon 0,50%'
+    architecture
+    [ "$(cat ran)" = "triceps " ]
+    awk -v share="$(cell triceps tendonLengthShare)" 'BEGIN { exit !(share > 0.49 && share < 0.51) }'
+    [ "$(cell triceps tendon)" = given ]
+    row brachialis build-structure '--prune 0.2'
+    architecture
+    [[ "$(cat ran)" != *biceps* ]]
+}
+
+@test "architecture: a rig that fails has no line of figures, and takes what it left before with it" {
+    row '*' architecture '-n 4'
+    architecture
+    head -c 300 muscles/brachialis.ply > cut && mv cut muscles/brachialis.ply
+    row biceps architecture '--tendon painted'
+    refute architecture
+    grep -q 'biceps: architecture failed: .*no painted map "tendon"' complaints
+    for name in biceps brachialis; do [ ! -e rigs/architecture/$name.muscle.json ]; done
+    grep -q '2 of 3 failed: biceps, brachialis' said
+    [ "$(cell brachialis message)" = "there is no rig" ]
+    [ "$(cell biceps lengthMean)" = "" ]
+}

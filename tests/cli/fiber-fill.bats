@@ -289,3 +289,97 @@ fan_is_right() { # report
     awk -v is="$(value r.json meanPennationDegrees)" 'BEGIN { exit !(is > 78 && is < 82) }' || grep -q 'not the 80.0 asked for' err
     awk -v asked="$(value r.json angleAskedDegrees)" 'BEGIN { exit !(asked > 79.999 && asked < 80.001) }'
 }
+
+# is VALUE within SHARE of WANTED?
+near() { awk -v a="$1" -v b="$2" -v share="$3" 'BEGIN { exit !(a - b <= share * b && b - a <= share * b) }'; }
+
+@test "the report has the architecture: lengths, pennation, areas, in the document's unit and in metres" {
+    "$BIN/fiber-fill" -q -n 40 --report r.json built.json -o f.json
+    for key in volume lengthMean lengthDeviation pennationOriginDegrees pennationInsertionDegrees physiologicalArea bellyLengthMean tendonLengthShare; do
+        [ -n "$(value r.json $key)" ]
+    done
+    near "$(value r.json lengthMean)" "$(value r.json meanLength)" 1e-9
+    near "$(value r.json lengthLeast)" "$(value r.json leastLength)" 1e-9
+    "$BIN/mesh-clean" -q --units m biceps.ply --report c.json -o c.muscle.json
+    near "$(value r.json volume)" "$(awk '/"after"/ { on = 1 } on && /"volume"/ { gsub(/[^-0-9.e]/, "", $2); print $2; exit }' c.json)" 1e-6
+    # V / l x cos: no more than V / l, no less than with the steeper of the two angles
+    awk -v v="$(value r.json volume)" -v l="$(value r.json lengthMean)" -v o="$(value r.json pennationOriginDegrees)" -v i="$(value r.json pennationInsertionDegrees)" \
+        -v a="$(value r.json physiologicalArea)" 'BEGIN { w = v / l * cos((o + i) / 2 * atan2(0, -1) / 180); exit !(a / w > 0.999999 && a / w < 1.000001) }'
+    "$BIN/root-select" -q --units mm biceps.ply | "$BIN/fiber-fill" -q -n 4 --report mm.json -o mm.muscle.json
+    near "$(value mm.json lengthMeanMeters)" "$(awk -v l="$(value mm.json lengthMean)" 'BEGIN { print l / 1000 }')" 1e-5
+    [ "$(value mm.json metersPerUnit)" = 0.001 ]
+}
+
+@test "without --tendon the document is the same, with a report or without; the figures do not hang on threads" {
+    "$BIN/fiber-fill" -q -n 20 built.json -o plain.json
+    "$BIN/fiber-fill" -q -n 20 --report 1.json --threads 1 built.json | cmp - plain.json
+    "$BIN/fiber-fill" -q -n 20 --report 3.json --threads 3 built.json | cmp - plain.json
+    cmp <(grep -v '"seconds"' 1.json) <(grep -v '"seconds"' 3.json)
+    refute grep -q '"tendon"' plain.json
+}
+
+refute() { if "$@"; then return 1; fi; }
+
+@test "--tendon paints a map on the mesh and leaves the other sections; a painted map is taken up" {
+    "$BIN/attach-detect" -q --bone a=humerus.ply --bone b=radius.ply --distance 20mm built.json -o attached.json
+    "$BIN/fiber-fill" -q -n 20 --no-history attached.json -o plain.json
+    "$BIN/fiber-fill" -q -n 20 --no-history --tendon 10%,20mm --report r.json attached.json -o painted.json
+    [ "$(value r.json tendon)" = '"given"' ]
+    grep -q '"tendon"' painted.json
+    for section in roots structure fibers attachments; do
+        cmp <(sed -n "/^  \"$section\"/,/^  []}]/p" plain.json) <(sed -n "/^  \"$section\"/,/^  []}]/p" painted.json)
+    done
+    length=$(value r.json lengthMean)
+    near "$(value r.json bellyLengthMean)" "$(awk -v l="$length" 'BEGIN { print 0.9 * l - 0.02 }')" 0.02
+    "$BIN/fiber-fill" -q -n 20 --report again.json painted.json -o again.muscle.json
+    [ "$(value again.json tendon)" = '"painted"' ]
+    near "$(value again.json bellyLengthMean)" "$(value r.json bellyLengthMean)" 0.05
+    grep -q '"tendon"' again.muscle.json
+    "$BIN/fiber-fill" -q -n 20 --tendon none --report none.json painted.json -o none.muscle.json
+    [ "$(value none.json tendonLengthShare)" = 0 ]
+    "$BIN/fiber-fill" -n 20 --tendon thickness --report t.json built.json -o t.vtp 2> err
+    grep -q 'the map of tendons is lost' err
+}
+
+@test "--tendon: what is wrong is said" {
+    for how in thick 10% 1,2,3 5%,x -1,2 120%,0 , nan,1; do
+        run -2 "$BIN/fiber-fill" -n 4 --tendon "$how" built.json -o no.json
+    done
+    run -1 "$BIN/fiber-fill" -n 4 --tendon painted built.json -o no.json
+    [[ "$output" == *'no painted map "tendon"'* ]]
+    "$BIN/fiber-fill" -q -n 4 --tendon 10%,10% built.json -o painted.json
+    awk '/"tendon"/ { on = 1 } on && /"values"/ { sub(/\[[ 0-9.]*/, "[255"); on = 0 } { print }' painted.json > loud.json
+    refute cmp -s painted.json loud.json
+    run -1 "$BIN/fiber-fill" -n 4 --report r.json loud.json -o no.json
+    [[ "$output" == *'"tendon" is 255 at vertex 0'*'divided by 255'* ]]
+    [ ! -e no.json ]
+}
+
+@test "simulate takes the map where the scene names it, and says so where it does not" {
+    "$BIN/attach-detect" -q --bone a=humerus.ply --bone b=radius.ply --distance 20mm built.json -o attached.json
+    "$BIN/fiber-fill" -q -n 20 attached.json -o plain.muscle.json
+    "$BIN/fiber-fill" -q -n 20 --tendon 30%,30% attached.json -o tendon.muscle.json
+    scene() { # RIG MAPS
+        printf '{"format": "sinew-scene", "version": 1, "metersPerUnit": 1, "rate": 24, "frames": [0, 4], "bones": [{"name": "a", "mesh": "humerus.ply"}, {"name": "b", "mesh": "radius.ply"}], "muscles": [{"name": "m", "rig": "%s", "activation": 1%s}]}\n' "$1" "$2"
+    }
+    scene plain.muscle.json '' > plain.scene.json
+    scene tendon.muscle.json '' > idle.scene.json
+    scene tendon.muscle.json ', "maps": {"tendon": "tendon"}' > used.scene.json
+    scene tendon.muscle.json ', "maps": {"tendon": "tendons"}' > wrong.scene.json
+    for name in plain idle used; do "$BIN/simulate" $name.scene.json -o $name.pc2 > $name.jsonl 2> $name.err; done
+    cmp plain.pc2 idle.pc2
+    refute cmp -s plain.pc2 used.pc2
+    grep -q 'its tendon map is not used' idle.err
+    refute grep -q 'tendon map' used.err plain.err
+    run -1 "$BIN/simulate" wrong.scene.json -o wrong.pc2
+    [[ "$output" == *'no attribute "tendons"'* ]]
+}
+
+@test "ward-table: rigs of a leg against measured fibre lengths" {
+    [ -d "$DATA/leg-vhf" ] || skip "no real anatomy at $DATA"
+    "$BATS_TEST_DIRNAME/../ward-table" "$BIN" "$DATA" ward gracilis tibialis_anterior > table.out
+    [ "$(wc -l < ward/table.tsv)" -eq 3 ]
+    awk -F '\t' 'NR > 1 && (NF != 14 || !($3 > $5) || !($14 > 0.05)) { exit 1 }' ward/table.tsv # both have a tendon in one mesh with the belly
+    awk -F '\t' '$1 == "tibialis_anterior" { exit !($11 > 5 && $13 < 3) }' ward/table.tsv # from tip to tip far too long; bipennate not
+    run -2 "$BATS_TEST_DIRNAME/../ward-table" "$BIN" "$DATA" ward biceps
+}
