@@ -35,7 +35,7 @@ static const cli_option options[] = {
 static const cli_tool tool = {"envelope-bind",
                               "bind a surface to the bones beneath it",
                               CLI_TAKES_INPUT | CLI_HAS_OUTPUT | CLI_HAS_STRICT | CLI_HAS_TRACE | CLI_HAS_REPORT | CLI_HAS_UNITS |
-                                  CLI_HAS_HISTORY | CLI_HAS_THREADS,
+                                  CLI_HAS_HISTORY | CLI_HAS_THREADS | CLI_HAS_SPACE,
                               options,
                               sizeof options / sizeof *options,
                               "INPUT is a mesh, or an envelope document, which is taken as it is bound.",
@@ -103,6 +103,7 @@ static sn_status load_bones(job *j, sn_error *error) {
     if (j->bound == NULL) return sn_fail_memory(error, "the bones");
     status = name_bones(j, error);
     if (status == SN_OK) status = bones_load(&j->bones, j->c.threads, error);
+    if (status == SN_OK) status = bones_check_spaces(&j->bones, j->given ? NULL : &j->surface, error);
     if (status == SN_OK) convert_bones(j);
     return status;
 }

@@ -118,7 +118,8 @@ static const cli_option OPTIONS[] = {
 static const cli_tool TOOL = {
     .name = "simulate",
     .summary = "Simulate the muscles of a scene; the log goes to standard output, the frames where -o says.",
-    .shared = CLI_TAKES_INPUT | CLI_HAS_OUTPUT | CLI_HAS_STRICT | CLI_HAS_TRACE | CLI_OWN_STOP | CLI_HAS_REPORT | CLI_HAS_THREADS,
+    .shared =
+        CLI_TAKES_INPUT | CLI_HAS_OUTPUT | CLI_HAS_STRICT | CLI_HAS_TRACE | CLI_OWN_STOP | CLI_HAS_REPORT | CLI_HAS_THREADS | CLI_HAS_SPACE,
     .options = OPTIONS,
     .option_count = sizeof OPTIONS / sizeof *OPTIONS,
     .notes = "-o is NAME.pc2 for one muscle, or a folder with one cache per muscle. --stop-after takes FRAME[:SUBSTEP[:ITERATION]].\n"

@@ -488,6 +488,9 @@ static sn_status check_asked(const sn_read_options *options, const sn_muscle *mu
     if (unit > 0.0 && fabs(unit - own) > 1e-9 * own)
         return sn_fail(error, SN_ERROR_USAGE, "a muscle document says its unit, here %g m, not %g m; --units is for bare meshes", own,
                        unit);
+    if (muscle->space != SN_SPACE_UNKNOWN && sn_space_told() != SN_SPACE_UNKNOWN && sn_space_told() != muscle->space)
+        return sn_fail(error, SN_ERROR_USAGE, "a muscle document says its space, here %s, not %s; --space is for what is no document",
+                       sn_space_name(muscle->space), sn_space_name(sn_space_told()));
     if (options->up_given && options->up_y) return sn_fail(error, SN_ERROR_USAGE, "a muscle document has z up; --up y is for bare meshes");
     return SN_OK;
 }
@@ -504,6 +507,7 @@ sn_status sn_muscle_parse(const sn_blob *blob, const sn_read_options *options, s
                            ? sn_fail(error, SN_ERROR_USAGE, "a muscle document holds one mesh; --mesh is for bare meshes")
                            : parse_document(blob, out, *document, error);
     if (status == SN_OK && !bare) status = check_asked(options, out, error);
+    if (out->space == SN_SPACE_UNKNOWN) out->space = sn_space_told();
     if (status == SN_OK) return SN_OK;
     sn_error_set_file(error, blob->name);
     sn_muscle_free(out);
