@@ -39,6 +39,7 @@ enum {
     CLI_WRITES = 16,   /* its value names a file that is written */
     CLI_FOLDER = 32,   /* beside CLI_WRITES: or a folder, which is made where it is missing */
     CLI_IN_PLACE = 64, /* beside CLI_WRITES: written in place, line by line */
+    CLI_CACHE = 256,   /* beside CLI_WRITES and CLI_FOLDER: a folder, and nothing else */
     CLI_STATE = 128    /* a state: one that is written may take the place of one that is read */
 };
 
