@@ -133,6 +133,7 @@ static sn_status load_scene(job *j, sn_error *error) {
     if (status != SN_OK) return status;
     sn_hash(blob.data, blob.size, j->report.scene_hash);
     status = sn_scene_parse(&blob, false, &j->scene, error);
+    if (status == SN_OK) status = sn_scene_check_bones(blob.name, &j->scene, error);
     if (status == SN_OK) {
         apply_frames(j);
         j->scene.solver.threads = (int)given.threads;

@@ -293,3 +293,24 @@ on, off = last("on.pc2"), last("off.pc2")
 assert max(abs(a - b) for a, b in zip(on, off)) > 0.003
 END
 }
+
+@test "bones' files are looked at: one that is not there draws a warning as in simulate, one that is no file is refused" {
+    cp tip/*.json .
+    for file in nowhere.ply /dev/zero; do
+        python3 - $file << 'END'
+import json, sys
+s = json.load(open("tip/tip.scene.json"))
+s["bones"][0]["mesh"] = sys.argv[1]
+json.dump(s, open("tip/odd.scene.json", "w"))
+END
+        code=0
+        timeout 60 "$BIN/error-time" tip/odd.scene.json --frames 0:1 --settings settings.txt --runs 1 --reference 2 -o odd 2> err || code=$?
+        if [ $file = nowhere.ply ]; then
+            grep -q 'warning: .*nowhere.ply: bone ".*": cannot be opened.*this run does without its surface' err
+            [ "$code" -ne 1 ]
+        else
+            grep -q '/dev/zero: bone ".*": is a device or a pipe' err
+            [ "$code" -eq 1 ]
+        fi
+    done
+}
