@@ -41,7 +41,7 @@ static void cut_box(probe_bone *bone) {
     double longest = fmax(size.x, fmax(size.y, size.z)), volume = size.x * size.y * size.z;
     if (!bone->closed || !(longest > 0.0) || !(volume > 0.0)) return;
     const double extent[3] = {size.x, size.y, size.z};
-    bone->side = fmax(cbrt(volume / MOST_CELLS), longest / 4096.0);
+    bone->side = longest / 4096.0;
     for (double all = INFINITY; all > MOST_CELLS;) {
         bone->side *= 1.05;
         all = 1.0;

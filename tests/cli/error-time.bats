@@ -304,7 +304,7 @@ s["bones"][0]["mesh"] = sys.argv[1]
 json.dump(s, open("tip/odd.scene.json", "w"))
 END
         code=0
-        timeout 60 "$BIN/error-time" tip/odd.scene.json --frames 0:1 --settings settings.txt --runs 1 --reference 2 -o odd 2> err || code=$?
+        timeout 60 "$BIN/error-time" tip/odd.scene.json --frames 0:1 --settings settings.txt --runs 1 --reference 4 -o odd 2> err || code=$?
         if [ $file = nowhere.ply ]; then
             grep -q 'warning: .*nowhere.ply: bone ".*": cannot be opened.*this run does without its surface' err
             [ "$code" -ne 1 ]
