@@ -114,6 +114,7 @@ $(B)/bin/%: $(B)/tools/%.o $(TOOL_SHARED) $(B)/libsinew.a
 	$(Q)$(call link,$(LIBS_$*))
 
 # sources of one tool alone
+$(B)/bin/envelope-bind: $(B)/tools/frame_files.o
 $(B)/bin/simulate: $(B)/tools/fibers.o $(B)/tools/earlier.o $(B)/tools/contacts.o $(B)/tools/outcome.o $(B)/tools/bone_frames.o $(B)/tools/frame_files.o
 $(B)/bin/motion-import $(B)/bin/motion-fit: $(B)/tools/clip.o
 $(B)/bin/rig-view: $(B)/tools/motion_view.o $(B)/tools/frame_list.o $(B)/tools/section_view.o

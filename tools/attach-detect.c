@@ -155,10 +155,11 @@ static void convert_landmarks(const bone_list *bones, double meters_per_unit, sn
         }
 }
 
-static sn_status load_landmarks(const bone_list *bones, double meters_per_unit, sn_landmarks *out, sn_error *error) {
+static sn_status load_landmarks(const bone_list *bones, const sn_muscle *muscle, sn_landmarks *out, sn_error *error) {
     if (landmark_file == NULL) return SN_OK;
     sn_status status = sn_landmarks_read(landmark_file, out, error);
-    if (status == SN_OK) convert_landmarks(bones, meters_per_unit, out);
+    if (status == SN_OK) status = cli_check_space(muscle, out->space, landmark_file, error);
+    if (status == SN_OK) convert_landmarks(bones, muscle->meters_per_unit, out);
     return status;
 }
 
@@ -514,7 +515,7 @@ static void set_bone_frame(const cli *c, const sn_muscle *muscle, bone_list *bon
 static sn_status attach(cli *c, sn_muscle *muscle, const pin_list *pins, outcome *o, sn_error *error) {
     sn_status status = bones_load(&o->bones, c->threads, error);
     if (status == SN_OK) status = bones_check_spaces(&o->bones, muscle, error);
-    if (status == SN_OK) status = load_landmarks(&o->bones, muscle->meters_per_unit, &o->landmarks, error);
+    if (status == SN_OK) status = load_landmarks(&o->bones, muscle, &o->landmarks, error);
     return status == SN_OK ? detect(c, muscle, pins, o, error) : status;
 }
 

@@ -161,8 +161,9 @@ sn_status bones_load(bone_list *list, int threads, sn_error *error) {
 }
 
 sn_status bones_check_spaces(const bone_list *list, const sn_muscle *muscle, sn_error *error) {
-    sn_space_seen seen = {.space = SN_SPACE_UNKNOWN};
-    sn_status status = sn_space_take(&seen, muscle->space, muscle->name != NULL ? muscle->name : "the muscle", error);
+    sn_space_seen seen = sn_space_begin();
+    sn_status status = SN_OK;
+    if (muscle != NULL) status = sn_space_take(&seen, muscle->space, muscle->name != NULL ? muscle->name : "the muscle", error);
     for (size_t i = 0; i < list->count && status == SN_OK; i++)
         status = sn_space_take(&seen, list->items[i].space, list->items[i].name, error);
     return status;

@@ -31,7 +31,8 @@ typedef struct bone_list {
 SN_MUST_CHECK sn_status bones_name(const cli *c, const cli_list *files, const cli_list *lists, bone_list *out, sn_error *error);
 /* Read all meshes, in parallel. The first that failed, in the order given, is the error. */
 SN_MUST_CHECK sn_status bones_load(bone_list *list, int threads, sn_error *error);
-/* Are all in one space with the muscle, as far as it is told? Beside bones of another it would be put on the other side's. */
+/* Are all in one space with the muscle (NULL: with each other), as far as it is told? Beside bones of another it would be put on the other
+ * side's. */
 SN_MUST_CHECK sn_status bones_check_spaces(const bone_list *list, const sn_muscle *muscle, sn_error *error);
 /* For the history: the hash of one --bones LIST, over the names of its bones and the contents of those used (a cli_hash_function). */
 SN_MUST_CHECK sn_status bones_hash(const void *list, const char *value, char out[SN_HASH_LENGTH], sn_error *error);

@@ -63,6 +63,12 @@ sn_status cli_load(cli *c, cli_muscle *out, sn_error *error) {
     return status;
 }
 
+sn_status cli_check_space(const sn_muscle *muscle, sn_space space, const char *file, sn_error *error) {
+    sn_space_seen seen = sn_space_begin();
+    sn_status status = sn_space_take(&seen, muscle->space, muscle->name != NULL ? muscle->name : "the muscle", error);
+    return status == SN_OK && file != NULL ? sn_space_take(&seen, space, file, error) : status;
+}
+
 void cli_free(cli_muscle *muscle) {
     sn_document_free(muscle->document);
     sn_muscle_free(&muscle->muscle);

@@ -19,11 +19,12 @@
 const char *const cli_unit_names[] = {"m", "cm", "mm", NULL};
 const double cli_unit_meters[] = {1.0, 0.01, 0.001};
 const char *const cli_up_names[] = {"z", "y", NULL};
+const char *const cli_space_names[] = {"LPS", "RAS", NULL};
 
 /* Targets of the shared options. */
 typedef struct shared_values {
     const char *output, *report, *trace, *stop_after, *mesh;
-    int units, up;
+    int units, up, space;
     bool list, no_history, strict, quiet, help, usage, version;
     int64_t threads;
 } shared_values;
@@ -47,6 +48,9 @@ static const shared_option shared_options[] = {
     {CLI_HAS_UNITS,
      {0, "up", "AXIS", CLI_CHOICE, &shared.up, CLI_RESULT, 0, 0, cli_up_names,
       "up axis of a bare mesh: z, or y, turned to z (default: as its file says, else z)"}},
+    {CLI_HAS_SPACE,
+     {0, "space", "SPACE", CLI_CHOICE, &shared.space, CLI_RESULT, 0, 0, cli_space_names,
+      "anatomical space of what is read: LPS or RAS; goes before what headers of meshes say (default: as they say)"}},
     {CLI_HAS_UNITS,
      {0, "mesh", "NAME|N", CLI_TEXT, &shared.mesh, CLI_RESULT, 0, 0, NULL,
       "of a file with several meshes, the one to read (default: all)"}},
@@ -447,6 +451,7 @@ static void take_shared(cli *c) {
     c->list = shared.list;
     c->history = !shared.no_history;
     sn_documents_strict(shared.strict);
+    if (cli_given(c, "space")) sn_space_tell(sn_space_from_name(cli_space_names[shared.space]));
     c->threads = (int)shared.threads;
     c->verbosity = shared.quiet ? -1 : verbose_twice ? 2 : verbose_once ? 1 : 0;
     take_stop_after(c);

@@ -39,6 +39,7 @@ enum {
     CLI_WRITES = 16,   /* its value names a file that is written */
     CLI_FOLDER = 32,   /* beside CLI_WRITES: or a folder, which is made where it is missing */
     CLI_IN_PLACE = 64, /* beside CLI_WRITES: written in place, line by line */
+    CLI_CACHE = 256,   /* beside CLI_WRITES and CLI_FOLDER: a folder, and nothing else */
     CLI_STATE = 128    /* a state: one that is written may take the place of one that is read */
 };
 
@@ -58,9 +59,10 @@ typedef struct cli_option {
 } cli_option;
 
 /* Of --units and --up, and of options like them; NULL at the end. */
-extern const char *const cli_unit_names[]; /* "m", "cm", "mm" */
-extern const double cli_unit_meters[];     /* in their order, m */
-extern const char *const cli_up_names[];   /* "z", "y" */
+extern const char *const cli_unit_names[];  /* "m", "cm", "mm" */
+extern const double cli_unit_meters[];      /* in their order, m */
+extern const char *const cli_up_names[];    /* "z", "y" */
+extern const char *const cli_space_names[]; /* "LPS", "RAS" */
 
 /* What the tools of the chain may write. */
 #define CLI_WRITES_MUSCLE ".json, .obj, .ply, .stl, .off, .vtp"
@@ -77,8 +79,9 @@ enum {
     CLI_HAS_THREADS = 128, /* --threads */
     CLI_HAS_LIST = 256,    /* --list: cli_load obeys it */
     CLI_HAS_STRICT = 1024, /* --strict: what reads documents */
+    CLI_HAS_SPACE = 2048,  /* --space: what reads meshes */
     CLI_OWN_STOP = 512,    /* beside CLI_HAS_TRACE: --stop-after has a form of the tool's own, which the tool reads */
-    CLI_CHAIN = 4 | 8 | 16 | 32 | 64 | 256 | 1024 | 1 /* what every tool of the rig chain takes */
+    CLI_CHAIN = 4 | 8 | 16 | 32 | 64 | 256 | 1024 | 2048 | 1 /* what every tool of the rig chain takes */
 };
 
 typedef struct cli_tool {
@@ -153,6 +156,8 @@ SN_MUST_CHECK sn_status cli_load(cli *c, cli_muscle *out, sn_error *error);
  * that have changed leave the automatic roots, the structure and the fibres as they are, but these were made from other ends: a warning
  * says which tools to run again, and the report "stale" and "runAgain". */
 SN_MUST_CHECK sn_status cli_save(cli *c, const cli_muscle *muscle, unsigned changed, sn_error *error);
+/* Is a file that goes with it (NULL: none) in its space, as far as both are told? */
+SN_MUST_CHECK sn_status cli_check_space(const sn_muscle *muscle, sn_space space, const char *file, sn_error *error);
 void cli_free(cli_muscle *muscle);
 /* What --list asks for: a line "number, name, vertices, triangles", parted by tabs, for each mesh of a bare mesh's file to stdout.
  * Returns SN_STOPPED, as nothing is left to be done. */

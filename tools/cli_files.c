@@ -141,6 +141,8 @@ static sn_status try_output(const named_files *files, const named_file *file, sn
     bool folder = (file->option->flags & CLI_FOLDER) != 0;
     if (is_standard(file->path) || strchr(file->path, '#') != NULL) return SN_OK;
     if (stat(file->path, &info) != 0) return errno == ENOENT ? try_folder(files, file->path, error) : refuse(file->path, error);
+    if (!S_ISDIR(info.st_mode) && (file->option->flags & CLI_CACHE))
+        return sn_fail_at(error, SN_ERROR_IO, file->path, 0, "is not a folder, which a cache is");
     if (S_ISDIR(info.st_mode) && !folder) return sn_fail_at(error, SN_ERROR_IO, file->path, 0, "is a directory; name a file in it");
     if (access(file->path, S_ISDIR(info.st_mode) ? W_OK | X_OK : W_OK) != 0) return refuse(file->path, error);
     return S_ISREG(info.st_mode) && !(file->option->flags & CLI_IN_PLACE) ? try_folder(files, file->path, error) : SN_OK;

@@ -1,5 +1,6 @@
 /* envelope-bind.c -- a surface of one piece bound to the bones beneath it, and what a motion makes of it. */
 #include "bones.h"
+#include "frame_files.h"
 #include "sinew/thread.h"
 
 #include <stdio.h>
@@ -35,7 +36,7 @@ static const cli_option options[] = {
 static const cli_tool tool = {"envelope-bind",
                               "bind a surface to the bones beneath it",
                               CLI_TAKES_INPUT | CLI_HAS_OUTPUT | CLI_HAS_STRICT | CLI_HAS_TRACE | CLI_HAS_REPORT | CLI_HAS_UNITS |
-                                  CLI_HAS_HISTORY | CLI_HAS_THREADS,
+                                  CLI_HAS_HISTORY | CLI_HAS_THREADS | CLI_HAS_SPACE,
                               options,
                               sizeof options / sizeof *options,
                               "INPUT is a mesh, or an envelope document, which is taken as it is bound.",
@@ -103,6 +104,7 @@ static sn_status load_bones(job *j, sn_error *error) {
     if (j->bound == NULL) return sn_fail_memory(error, "the bones");
     status = name_bones(j, error);
     if (status == SN_OK) status = bones_load(&j->bones, j->c.threads, error);
+    if (status == SN_OK) status = bones_check_spaces(&j->bones, j->given ? NULL : &j->surface, error);
     if (status == SN_OK) convert_bones(j);
     return status;
 }
@@ -341,6 +343,17 @@ static void check_frames(const job *j) {
     if (format != SN_MESH_PLY && format != SN_MESH_VTP) cli_usage_error(&j->c, "--frames %s: name a file .pc2, .ply or .vtp", frames_to);
 }
 
+/* An older, longer sequence would mix with this one. */
+static sn_status check_sequence(const job *j, sn_error *error) {
+    if (frames_to == NULL || is_cache(frames_to)) return SN_OK;
+    size_t stem = (size_t)(strrchr(frames_to, '.') - frames_to);
+    const frame_range range = {.first = number_of(j, 0), .last = number_of(j, (sn_index)((j->clip.frame_count - 1) / every * every))};
+    char *prefix = sn_strndup(frames_to, stem);
+    sn_status status = prefix != NULL ? frame_sequence_check(prefix, frames_to + stem, &range, error) : sn_fail_memory(error, "the frames");
+    free(prefix);
+    return status;
+}
+
 static sn_status open_target(const job *j, target *t, sn_error *error) {
     t->moved = (sn_mesh){.vertex_count = j->envelope.mesh.vertex_count,
                          .triangle_count = j->envelope.mesh.triangle_count,
@@ -531,6 +544,8 @@ static sn_status bind_envelope(job *j, sn_error *error) {
     if (status != SN_OK) return status;
     if (bones_to != NULL) return write_bones(j, error);
     if (every == 0) every = (int64_t)fmax(1.0, round(j->clip.rate / 24.0));
+    status = check_sequence(j, error);
+    if (status != SN_OK) return status;
     j->pool = sn_pool_create(j->c.threads);
     if (j->given)
         take_bound(j);

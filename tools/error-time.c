@@ -86,7 +86,7 @@ static const cli_option OPTIONS[] = {
 static const cli_tool TOOL = {
     .name = "error-time",
     .summary = "Measure the error of solver settings on a scene against the time that they take.",
-    .shared = CLI_TAKES_INPUT | CLI_HAS_OUTPUT | CLI_HAS_STRICT,
+    .shared = CLI_TAKES_INPUT | CLI_HAS_OUTPUT | CLI_HAS_STRICT | CLI_HAS_SPACE,
     .options = OPTIONS,
     .option_count = sizeof OPTIONS / sizeof *OPTIONS,
     .notes = "-o FOLDER gets error-time.tsv, .json, .dat, .svg and .png; without it the table goes to standard output.\n"
@@ -133,6 +133,7 @@ static sn_status load_scene(job *j, sn_error *error) {
     if (status != SN_OK) return status;
     sn_hash(blob.data, blob.size, j->report.scene_hash);
     status = sn_scene_parse(&blob, false, &j->scene, error);
+    if (status == SN_OK) status = sn_scene_check_bones(blob.name, &j->scene, error);
     if (status == SN_OK) {
         apply_frames(j);
         j->scene.solver.threads = (int)given.threads;

@@ -177,6 +177,7 @@ static sn_status read_ends(const sn_muscle *muscle, sn_fiber_ends *ends, sn_erro
     if (ends_file == NULL) return SN_OK;
     sn_blob blob = {0};
     sn_status status = sn_blob_read(ends_file, &blob, error);
+    if (status == SN_OK) status = cli_check_space(muscle, sn_blob_space(&blob), ends_file, error);
     if (status == SN_OK) status = sn_fiber_ends_parse(&blob, &muscle->mesh, ends, error);
     sn_blob_free(&blob);
     params.origin = ends->origin;
@@ -186,9 +187,11 @@ static sn_status read_ends(const sn_muscle *muscle, sn_fiber_ends *ends, sn_erro
     return status;
 }
 
-static sn_status read_superficial(sn_fibers *lines, sn_error *error) {
+static sn_status read_superficial(const sn_muscle *muscle, sn_fibers *lines, sn_error *error) {
     if (bend_file == NULL) return SN_OK;
-    sn_status status = sn_polylines_read(bend_file, lines, error);
+    sn_space space;
+    sn_status status = sn_polylines_read(bend_file, lines, &space, error);
+    if (status == SN_OK) status = cli_check_space(muscle, space, bend_file, error);
     params.bend_count = lines->polyline_count;
     params.bend_lines = lines->polylines;
     return status;
@@ -295,7 +298,7 @@ static sn_status fill(cli *c, cli_muscle *muscle, sn_error *error) {
     outcome o = {0};
     bool stopped = false;
     sn_status status = read_template(&template_lines, &curves, error);
-    if (status == SN_OK) status = read_superficial(&superficial, error);
+    if (status == SN_OK) status = read_superficial(&muscle->muscle, &superficial, error);
     if (status == SN_OK) status = read_ends(&muscle->muscle, &ends, error);
     if (status == SN_OK) {
         status = sn_fill_fibers(&muscle->muscle, &params, &c->trace, &lines, &o.fill, error);

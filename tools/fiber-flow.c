@@ -74,9 +74,12 @@ static void comment_ends(const cli *c, const sn_flow_report *r) {
 
 /* ---- work ----------------------------------------------------------------------------------------------------------------- */
 
-static sn_status read_extras(sn_end_site **sites, sn_fibers *given, sn_error *error) {
-    sn_status status = ends != NULL ? sn_sites_read(ends, &params.site_count, sites, error) : SN_OK;
-    if (status == SN_OK && from_fibers != NULL) status = sn_polylines_read(from_fibers, given, error);
+static sn_status read_extras(const sn_muscle *muscle, sn_end_site **sites, sn_fibers *given, sn_error *error) {
+    sn_space of_ends = SN_SPACE_UNKNOWN, of_fibers = SN_SPACE_UNKNOWN;
+    sn_status status = ends != NULL ? sn_sites_read(ends, &params.site_count, sites, &of_ends, error) : SN_OK;
+    if (status == SN_OK && from_fibers != NULL) status = sn_polylines_read(from_fibers, given, &of_fibers, error);
+    if (status == SN_OK) status = cli_check_space(muscle, of_ends, ends, error);
+    if (status == SN_OK) status = cli_check_space(muscle, of_fibers, from_fibers, error);
     params.sites = *sites;
     params.polyline_count = given->polyline_count;
     params.polylines = given->polylines;
@@ -129,8 +132,8 @@ int main(int argc, char **argv) {
     cli_start(&c, &tool, argc, argv);
     cli_take_ends(&ends);
     take_options(&c);
-    sn_status status = read_extras(&sites, &given, &error);
-    if (status == SN_OK) status = cli_load(&c, &muscle, &error);
+    sn_status status = cli_load(&c, &muscle, &error);
+    if (status == SN_OK) status = read_extras(&muscle.muscle, &sites, &given, &error);
     if (status == SN_OK) status = flow(&c, &muscle, &error);
     cli_free(&muscle);
     sn_fibers_free(&given);

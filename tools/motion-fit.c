@@ -47,7 +47,7 @@ static const cli_option options[] = {
 static const cli_tool tool = {"motion-fit",
                               "fit a recorded motion to a body's own bones",
                               CLI_TAKES_INPUT | CLI_HAS_OUTPUT | CLI_HAS_STRICT | CLI_HAS_TRACE | CLI_HAS_REPORT | CLI_HAS_HISTORY |
-                                  CLI_HAS_THREADS,
+                                  CLI_HAS_THREADS | CLI_HAS_SPACE,
                               options,
                               sizeof options / sizeof *options,
                               "The motion is a motion document, or what motion-import reads.",
@@ -111,6 +111,7 @@ static sn_status load_bones(job *j, sn_error *error) {
     if (!given && folder == NULL) cli_usage_error(&j->c, "name the bones with --bones, or their folder in the table");
     sn_status status = bones_name(&j->c, &bone_texts, given ? &bone_lists : &own, &j->bones, error);
     if (status == SN_OK) status = bones_load(&j->bones, j->c.threads, error);
+    if (status == SN_OK) status = bones_check_spaces(&j->bones, NULL, error);
     return status == SN_OK ? convert_bones(j, error) : status;
 }
 

@@ -27,8 +27,9 @@ static void document_free(document *d) {
 
 typedef struct loading {
     document *document;
-    sn_status *statuses; /* (bone_count) */
-    sn_error *errors;    /* (bone_count) */
+    sn_status *statuses;   /* (bone_count) */
+    sn_error *errors;      /* (bone_count) */
+    sn_mesh_frame *frames; /* (bone_count) */
 } loading;
 
 static void load_range(void *user, sn_index begin, sn_index end, sn_index chunk) {
@@ -36,28 +37,31 @@ static void load_range(void *user, sn_index begin, sn_index end, sn_index chunk)
     loading *l = user;
     for (sn_index b = begin; b < end; b++) {
         sn_mesh *mesh = &l->document->meshes[b];
-        double unit = 1.0;
-        l->statuses[b] = sn_motion_bone_load(&l->document->motion.bones[b], 1.0, mesh, &unit, &l->errors[b]);
-        sn_mesh_convert(mesh, unit, false);
+        l->statuses[b] = sn_motion_bone_load(&l->document->motion.bones[b], 1.0, mesh, &l->frames[b], &l->errors[b]);
+        sn_mesh_convert(mesh, l->frames[b].meters_per_unit, false);
     }
 }
 
 /* All of them, in parallel; the first that failed, in the document's order, is the error. */
 static sn_status load_bones(document *d, int threads, sn_error *error) {
     sn_index count = d->motion.bone_count;
-    loading l = {d, SN_NEW(sn_status, count), SN_NEW(sn_error, count)};
+    loading l = {d, SN_NEW(sn_status, count), SN_NEW(sn_error, count), SN_NEW(sn_mesh_frame, count)};
+    sn_space_seen seen = sn_space_begin();
     d->meshes = SN_NEW(sn_mesh, count);
-    sn_pool *pool = l.statuses && l.errors && d->meshes ? sn_pool_create(threads) : NULL;
+    sn_pool *pool = l.statuses && l.errors && l.frames && d->meshes ? sn_pool_create(threads) : NULL;
     sn_status status = pool ? SN_OK : sn_fail_memory(error, "the bones");
     if (!status) sn_parallel_for(pool, count, 2, load_range, &l);
     for (sn_index b = 0; b < count && !status; b++) {
-        if (!l.statuses[b]) continue;
         status = l.statuses[b];
-        *error = l.errors[b];
+        if (status)
+            *error = l.errors[b];
+        else
+            status = sn_space_take(&seen, l.frames[b].space, d->motion.bones[b].name, error);
     }
     sn_pool_destroy(pool);
     free(l.statuses);
     free(l.errors);
+    free(l.frames);
     return status;
 }
 

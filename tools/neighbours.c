@@ -292,7 +292,7 @@ static void take_found(sn_muscle *muscle, sn_neighbours_found *found) {
 
 /* Bones are checked where they are loaded. */
 static sn_status check_spaces(const sn_muscle *muscle, const neighbour_result *found, sn_error *error) {
-    sn_space_seen seen = {.space = SN_SPACE_UNKNOWN};
+    sn_space_seen seen = sn_space_begin();
     sn_status status = sn_space_take(&seen, muscle->space, muscle->name != NULL ? muscle->name : "the muscle", error);
     for (size_t i = 0; i < found->target_count && status == SN_OK; i++)
         status = sn_space_take(&seen, found->targets[i].muscle.space, found->targets[i].name, error);

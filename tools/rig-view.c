@@ -103,7 +103,7 @@ static const cli_option options[] = {
 static const cli_tool tool = {
     .name = "rig-view",
     .summary = "Draw muscle documents, meshes, motions, scenes, frames and states of a simulation as a PNG picture.",
-    .shared = CLI_TAKES_INPUTS | CLI_HAS_OUTPUT | CLI_HAS_STRICT | CLI_HAS_UNITS | CLI_HAS_THREADS,
+    .shared = CLI_TAKES_INPUTS | CLI_HAS_OUTPUT | CLI_HAS_STRICT | CLI_HAS_UNITS | CLI_HAS_THREADS | CLI_HAS_SPACE,
     .options = options,
     .option_count = sizeof options / sizeof *options,
     .writes = ".png",
@@ -365,6 +365,9 @@ static sn_status add_muscle(album *a, const sn_blob *blob, const char *path, sn_
     sn_document_free(document);
     if (!status && !item.caption) status = sn_fail_memory(error, "a caption");
     if (!status) status = sn_mesh_validate(&muscle.mesh, error);
+    if (!status) status = bones_check_spaces(&a->bones, &muscle, error);
+    for (size_t i = 0; i < a->rigs.files.count && !status; i++)
+        status = cli_check_space(&muscle, a->rigs.muscles[i].space, a->rigs.names[i], error);
     if (!status && a->show & SN_SHOW_EXTERNALS && !muscle.has_externals)
         cli_warn(a->c, "%s has no externals; attach-detect --muscles finds them", path);
     if (!status) status = add_rig(a, &muscle, &item.view, error);

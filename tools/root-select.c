@@ -150,9 +150,11 @@ int main(int argc, char **argv) {
     cli_take_ends(&ends);
     take_selection(&c, &params, &chosen);
     params.eigenfunction = tips == 1;
-    sn_status status = ends != NULL ? sn_sites_read(ends, &params.site_count, &sites, &error) : SN_OK;
+    sn_space space = SN_SPACE_UNKNOWN;
+    sn_status status = ends != NULL ? sn_sites_read(ends, &params.site_count, &sites, &space, &error) : SN_OK;
     params.sites = sites;
     if (status == SN_OK) status = cli_load(&c, &muscle, &error);
+    if (status == SN_OK) status = cli_check_space(&muscle.muscle, space, ends, &error);
     if (status == SN_OK) status = select_roots(&c, &params, &muscle, &error);
     cli_free(&muscle);
     selector_free(&chosen);

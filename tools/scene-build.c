@@ -61,7 +61,7 @@ static const cli_option options[] = {
 
 static const cli_tool tool = {"scene-build",
                               "build a scene from rigs, bones, a motion, activations",
-                              CLI_TAKES_INPUTS | CLI_HAS_OUTPUT | CLI_HAS_STRICT | CLI_HAS_REPORT | CLI_HAS_HISTORY,
+                              CLI_TAKES_INPUTS | CLI_HAS_OUTPUT | CLI_HAS_STRICT | CLI_HAS_REPORT | CLI_HAS_HISTORY | CLI_HAS_SPACE,
                               options,
                               sizeof options / sizeof *options,
                               "An input is a rig, or a folder: every .muscle.json in it.",

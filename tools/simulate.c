@@ -89,7 +89,7 @@ static const cli_option OPTIONS[] = {
     {0, "contact-samples", "N", CLI_INTEGER, &given.contact.samples, 0, 0, 3, NULL, "hold 1 or 3 points inside each triangle out, too"},
     {0, "grid-cell", "LENGTH", CLI_LENGTH, &given.contact.cell, 0, 0, 0, NULL,
      "of the bones' distance fields (default: a third of the finest mean edge in reach, or a sixth of the bone's thickness)"},
-    {0, "grid-cache", "FOLDER", CLI_TEXT, &given.contact.cache, 0, 0, 0, NULL, "keep these fields in FOLDER for the next run"},
+    {0, "grid-cache", "FOLDER", CLI_TEXT, &given.contact.cache, CLI_WRITES | CLI_FOLDER | CLI_CACHE, 0, 0, NULL, "keep these fields in FOLDER for the next run"},
     {0, "collision", "HOW", CLI_CHOICE, &given.contact.collision, 0, 0, 0, sn_collision_names,
      "scheme (default), field or, under xpbd, voxel: Kohout and Cervenka's, which the scheme kohout means"},
     {0, "voxels", "N", CLI_TEXT, &given.contact.voxels, 0, 0, 0, NULL,
@@ -112,13 +112,14 @@ static const cli_option OPTIONS[] = {
     {0, "penetration", NULL, CLI_FLAG, &given.fibers.penetration, 0, 0, 0, NULL, "log the fibre vertices inside bones, and the deepest"},
     {0, "mvc-cut", "W", CLI_NUMBER, &given.fibers.cut, 0, 0, 0.09, NULL,
      "drop weights that bind them below W and correct the rest (default 3e-4); 0 keeps all"},
-    {0, "embedding-cache", "FOLDER", CLI_TEXT, &given.fibers.cache, 0, 0, 0, NULL, "keep these weights in FOLDER for the next run"},
+    {0, "embedding-cache", "FOLDER", CLI_TEXT, &given.fibers.cache, CLI_WRITES | CLI_FOLDER | CLI_CACHE, 0, 0, NULL, "keep these weights in FOLDER for the next run"},
 };
 
 static const cli_tool TOOL = {
     .name = "simulate",
     .summary = "Simulate the muscles of a scene; the log goes to standard output, the frames where -o says.",
-    .shared = CLI_TAKES_INPUT | CLI_HAS_OUTPUT | CLI_HAS_STRICT | CLI_HAS_TRACE | CLI_OWN_STOP | CLI_HAS_REPORT | CLI_HAS_THREADS,
+    .shared =
+        CLI_TAKES_INPUT | CLI_HAS_OUTPUT | CLI_HAS_STRICT | CLI_HAS_TRACE | CLI_OWN_STOP | CLI_HAS_REPORT | CLI_HAS_THREADS | CLI_HAS_SPACE,
     .options = OPTIONS,
     .option_count = sizeof OPTIONS / sizeof *OPTIONS,
     .notes = "-o is NAME.pc2 for one muscle, or a folder with one cache per muscle. --stop-after takes FRAME[:SUBSTEP[:ITERATION]].\n"

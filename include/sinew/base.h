@@ -117,6 +117,8 @@ int sn_word_distance(const char *word, size_t length, const char *known);
 /* The word of a NULL-terminated list that such a word was meant to be, the first of those that are equally near; NULL = none of them. */
 const char *sn_nearest_word(const char *word, size_t length, const char *const *known);
 
+/* The size of the byte order mark of UTF-8 that a text begins with: 3 or 0. */
+size_t sn_byte_order_mark(const char *text, size_t size);
 /* The lines of a text, which end in LF, CR LF or CR; a byte order mark before the first is passed over. */
 typedef struct sn_text_lines {
     const char *at, *end; /* what is not read yet */

@@ -109,6 +109,8 @@ typedef struct sn_mesh_frame {
 } sn_mesh_frame;
 /* As sn_mesh_parse, and what the file says of unit and axis; coordinates stay as they are in the file. */
 SN_MUST_CHECK sn_status sn_mesh_parse_frame(const sn_blob *blob, bool allow_nonfinite, sn_mesh *out, sn_mesh_frame *frame, sn_error *error);
+/* The anatomical space of any file: what was told (sn_space_tell), else what its first comments say. */
+sn_space sn_blob_space(const sn_blob *blob);
 /* A file; finite coordinates only. frame is nullable. */
 SN_MUST_CHECK sn_status sn_mesh_read(const char *path, sn_mesh *out, sn_mesh_frame *frame, sn_error *error);
 /* Turn y up to z up, where up_y: (x, y, z) becomes (x, -z, y); and scale. */
@@ -221,13 +223,14 @@ void sn_document_free(sn_document *document);
 /* ---- what a user adds to a muscle (lib/io/sites.c polylines.c) ----------------------------------------------------------------- */
 
 /* Lines "origin X Y Z" and "insertion X Y Z" (blanks, tabs or commas between; # begins a comment), or fibres as sn_polylines_read takes
- * them: each has a site of the origin where it begins and one of the insertion where it ends. *sites is freed by the caller. */
-SN_MUST_CHECK sn_status sn_sites_read(const char *path, sn_index *count, sn_end_site **sites, sn_error *error);
+ * them: each has a site of the origin where it begins and one of the insertion where it ends. space: as sn_blob_space. *sites is freed by
+ * the caller. */
+SN_MUST_CHECK sn_status sn_sites_read(const char *path, sn_index *count, sn_end_site **sites, sn_space *space, sn_error *error);
 /* Fibres: the lines (l) of an OBJ file or those of VTK PolyData (VTP or legacy), or the polylines of a muscle document or of any JSON
  * object
  * {"polylines": [{"points": [x,y,z,...]}]}; at least one. Lines of two points are joined where they meet end to end. Free with
- * sn_fibers_free. */
-SN_MUST_CHECK sn_status sn_polylines_read(const char *path, sn_fibers *out, sn_error *error);
+ * sn_fibers_free. space, nullable: as sn_blob_space. */
+SN_MUST_CHECK sn_status sn_polylines_read(const char *path, sn_fibers *out, sn_space *space, sn_error *error);
 SN_MUST_CHECK sn_status sn_polylines_parse(const sn_blob *blob, sn_fibers *out, sn_error *error);
 /* Is it a file of fibres by its first words: VTK, or an OBJ file? JSON may be one. (lib/io/polylines.c) */
 bool sn_polylines_detect(const sn_blob *blob);
@@ -264,6 +267,7 @@ typedef struct sn_landmarks {
     sn_index count;
     sn_landmark_area *areas; /* (count) in the order of the file, in the file's unit */
     double meters_per_unit;  /* 0 = the file does not say */
+    sn_space space;          /* as sn_blob_space */
 } sn_landmarks;
 /* JSON: { "areas": [ { "bone", "name", "landmarks": [[x,y,z], ...] }, ... ] }, optionally "metersPerUnit"; or lines of bone, area, x, y, z
  * with tabs between them: lines with the same bone and area make one area. Errors name line or member. */
@@ -401,9 +405,9 @@ bool sn_motion_document_detect(const sn_blob *blob);
 /* Read one as it stands: hinges, keys, coordinates, and bones with paths from the working directory; valid. *name (owned by the caller) is
  * NULL where it has none; *rate is 24 where it tells none. Errors name file, line and column. */
 SN_MUST_CHECK sn_status sn_motion_document_parse(const sn_blob *blob, sn_motion *out, char **name, double *rate, sn_error *error);
-/* The surface of a motion's bone, z up and valid, in units of *meters_per_unit: the bone's, else what the file says, else `fallback`.
- * Errors name bone and file (lib/io/bone_document.c). */
-SN_MUST_CHECK sn_status sn_motion_bone_load(const sn_motion_bone *bone, double fallback, sn_mesh *out, double *meters_per_unit,
+/* The surface of a motion's bone, z up and valid, in the unit and space of *frame; the unit is the bone's, else what the file says, else
+ * `fallback`. Errors name bone and file (lib/io/bone_document.c). */
+SN_MUST_CHECK sn_status sn_motion_bone_load(const sn_motion_bone *bone, double fallback, sn_mesh *out, sn_mesh_frame *frame,
                                             sn_error *error);
 
 /* An envelope document (lib/io/envelope_document.c): share/schema/envelope.schema.json. */

@@ -116,12 +116,19 @@ const char *sn_space_name(sn_space space);         /* "LPS", "RAS"; NULL of an u
 sn_space sn_space_from_name(const char *name);     /* that, or SN_SPACE_UNKNOWN */
 /* What a header says by SPACE=LPS or SPACE=RAS, as 3D Slicer writes it into comments and titles: text (size) is the file's beginning. */
 sn_space sn_space_find(const char *text, size_t size);
+/* The space of all that is read from here on and is no document, whatever headers say (SN_SPACE_UNKNOWN = as they say, the default); set
+ * before anything is read, as by --space. */
+void sn_space_tell(sn_space space);
+sn_space sn_space_told(void);
+/* Of the file `name`, whose header says `header`: what was told, else that. A warning in the log where the two differ. */
+sn_space sn_space_settle(const char *name, sn_space header);
 
 /* The space of a command's inputs so far, and who told it. */
 typedef struct sn_space_seen {
     sn_space space;
-    char name[160];
+    char name[160]; /* "" = sn_space_tell */
 } sn_space_seen;
+static inline sn_space_seen sn_space_begin(void) { return (sn_space_seen){sn_space_told(), ""}; }
 /* One more input. SN_ERROR_INPUT where it is in another space than one before: both are named. */
 SN_MUST_CHECK sn_status sn_space_take(sn_space_seen *seen, sn_space space, const char *name, sn_error *error);
 

@@ -36,6 +36,7 @@ typedef struct sn_scene_surface {
     char *uri;              /* as written in the document: of the envelope document, or of the mesh at rest */
     char *frames;           /* DRIVEN: as written: a point cache, or the meshes of a sequence */
     double meters_per_unit; /* DRIVEN: of mesh and frames; 0 = as their files say */
+    sn_space space;         /* DRIVEN: that its mesh's file says, once loaded */
     sn_up up;               /* DRIVEN: of mesh and frames; UNKNOWN = as the mesh's file says, else z */
     double rate;            /* DRIVEN: frames a second of its frames; 0 = the scene's, or what a cache with times says */
     bool solid;             /* muscles keep out of it where there is contact; default false */

@@ -169,9 +169,10 @@ bool sn_scan_integer(const char *text, const char *end, const char **next, int64
 
 /* ---- lines ------------------------------------------------------------------------------------------------------------ */
 
+size_t sn_byte_order_mark(const char *text, size_t size) { return size >= 3 && memcmp(text, "\xef\xbb\xbf", 3) == 0 ? 3 : 0; }
+
 sn_text_lines sn_text_lines_of(const char *text, size_t size) {
-    size_t mark = size >= 3 && memcmp(text, "\xef\xbb\xbf", 3) == 0 ? 3 : 0;
-    return (sn_text_lines){.at = text + mark, .end = text + size};
+    return (sn_text_lines){.at = text + sn_byte_order_mark(text, size), .end = text + size};
 }
 
 bool sn_text_next_line(sn_text_lines *lines, const char **text, const char **end) {

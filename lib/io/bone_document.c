@@ -76,19 +76,21 @@ static sn_status bone_fail(const sn_motion_bone *bone, const sn_error *why, sn_s
     return status;
 }
 
-sn_status sn_motion_bone_load(const sn_motion_bone *bone, double fallback, sn_mesh *out, double *meters_per_unit, sn_error *error) {
-    sn_mesh_frame frame = {0};
+sn_status sn_motion_bone_load(const sn_motion_bone *bone, double fallback, sn_mesh *out, sn_mesh_frame *frame, sn_error *error) {
     sn_error why = {0};
     *out = (sn_mesh){0};
+    *frame = (sn_mesh_frame){0};
     sn_status status = sn_file_check(bone->path, &why);
-    if (status == SN_OK) status = sn_mesh_read(bone->path, out, &frame, &why);
+    if (status == SN_OK) status = sn_mesh_read(bone->path, out, frame, &why);
     if (status == SN_OK) status = sn_mesh_validate(out, &why);
     if (status != SN_OK) {
         sn_mesh_free(out);
         return bone_fail(bone, &why, status, error);
     }
-    sn_mesh_convert(out, 1.0, frame.up == SN_UP_Y);
-    *meters_per_unit = bone->meters_per_unit > 0.0 ? bone->meters_per_unit : frame.meters_per_unit > 0.0 ? frame.meters_per_unit : fallback;
+    sn_mesh_convert(out, 1.0, frame->up == SN_UP_Y);
+    frame->up = SN_UP_Z;
+    if (bone->meters_per_unit > 0.0) frame->meters_per_unit = bone->meters_per_unit;
+    if (!(frame->meters_per_unit > 0.0)) frame->meters_per_unit = fallback;
     return SN_OK;
 }
 

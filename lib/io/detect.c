@@ -53,7 +53,7 @@ static bool equals(const char *text, const char *end, const char *quoted) {
 /* The first of the wanted members on the top level; the scan then stands at its value. -1 = none, or this is no JSON object. */
 static int find_member(scan *s, const sn_blob *blob, int count, const char *const *wanted) {
     *s = (scan){blob->data, blob->data + blob->size};
-    if (blob->size >= 3 && memcmp(blob->data, "\xEF\xBB\xBF", 3) == 0) s->at += 3;
+    s->at += sn_byte_order_mark(blob->data, blob->size);
     if (!take(s, '{')) return -1;
     while (s->at < s->end && *s->at == '"') {
         const char *key = s->at;

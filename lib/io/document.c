@@ -338,6 +338,16 @@ static sn_status parse_attachments(const sn_json_value *value, sn_muscle *muscle
     return status;
 }
 
+/* A word; absent = NULL. */
+static sn_status parse_fascia(const sn_json_value *value, char **out, sn_error *error) {
+    static const char *const words[] = {"deep", "superficial", NULL};
+    int choice = -1;
+    sn_status status = sn_json_get_choice(value, words, &choice, error);
+    if (status != SN_OK || choice < 0) return status;
+    *out = sn_strdup(words[choice]);
+    return *out != NULL ? SN_OK : sn_fail_memory(error, "externals");
+}
+
 static sn_status parse_external(const sn_json_value *value, sn_index vertex_count, sn_external *out, sn_error *error) {
     static const char *const known[] = {"target",    "fascia",           "vertices", "triangles", "barycentric",
                                         "distances", "minimumDistances", "weights",  NULL};
@@ -348,7 +358,7 @@ static sn_status parse_external(const sn_json_value *value, sn_index vertex_coun
     sn_status status = sn_json_expect_object(value, error);
     if (status == SN_OK) status = sn_json_require(&target, "the name of a muscle or an envelope", error);
     if (status == SN_OK) status = sn_json_get_text(&target, &out->target, error);
-    if (status == SN_OK) status = sn_json_get_text(&fascia, &out->fascia, error);
+    if (status == SN_OK) status = parse_fascia(&fascia, &out->fascia, error);
     if (status == SN_OK)
         status = sn_json_get_indices(&vertices, (sn_index_rule){1, -1, 0, vertex_count - 1}, &out->count, &out->vertices, error);
     if (status == SN_OK && out->count > SN_INDEX_MAX / 3) return sn_json_complain(value, error, "more numbers than sinew can count");
@@ -488,6 +498,9 @@ static sn_status check_asked(const sn_read_options *options, const sn_muscle *mu
     if (unit > 0.0 && fabs(unit - own) > 1e-9 * own)
         return sn_fail(error, SN_ERROR_USAGE, "a muscle document says its unit, here %g m, not %g m; --units is for bare meshes", own,
                        unit);
+    if (muscle->space != SN_SPACE_UNKNOWN && sn_space_told() != SN_SPACE_UNKNOWN && sn_space_told() != muscle->space)
+        return sn_fail(error, SN_ERROR_USAGE, "a muscle document says its space, here %s, not %s; --space is for what is no document",
+                       sn_space_name(muscle->space), sn_space_name(sn_space_told()));
     if (options->up_given && options->up_y) return sn_fail(error, SN_ERROR_USAGE, "a muscle document has z up; --up y is for bare meshes");
     return SN_OK;
 }
@@ -504,6 +517,7 @@ sn_status sn_muscle_parse(const sn_blob *blob, const sn_read_options *options, s
                            ? sn_fail(error, SN_ERROR_USAGE, "a muscle document holds one mesh; --mesh is for bare meshes")
                            : parse_document(blob, out, *document, error);
     if (status == SN_OK && !bare) status = check_asked(options, out, error);
+    if (out->space == SN_SPACE_UNKNOWN) out->space = sn_space_told();
     if (status == SN_OK) return SN_OK;
     sn_error_set_file(error, blob->name);
     sn_muscle_free(out);

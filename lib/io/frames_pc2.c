@@ -10,6 +10,7 @@
 
 #include <errno.h>
 #include <fcntl.h>
+#include <float.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -64,6 +65,16 @@ sn_status sn_pc2_create(const char *path, sn_index point_count, double start_fra
     return SN_OK;
 }
 
+static sn_status check_range(const sn_pc2 *cache, const sn_vec3 *positions, sn_error *error) {
+    for (sn_index i = 0; i < cache->point_count; i++) {
+        sn_vec3 p = positions[i];
+        if (fmax(fabs(p.x), fmax(fabs(p.y), fabs(p.z))) <= (double)FLT_MAX && sn_finite3(p)) continue;
+        return sn_fail_at(error, SN_ERROR_INPUT, cache->path, 0, "point %d (%g %g %g) is farther away than the single precision of a point "
+                          "cache can tell; write a format of doubles", (int)i, p.x, p.y, p.z);
+    }
+    return SN_OK;
+}
+
 static void fill_row(sn_pc2 *cache, const sn_vec3 *positions) {
     unsigned char *at = cache->row;
     for (sn_index i = 0; i < cache->point_count; i++, at += 12) {
@@ -81,6 +92,8 @@ static sn_status write_count(sn_pc2 *cache, sn_error *error) {
 
 sn_status sn_pc2_append(sn_pc2 *cache, const sn_vec3 *positions, sn_error *error) {
     if (cache->sample_count == SN_INDEX_MAX) return sn_fail(error, SN_ERROR_MEMORY, "a point cache cannot count more samples");
+    sn_status status = check_range(cache, positions, error);
+    if (status != SN_OK) return status;
     cache->warned = cache->warned || sn_warn_of_rounding(cache->path, cache->point_count, positions);
     fill_row(cache, positions);
     if (cache->uncounted && write_count(cache, error) != SN_OK) return SN_ERROR_IO;

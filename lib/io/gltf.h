@@ -57,12 +57,21 @@ typedef struct sn_gltf_view {
 } sn_gltf_view;
 SN_MUST_CHECK sn_status sn_gltf_read_view(sn_gltf *g, sn_index view, sn_gltf_view *out, sn_error *error);
 
+/* Types of components (glTF 2.0, 3.6.2.2). */
+enum { SN_GLTF_BYTE = 5120, SN_GLTF_UNSIGNED_BYTE, SN_GLTF_SHORT, SN_GLTF_UNSIGNED_SHORT, SN_GLTF_UNSIGNED_INT = 5125, SN_GLTF_FLOAT };
+
 /* gltf_accessor.c: rows of numbers; normalized ones in [-1,1]. Sparse ones are filled in. */
 typedef struct sn_gltf_numbers {
     double *values; /* (count x width) owned; NULL on failure */
     int width;
     sn_index count;
+    int type; /* of the components: SN_GLTF_... */
+    bool normalized;
 } sn_gltf_numbers;
+/* Unsigned whole numbers. */
+bool sn_gltf_is_index(int type);
+/* `value` has components that it must not have; wanted: what it should have. */
+sn_status sn_gltf_refuse_type(const sn_json_value *value, int type, bool normalized, const char *wanted, sn_error *error);
 SN_MUST_CHECK sn_status sn_gltf_read_numbers(sn_gltf *g, sn_index accessor, sn_gltf_numbers *out, sn_error *error);
 
 /* gltf_node.c */

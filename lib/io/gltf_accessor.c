@@ -7,8 +7,17 @@
 
 #include "bytes.h"
 
-/* glTF 2.0, 3.6.2.2 */
-enum { BYTE = 5120, UNSIGNED_BYTE, SHORT, UNSIGNED_SHORT, UNSIGNED_INT = 5125, FLOAT };
+static const char *type_name(int type) {
+    static const char *const names[] = {"byte", "unsigned byte", "short", "unsigned short", "no type", "unsigned int", "float"};
+    return type >= SN_GLTF_BYTE && type <= SN_GLTF_FLOAT ? names[type - SN_GLTF_BYTE] : names[4];
+}
+
+bool sn_gltf_is_index(int type) { return type == SN_GLTF_UNSIGNED_BYTE || type == SN_GLTF_UNSIGNED_SHORT || type == SN_GLTF_UNSIGNED_INT; }
+
+sn_status sn_gltf_refuse_type(const sn_json_value *value, int type, bool normalized, const char *wanted, sn_error *error) {
+    return sn_json_complain(value, error, "has %scomponents of type %d (%s); %s", normalized ? "normalized " : "", type, type_name(type),
+                            wanted);
+}
 
 /* Rows of numbers within a view; checked. */
 typedef struct rows {
@@ -19,9 +28,9 @@ typedef struct rows {
 } rows;
 
 static size_t component_size(size_t type) {
-    if (type == BYTE || type == UNSIGNED_BYTE) return 1;
-    if (type == SHORT || type == UNSIGNED_SHORT) return 2;
-    return type == UNSIGNED_INT || type == FLOAT ? 4 : 0;
+    if (type == SN_GLTF_BYTE || type == SN_GLTF_UNSIGNED_BYTE) return 1;
+    if (type == SN_GLTF_SHORT || type == SN_GLTF_UNSIGNED_SHORT) return 2;
+    return type == SN_GLTF_UNSIGNED_INT || type == SN_GLTF_FLOAT ? 4 : 0;
 }
 
 static double read_component(const rows *r, const unsigned char *at) {
@@ -29,19 +38,19 @@ static double read_component(const rows *r, const unsigned char *at) {
     float real;
     uint32_t bits = r->size == 4 ? sn_get_u32(at) : r->size == 2 ? (uint32_t)at[0] | (uint32_t)at[1] << 8 : at[0];
     switch (r->type) {
-    case BYTE:
+    case SN_GLTF_BYTE:
         value = (double)(int8_t)(uint8_t)bits, most = 127.0;
         break;
-    case UNSIGNED_BYTE:
+    case SN_GLTF_UNSIGNED_BYTE:
         value = (double)bits, most = 255.0;
         break;
-    case SHORT:
+    case SN_GLTF_SHORT:
         value = (double)(int16_t)(uint16_t)bits, most = 32767.0;
         break;
-    case UNSIGNED_SHORT:
+    case SN_GLTF_UNSIGNED_SHORT:
         value = (double)bits, most = 65535.0;
         break;
-    case UNSIGNED_INT:
+    case SN_GLTF_UNSIGNED_INT:
         value = (double)bits, most = 4294967295.0;
         break;
     default:
@@ -100,6 +109,8 @@ static sn_status read_shape(const sn_json_value *object, rows *r, sn_index *coun
     if (status == SN_OK) status = sn_json_require(&length, "a count", error);
     if (status == SN_OK) status = sn_gltf_get_whole(&length, SN_INDEX_MAX - 1, &number, error);
     if (status == SN_OK) status = sn_json_get_bool(&normalized, &r->normalized, error);
+    if (status == SN_OK && r->normalized && r->size == 4)
+        status = sn_json_complain(&normalized, error, "numbers of type %d (%s) cannot be normalized", r->type, type_name(r->type));
     r->width = widths[which];
     *count = (sn_index)number;
     return status;
@@ -114,6 +125,8 @@ static sn_status read_sparse(sn_gltf *g, const sn_json_value *sparse, const rows
     sn_status status = sn_json_require(&length, "a count", error);
     if (status == SN_OK) status = sn_gltf_get_whole(&length, (double)count, &number, error);
     if (status == SN_OK) status = read_type(&where, &indices, error);
+    if (status == SN_OK && !sn_gltf_is_index(indices.type))
+        status = sn_gltf_refuse_type(&where, indices.type, false, "indices are unsigned whole numbers", error);
     if (status == SN_OK) status = find_rows(g, &where, (sn_index)number, &indices, error);
     if (status == SN_OK) status = find_rows(g, &what, (sn_index)number, &values, error);
     for (size_t i = 0; i < number && status == SN_OK; i++) {
@@ -148,7 +161,7 @@ sn_status sn_gltf_read_numbers(sn_gltf *g, sn_index accessor, sn_gltf_numbers *o
     sn_status status = read_shape(&object, &r, &count, error);
     if (status == SN_OK) status = sn_json_has(&view) ? find_rows(g, &object, count, &r, error) : check_zeros(g, &object, count, error);
     if (status != SN_OK) return status;
-    *out = (sn_gltf_numbers){SN_NEW(double, (size_t)count *(size_t)r.width), r.width, count};
+    *out = (sn_gltf_numbers){SN_NEW(double, (size_t)count *(size_t)r.width), r.width, count, r.type, r.normalized};
     status = out->values != NULL ? fill(g, &object, &r, count, out->values, error) : sn_fail_memory(error, "the numbers");
     if (status == SN_OK) return SN_OK;
     free(out->values);

@@ -41,12 +41,28 @@ static sn_status find_accessor(sn_gltf *g, const sn_json_value *object, const ch
     return status == SN_OK ? sn_gltf_get_index(&value, count, out, error) : status;
 }
 
+/* What components may be: by glTF 2.0, 3.7.2.1, and by KHR_mesh_quantization for places. */
+typedef enum component_kind { PLACES, INDICES, JOINTS, WEIGHTS } component_kind;
+
 /* Of these rows of numbers; count < 0: as many as there are. */
 typedef struct shape {
     const char *key;
     int width;
     sn_index count;
+    component_kind kind;
 } shape;
+
+static sn_status check_kind(const sn_json_value *value, component_kind kind, const sn_gltf_numbers *n, sn_error *error) {
+    static const char *const wanted[] = {"places are floats, bytes or shorts", "indices are unsigned whole numbers",
+                                         "joints are unsigned bytes or shorts",
+                                         "weights are floats, or normalized unsigned bytes or shorts"};
+    bool real = n->type == SN_GLTF_FLOAT, index = sn_gltf_is_index(n->type), wide = n->type == SN_GLTF_UNSIGNED_INT;
+    bool good = kind == PLACES    ? !wide
+                : kind == INDICES ? index && !n->normalized
+                : kind == JOINTS  ? index && !wide && !n->normalized
+                                  : real || (index && !wide && n->normalized);
+    return good ? SN_OK : sn_gltf_refuse_type(value, n->type, n->normalized, wanted[kind], error);
+}
 
 /* No values where the attribute is absent. */
 static sn_status read_attribute(sn_gltf *g, const sn_json_value *object, shape wanted, sn_gltf_numbers *out, sn_error *error) {
@@ -55,10 +71,13 @@ static sn_status read_attribute(sn_gltf *g, const sn_json_value *object, shape w
     sn_status status = find_accessor(g, object, wanted.key, &accessor, error);
     if (status != SN_OK || accessor == SN_NONE) return status;
     status = sn_gltf_read_numbers(g, accessor, out, error);
-    if (status != SN_OK || (out->width == wanted.width && (wanted.count < 0 || out->count == wanted.count))) return status;
+    if (status != SN_OK) return status;
     sn_json_value value = sn_json_member(object, wanted.key);
-    status = sn_json_complain(&value, error, "is %d rows of %d numbers, not %d of %d", (int)out->count, out->width,
-                              (int)(wanted.count >= 0 ? wanted.count : out->count), wanted.width);
+    status = check_kind(&value, wanted.kind, out, error);
+    if (status == SN_OK && out->width == wanted.width && (wanted.count < 0 || out->count == wanted.count)) return SN_OK;
+    if (status == SN_OK)
+        status = sn_json_complain(&value, error, "is %d rows of %d numbers, not %d of %d", (int)out->count, out->width,
+                                  (int)(wanted.count >= 0 ? wanted.count : out->count), wanted.width);
     free(out->values);
     *out = (sn_gltf_numbers){0};
     return status;
@@ -89,7 +108,7 @@ static sn_status add_morphs(sn_gltf *g, const sn_json_value *primitive, const su
         sn_gltf_numbers moves;
         sn_json_value target = sn_json_element(&targets, i);
         if (s->weights[i] == 0.0) continue;
-        status = read_attribute(g, &target, (shape){"POSITION", 3, positions->count}, &moves, error);
+        status = read_attribute(g, &target, (shape){"POSITION", 3, positions->count, PLACES}, &moves, error);
         for (size_t k = 0; moves.values != NULL && k < 3 * (size_t)positions->count; k++)
             positions->values[k] += s->weights[i] * moves.values[k];
         free(moves.values);
@@ -164,8 +183,8 @@ static sn_status add_joints(sn_gltf *g, surface *s, const sn_json_value *attribu
         sn_gltf_numbers joints = {0}, weights = {0};
         snprintf(joints_key, sizeof joints_key, "JOINTS_%d", set);
         snprintf(weights_key, sizeof weights_key, "WEIGHTS_%d", set);
-        status = read_attribute(g, attributes, (shape){joints_key, 4, count}, &joints, error);
-        if (status == SN_OK) status = read_attribute(g, attributes, (shape){weights_key, 4, count}, &weights, error);
+        status = read_attribute(g, attributes, (shape){joints_key, 4, count, JOINTS}, &joints, error);
+        if (status == SN_OK) status = read_attribute(g, attributes, (shape){weights_key, 4, count, WEIGHTS}, &weights, error);
         more = joints.values != NULL && weights.values != NULL;
         if (status == SN_OK && more) status = mark_used(&s->joints, joints.values, weights.values, 4 * (size_t)count, error);
         free(joints.values);
@@ -208,7 +227,7 @@ static sn_status add_corners(surface *s, size_t mode, const double *indices, siz
 
 static sn_status add_faces(sn_gltf *g, surface *s, const sn_json_value *primitive, size_t mode, sn_index vertices, sn_error *error) {
     sn_gltf_numbers indices;
-    sn_status status = read_attribute(g, primitive, (shape){"indices", 1, -1}, &indices, error);
+    sn_status status = read_attribute(g, primitive, (shape){"indices", 1, -1, INDICES}, &indices, error);
     size_t count = indices.values != NULL ? (size_t)indices.count : (size_t)vertices;
     if (status == SN_OK) status = add_corners(s, mode, indices.values, count, vertices, error);
     free(indices.values);
@@ -221,7 +240,7 @@ static sn_status add_vertices(sn_gltf *g, surface *s, const sn_json_value *primi
     sn_json_value attributes = sn_json_member(primitive, "attributes");
     sn_gltf_numbers positions = {0};
     sn_status status = check_positions(g, primitive, &attributes, error);
-    if (status == SN_OK) status = read_attribute(g, &attributes, (shape){"POSITION", 3, -1}, &positions, error);
+    if (status == SN_OK) status = read_attribute(g, &attributes, (shape){"POSITION", 3, -1, PLACES}, &positions, error);
     *count = positions.count;
     if (status == SN_OK && *count > 0) status = add_morphs(g, primitive, s, &positions, error);
     if (status == SN_OK && *count > 0) status = add_positions(s, &positions, error);
@@ -292,9 +311,9 @@ static sn_status read_instances(sn_gltf *g, const sn_json_value *node, instances
     if (!sn_gltf_has_extension(node, INSTANCING)) return SN_OK;
     sn_json_value extensions = sn_json_member(node, "extensions"), extension = sn_json_member(&extensions, INSTANCING);
     sn_json_value attributes = sn_json_member(&extension, "attributes"), skin = sn_json_member(node, "skin");
-    sn_status status = read_moves(g, &attributes, (shape){"TRANSLATION", 3, 0}, n, &n->translations, error);
-    if (status == SN_OK) status = read_moves(g, &attributes, (shape){"ROTATION", 4, 0}, n, &n->rotations, error);
-    if (status == SN_OK) status = read_moves(g, &attributes, (shape){"SCALE", 3, 0}, n, &n->scales, error);
+    sn_status status = read_moves(g, &attributes, (shape){"TRANSLATION", 3, 0, PLACES}, n, &n->translations, error);
+    if (status == SN_OK) status = read_moves(g, &attributes, (shape){"ROTATION", 4, 0, PLACES}, n, &n->rotations, error);
+    if (status == SN_OK) status = read_moves(g, &attributes, (shape){"SCALE", 3, 0, PLACES}, n, &n->scales, error);
     if (status == SN_OK && n->count < 0)
         status =
             sn_json_complain(&extension, error, "has neither TRANSLATION nor ROTATION nor SCALE: how many instances there are is not told");

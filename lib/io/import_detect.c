@@ -56,7 +56,7 @@ static bool is_3ds(const sn_blob *blob) {
 }
 
 static const char *xml_kind(const sn_blob *blob) {
-    size_t start = has(blob, 0, "\xef\xbb\xbf") ? 3 : 0, reach = blob->size < XML_REACH ? blob->size : XML_REACH;
+    size_t start = sn_byte_order_mark(blob->data, blob->size), reach = blob->size < XML_REACH ? blob->size : XML_REACH;
     while (start < reach && strchr(" \t\r\n", blob->data[start]) != NULL && blob->data[start] != '\0') start++;
     if (start >= reach || blob->data[start] != '<') return NULL;
     for (int i = 0; i < ROOT_COUNT; i++)

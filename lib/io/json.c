@@ -167,10 +167,8 @@ static void set_place(sn_error *error, const sn_json_tree *tree, size_t offset) 
 
 /* ---- parse ------------------------------------------------------------------------------------------------------------ */
 
-static size_t byte_order_mark(const sn_blob *blob) { return blob->size >= 3 && memcmp(blob->data, "\xEF\xBB\xBF", 3) == 0 ? 3 : 0; }
-
 bool sn_json_detect(const sn_blob *blob) {
-    const char *end = blob->data + blob->size, *at = skip_blanks(blob->data + byte_order_mark(blob), end);
+    const char *end = blob->data + blob->size, *at = skip_blanks(blob->data + sn_byte_order_mark(blob->data, blob->size), end);
     return at < end && *at == '{';
 }
 
@@ -219,7 +217,7 @@ static sn_status parse_folded(sn_json_tree *tree, sn_error *error) {
 }
 
 sn_status sn_json_parse(const sn_blob *blob, sn_json_tree **out, sn_error *error) {
-    size_t skip = byte_order_mark(blob);
+    size_t skip = sn_byte_order_mark(blob->data, blob->size);
     *out = NULL;
     sn_json_tree *tree = SN_NEW(sn_json_tree, 1);
     if (tree == NULL) return sn_fail_memory(error, "a JSON document");

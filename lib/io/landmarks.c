@@ -177,6 +177,7 @@ sn_status sn_landmarks_read(const char *path, sn_landmarks *out, sn_error *error
     sn_status status = sn_blob_read(path, &blob, error);
     if (status != SN_OK) return status;
     status = sn_json_detect(&blob) ? parse_json(&blob, out, error) : parse_lines(&blob, out, error);
+    out->space = sn_blob_space(&blob);
     if (status == SN_OK && out->count == 0)
         status = sn_fail_at(error, SN_ERROR_INPUT, blob.name, 0, "names no area; write bone, area, x, y, z a line, or JSON");
     if (status != SN_OK) {

@@ -173,15 +173,25 @@ sn_status sn_mesh_parse(const sn_blob *blob, bool allow_nonfinite, sn_mesh *out,
 /* A header's comments are at the beginning. */
 enum { SPACE_WITHIN = 1024 };
 
+sn_space sn_blob_space(const sn_blob *blob) {
+    return sn_space_settle(blob->name, sn_space_find(blob->data, blob->size < SPACE_WITHIN ? blob->size : SPACE_WITHIN));
+}
+
+static sn_status import(const sn_blob *blob, bool allow_nonfinite, sn_mesh *out, sn_mesh_frame *frame, sn_error *error) {
+    sn_status status = sn_import_parse(blob, allow_nonfinite, out, frame, error);
+    frame->space = sn_space_told();
+    return status;
+}
+
 sn_status sn_mesh_parse_frame(const sn_blob *blob, bool allow_nonfinite, sn_mesh *out, sn_mesh_frame *frame, sn_error *error) {
     *out = (sn_mesh){0};
     *frame = (sn_mesh_frame){0};
     if (blob->size == 0) return sn_fail_at(error, SN_ERROR_INPUT, blob->name, 0, "is empty; a mesh is needed");
     /* their headers and raw bytes may say anything */
     bool ours = sn_stl_is_binary(blob->data, blob->size) || sn_vtk_is(blob) || sn_vtp_is(blob);
-    if (!ours && sn_import_detect(blob) != NULL) return sn_import_parse(blob, allow_nonfinite, out, frame, error);
+    if (!ours && sn_import_detect(blob) != NULL) return import(blob, allow_nonfinite, out, frame, error);
     sn_mesh_format format = sn_mesh_detect(blob);
-    frame->space = sn_space_find(blob->data, blob->size < SPACE_WITHIN ? blob->size : SPACE_WITHIN);
+    frame->space = sn_blob_space(blob);
     for (int i = 0; i < FORMAT_COUNT; i++) {
         if (formats[i].format == format) return parse_as(&formats[i], blob, allow_nonfinite, out, error);
     }

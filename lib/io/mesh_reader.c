@@ -92,9 +92,8 @@ bool sn_reader_ends_token(const sn_reader *reader, const char *at) {
 }
 
 sn_reader sn_reader_of(const sn_blob *blob, sn_error *error) {
-    static const char byte_order_mark[] = "\xef\xbb\xbf";
     sn_reader reader = {.blob = blob, .error = error, .at = blob->data, .end = blob->data + blob->size, .line = 1, .highest_corner = -1};
-    if (blob->size >= 3 && memcmp(blob->data, byte_order_mark, 3) == 0) reader.at += 3;
+    reader.at += sn_byte_order_mark(blob->data, blob->size);
     return reader;
 }
 

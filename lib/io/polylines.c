@@ -274,11 +274,12 @@ sn_status sn_polylines_parse(const sn_blob *blob, sn_fibers *out, sn_error *erro
     return status;
 }
 
-sn_status sn_polylines_read(const char *path, sn_fibers *out, sn_error *error) {
+sn_status sn_polylines_read(const char *path, sn_fibers *out, sn_space *space, sn_error *error) {
     sn_blob blob = {0};
     *out = (sn_fibers){0};
     sn_status status = sn_blob_read(path, &blob, error);
     if (status) return status;
+    if (space != NULL) *space = sn_blob_space(&blob);
     status = sn_polylines_parse(&blob, out, error);
     sn_blob_free(&blob);
     return status;

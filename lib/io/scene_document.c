@@ -149,7 +149,12 @@ static sn_status take_bone(const sn_motion_bone *bone, const char *scene, bool l
     out->meters_per_unit = bone->meters_per_unit > 0.0 ? bone->meters_per_unit : 1.0;
     out->unit_certain = bone->meters_per_unit > 0.0 || load;
     if (out->name == NULL || out->uri == NULL) return sn_fail_memory(error, "a bone");
-    return load ? sn_motion_bone_load(bone, 1.0, &out->mesh, &out->meters_per_unit, error) : SN_OK;
+    if (!load) return SN_OK;
+    sn_mesh_frame frame;
+    sn_status status = sn_motion_bone_load(bone, 1.0, &out->mesh, &frame, error);
+    out->meters_per_unit = frame.meters_per_unit;
+    out->space = frame.space;
+    return status;
 }
 
 /* Those of the motion document that the scene does not replace, behind its own. */
@@ -391,12 +396,14 @@ static sn_status parse_scene(const sn_json_value *top, reader in, sn_error *erro
 
 /* As far as they have been loaded. */
 static sn_status check_spaces(const sn_scene *scene, sn_error *error) {
-    sn_space_seen seen = {.space = SN_SPACE_UNKNOWN};
+    sn_space_seen seen = sn_space_begin();
     sn_status status = SN_OK;
     for (sn_index i = 0; i < scene->muscle_count && status == SN_OK; i++)
         status = sn_space_take(&seen, scene->muscles[i].rig.space, scene->muscles[i].name, error);
     for (sn_index i = 0; i < scene->bone_count && status == SN_OK; i++)
         status = sn_space_take(&seen, scene->bones[i].space, scene->bones[i].name, error);
+    for (sn_index i = 0; i < scene->surface_count && status == SN_OK; i++)
+        status = sn_space_take(&seen, scene->surfaces[i].space, scene->surfaces[i].name, error);
     return status;
 }
 

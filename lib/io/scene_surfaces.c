@@ -178,6 +178,7 @@ static sn_status load_driven(const char *document, const sn_scene *scene, const 
         surface->meters_per_unit = frame.meters_per_unit > 0.0 ? frame.meters_per_unit : scene->meters_per_unit;
     if (surface->up == SN_UP_UNKNOWN) surface->up = frame.up == SN_UP_Y ? SN_UP_Y : SN_UP_Z;
     bool up_y = surface->up == SN_UP_Y;
+    surface->space = frame.space;
     sn_mesh_convert(&surface->envelope.mesh, surface->meters_per_unit, up_y);
     return load_frames(document, scene, up_y, surface, error);
 }

@@ -55,7 +55,7 @@ static sn_status take_ends(const sn_blob *blob, site_list *list, sn_error *error
     return status;
 }
 
-sn_status sn_sites_read(const char *path, sn_index *count, sn_end_site **sites, sn_error *error) {
+sn_status sn_sites_read(const char *path, sn_index *count, sn_end_site **sites, sn_space *space, sn_error *error) {
     sn_blob blob = {0};
     *count = 0;
     *sites = NULL;
@@ -63,6 +63,7 @@ sn_status sn_sites_read(const char *path, sn_index *count, sn_end_site **sites, 
     if (status) return status;
     sn_reader r = sn_reader_of(&blob, error);
     site_list list = {0};
+    *space = sn_blob_space(&blob);
     r.commas = true;
     status = sn_json_detect(&blob) || sn_polylines_detect(&blob) ? take_ends(&blob, &list, error) : read_lines(&r, &list);
     sn_blob_free(&blob);

@@ -22,12 +22,15 @@
 
 enum { CHUNK = 1 << 16, ATTEMPTS = 100 };
 
+/* Of what comes through a pipe, which may never end. */
+static const size_t MOST_STREAMED = (size_t)2 << 30;
+
 static bool is_standard(const char *path) { return !path || strcmp(path, "-") == 0; }
 
 /* ---- input ---------------------------------------------------------------------------------------------------------- */
 
 /* Read to the end of fd; size_hint is what the file system says, which a growing file or a pipe may belie. */
-static sn_status read_all(int fd, size_t size_hint, sn_blob *blob, sn_error *error) {
+static sn_status read_all(int fd, size_t size_hint, size_t most, sn_blob *blob, sn_error *error) {
     size_t capacity = 0;
     if (!sn_grow((void **)&blob->data, &capacity, size_hint + 1, 1)) return sn_fail_memory(error, blob->name);
     for (;;) {
@@ -39,16 +42,30 @@ static sn_status read_all(int fd, size_t size_hint, sn_blob *blob, sn_error *err
         if (got < 0 && errno == EINTR) continue;
         if (got < 0) return sn_fail_at(error, SN_ERROR_IO, blob->name, 0, "cannot be read: %s", strerror(errno));
         blob->size += (size_t)got;
+        if (blob->size > most)
+            return sn_fail_at(error, SN_ERROR_INPUT, blob->name, 0, "does not end within %zu GB, the most that is read of a pipe; save it as a file",
+                              most >> 30);
     }
     blob->data[blob->size] = '\0';
     return SN_OK;
+}
+
+/* As /dev/null is. */
+static bool is_empty(int fd) {
+    char byte;
+    ssize_t got;
+    while ((got = read(fd, &byte, 1)) < 0 && errno == EINTR) {}
+    return got == 0;
 }
 
 static sn_status read_descriptor(int fd, sn_blob *blob, sn_error *error) {
     struct stat info;
     if (fstat(fd, &info) != 0) return sn_fail_at(error, SN_ERROR_IO, blob->name, 0, "cannot be read: %s", strerror(errno));
     if (S_ISDIR(info.st_mode)) return sn_fail_at(error, SN_ERROR_IO, blob->name, 0, "is a directory; name a file in it");
-    return read_all(fd, S_ISREG(info.st_mode) ? (size_t)info.st_size : CHUNK, blob, error);
+    if (S_ISREG(info.st_mode)) return read_all(fd, (size_t)info.st_size, SIZE_MAX, blob, error);
+    bool device = S_ISBLK(info.st_mode) || (S_ISCHR(info.st_mode) && !isatty(fd));
+    if (device && !is_empty(fd)) return sn_fail_at(error, SN_ERROR_INPUT, blob->name, 0, "is a device, which may not end; name a file");
+    return read_all(fd, CHUNK, MOST_STREAMED, blob, error);
 }
 
 /* Does a text of two bytes a character begin here: with its byte order mark, or with letters between zeros? */
@@ -86,10 +103,9 @@ static sn_status unwrap(sn_blob *blob, sn_error *error) {
     if (status != SN_OK || sn_stl_is_binary(blob->data, blob->size)) return status;
     if (is_wide_text(blob->data, blob->size))
         return sn_fail_at(error, SN_ERROR_INPUT, blob->name, 0, "is a text in UTF-16, which is not read; save it as UTF-8");
-    if (blob->size >= 3 && memcmp(blob->data, "\xef\xbb\xbf", 3) == 0) {
-        blob->size -= 3;
-        memmove(blob->data, blob->data + 3, blob->size + 1);
-    }
+    size_t mark = sn_byte_order_mark(blob->data, blob->size);
+    blob->size -= mark;
+    if (mark > 0) memmove(blob->data, blob->data + mark, blob->size + 1);
     return SN_OK;
 }
 

@@ -423,7 +423,7 @@ sn_status sn_vtp_parse(sn_reader *reader) {
 bool sn_vtp_is(const sn_blob *blob) {
     static const char root[] = "<VTKFile";
     const char *at = blob->data, *end = blob->data + blob->size;
-    if (blob->size >= 3 && memcmp(at, "\xef\xbb\xbf", 3) == 0) at += 3;
+    at += sn_byte_order_mark(at, blob->size);
     for (;;) {
         while (at < end && memchr(" \t\r\n", *at, 4) != NULL) at++;
         if ((size_t)(end - at) < sizeof root || *at != '<') return false;

@@ -86,6 +86,9 @@ sn_status sn_externals_join(const sn_model *model, sn_index *parents, sn_error *
             aim at;
             sn_status status = find_aim(model, m, &rig->externals[k], &at, error);
             if (status != SN_OK) return status;
+            if (at.muscle == i)
+                sn_log(SN_LOG_WARNING, "muscle \"%s\": its externals name itself as a target, which binds nothing; it is passed over",
+                       m->source->name);
             if (at.muscle != SN_NONE && at.muscle != i && takes_part(&model->muscles[at.muscle]) && any_acts(model, m, &rig->externals[k]))
                 sn_join_sets(parents, i, at.muscle);
         }

@@ -179,3 +179,20 @@ END
         [ "$(member r.json '[d["motion"]["leastArea"]["ratio"] > 0.2, d["motion"]["smallTriangles"], d["clearance"]["farVertices"]]')" = '[true, 0, 0]' ]
     done
 }
+
+@test "frames over an older, longer sequence, or one of other numbers, are wrong usage before any work; over their own they are not" {
+    bind() { "$BIN/envelope-bind" -q --units m skin.obj --bones bend.motion.json -o a.envelope.json "$@"; }
+    for format in ply vtp; do
+        rm -f a.envelope.json skin.*."$format"
+        bind --frames skin.$format --every 6
+        bind --frames skin.$format --every 6 # its own
+        rm a.envelope.json
+        for other in 0025 0100 -001; do
+            touch skin.$other.$format
+            run -2 bind --frames skin.$format --every 6
+            [[ "$output" == *"skin.$other.$format: is of an older sequence"*"remove it, or name another folder"* ]] || { echo "$output"; false; }
+            refute [ -e a.envelope.json ]
+            rm skin.$other.$format
+        done
+    done
+}

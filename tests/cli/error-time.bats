@@ -324,3 +324,24 @@ s = json.load(open("tip/tied.scene.json")); s["externals"] = False; json.dump(s,
     error-time -q tip/apart.scene.json --settings tied.txt --runs 1 --reference 4 -o apart
     [ "$(tail -n +2 apart/error-time.tsv | wc -l)" -eq 2 ]
 }
+
+@test "bones' files are looked at: one that is not there draws a warning as in simulate, one that is no file is refused" {
+    cp tip/*.json .
+    for file in nowhere.ply /dev/zero; do
+        python3 - $file << 'END'
+import json, sys
+s = json.load(open("tip/tip.scene.json"))
+s["bones"][0]["mesh"] = sys.argv[1]
+json.dump(s, open("tip/odd.scene.json", "w"))
+END
+        code=0
+        timeout 60 "$BIN/error-time" tip/odd.scene.json --frames 0:1 --settings settings.txt --runs 1 --reference 4 -o odd 2> err || code=$?
+        if [ $file = nowhere.ply ]; then
+            grep -q 'warning: .*nowhere.ply: bone ".*": cannot be opened.*this run does without its surface' err
+            [ "$code" -ne 1 ]
+        else
+            grep -q '/dev/zero: bone ".*": is a device or a pipe' err
+            [ "$code" -eq 1 ]
+        fi
+    done
+}

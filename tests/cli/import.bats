@@ -364,6 +364,57 @@ version is glTF of version 2.1, and 2.0 is read
 END
 }
 
+@test "glTF: components of a type that their use does not have are refused by its name, and those that it has are read" {
+    # which accessor, type, normalized; the numbers of right ones are beside the point: their bytes are enough for any type
+    while read -r kind what type normalized name; do
+        "$write" $kind a.gltf
+        /usr/bin/python3 - $what $type $normalized << 'END'
+import json, sys
+what, kind, normalized = sys.argv[1], int(sys.argv[2]), sys.argv[3] == "true"
+tree = json.load(open("a.gltf"))
+primitive = tree["meshes"][0]["primitives"][0]
+number = primitive["indices"] if what == "indices" else primitive["attributes"]["POSITION" if what == "sparse" else what]
+accessor = tree["accessors"][number]
+if what == "sparse": accessor = accessor["sparse"]["indices"]
+accessor["componentType"] = kind
+if normalized: accessor["normalized"] = True
+if what != "sparse": # room for any
+    size = {"SCALAR": 1, "VEC3": 3, "VEC4": 4}[accessor["type"]] * 4 * accessor["count"]
+    tree["bufferViews"].append({"buffer": len(tree["buffers"]), "byteLength": size})
+    import base64
+    tree["buffers"].append({"byteLength": size, "uri": "data:application/octet-stream;base64," + base64.b64encode(bytes(size)).decode()})
+    accessor["bufferView"], accessor["byteOffset"] = len(tree["bufferViews"]) - 1, 0
+json.dump(tree, open("a.gltf", "w"))
+END
+        if [ "$name" = taken ]; then
+            "$clean" --check a.gltf > out 2> err || true
+            refute grep -q 'type 51' err
+        else
+            refused "a.gltf: .*($what|sparse|normalized).*type $type \($name\).*(unsigned|floats|cannot be normalized)" "$clean" a.gltf
+        fi
+    done <<'END'
+plain indices 5126 false float
+plain indices 5120 false byte
+plain indices 5122 false short
+plain indices 5123 true unsigned short
+plain indices 5125 true unsigned int
+plain indices 5121 false taken
+plain indices 5123 false taken
+plain indices 5125 false taken
+plain POSITION 5125 false unsigned int
+plain POSITION 5126 true float
+sparse sparse 5126 false float
+sparse sparse 5122 false short
+skin JOINTS_0 5126 false float
+skin JOINTS_0 5125 false unsigned int
+skin JOINTS_0 5121 true unsigned byte
+skin JOINTS_0 5120 false byte
+skin WEIGHTS_0 5121 false unsigned byte
+skin WEIGHTS_0 5125 false unsigned int
+skin WEIGHTS_0 5122 true short
+END
+}
+
 @test "Collada: the bind shape moves a skinned mesh, its node does not" {
     for kind in plain moved; do
         "$write" dae $kind a.dae

@@ -164,3 +164,29 @@ refused() {
     cat eight.ply eight.ply > two.ply
     refused 'two.ply: .*counts 8 faces, but [0-9]* more bytes' "$clean" two.ply
 }
+
+@test "devices are refused at once by every tool, as inputs and as standard input; pipes and FIFOs are read" {
+    printf 'OFF\n4 4 6\n0 0 0\n.1 0 0\n0 .1 0\n0 0 .1\n3 0 2 1\n3 0 1 3\n3 1 2 3\n3 2 0 3\n' > tetra.off
+    for tool in mesh-clean root-select build-structure fiber-flow fiber-fill attach-detect simulate error-time rig-view motion-import scene-build; do
+        more=""
+        case $tool in attach-detect) more="--bone a=tetra.off" ;; rig-view) more="-o x.png" ;; esac
+        for device in /dev/zero /dev/urandom /dev/full; do
+            run -1 timeout 20 "$BIN/$tool" $device $more
+            [[ "$output" == *"$device: is a device, which may not end; name a file" ]] || { echo "$tool $device: $output"; false; }
+            [ "${#lines[@]}" -eq 1 ]
+        done
+    done
+    run -1 bash -c "timeout 20 '$BIN/mesh-clean' < /dev/zero"
+    [[ "$output" == *'<stdin>: is a device'* ]]
+    run -1 timeout 20 "$BIN/attach-detect" tetra.off --bone a=/dev/zero
+    run -1 timeout 20 "$BIN/fiber-flow" tetra.off --from-fibers /dev/zero
+    run -1 "$BIN/mesh-clean" /dev/null
+    [[ "$output" == *'is empty'* ]]
+    "$BIN/mesh-clean" -q --no-history tetra.off -o a.json
+    cat tetra.off | "$BIN/mesh-clean" -q --no-history > b.json
+    "$BIN/mesh-clean" -q --no-history <(cat tetra.off) > c.json
+    mkfifo pipe
+    cat tetra.off > pipe &
+    "$BIN/mesh-clean" -q --no-history pipe > d.json
+    for file in b c d; do diff <(grep -v '"name"' a.json) <(grep -v '"name"' $file.json); done
+}

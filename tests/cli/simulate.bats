@@ -1157,3 +1157,37 @@ END
     [ -s moved/report.json ]
     [ -s moved/end.state ]
 }
+
+@test "the folders of caches are tried before any work, and made where they are missing" {
+    one_muscle
+    touch file
+    for option in --grid-cache --embedding-cache; do
+        more="--contact"
+        [ $option = --grid-cache ] || more="--lengths l.tsv"
+        run -1 --separate-stderr simulate one.scene.json --frames 0:1 $more $option nowhere/cache --log log.jsonl
+        [[ "$stderr" == *"nowhere/cache: cannot be written"* ]] || { echo "$stderr"; false; }
+        run -1 --separate-stderr simulate one.scene.json --frames 0:1 $more $option file --log log.jsonl
+        [[ "$stderr" == *"file: is not a folder, which a cache is"* ]] || { echo "$stderr"; false; }
+        refute [ -e log.jsonl ]
+        refute [ -e l.tsv ]
+    done
+    simulate -q one.scene.json --frames 0:1 --contact --grid-cache cache --log log.jsonl
+    [ -d cache ]
+}
+
+@test "a muscle whose externals name itself is told of" {
+    python3 - << 'END'
+import json
+tetra = {"vertices": [0, 0, 0, .1, 0, 0, 0, .1, 0, 0, 0, .1], "triangles": [0, 2, 1, 0, 1, 3, 1, 2, 3, 2, 0, 3]}
+external = {"target": "m", "fascia": "deep", "vertices": [0], "triangles": [0], "barycentric": [1, 0, 0], "distances": [0], "minimumDistances": [0], "weights": [1, 0, 0]}
+for name, target in ("self", "m"), ("other", "n"):
+    external["target"] = target
+    json.dump({"format": "sinew-muscle", "version": 1, "name": "m", "metersPerUnit": 1, "mesh": tetra, "externals": [external]}, open(name + ".json", "w"))
+    json.dump({"format": "sinew-scene", "version": 1, "rate": 24, "frames": [0, 1], "externals": True,
+               "muscles": [{"name": "m", "rig": name + ".json"}, {"name": "n", "rig": "other.json", "externals": False}]}, open(name + ".scene.json", "w"))
+END
+    run --separate-stderr simulate self.scene.json --log log
+    [[ "$stderr" == *'warning: muscle "m": its externals name itself as a target, which binds nothing'* ]] || { echo "$stderr"; false; }
+    run --separate-stderr simulate other.scene.json --log log
+    [[ "$stderr" != *'name itself'* ]]
+}

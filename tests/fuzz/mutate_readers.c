@@ -987,7 +987,8 @@ static const char *try_sites(const sn_blob *blob, sn_status *status, sn_error *e
     sn_end_site *sites;
     sn_index count;
     put_file(blob);
-    *status = sn_sites_read(blob->name, &count, &sites, error);
+    sn_space space;
+    *status = sn_sites_read(blob->name, &count, &sites, &space, error);
     if (*status != SN_OK) return sites == NULL ? NULL : "refused sites are left behind";
     const char *fault = count > 0 ? NULL : "no site is none";
     for (sn_index i = 0; i < count; i++)

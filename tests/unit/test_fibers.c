@@ -311,6 +311,9 @@ static void test_points_along_a_line_are_told_as_each_alone(void **state) {
     scene.bones[1].meters_per_unit = 0.2; /* it overlaps the cube */
     sn_bone_probe *probe;
     assert_ok(sn_bone_probe_create(&scene, &probe, NULL));
+    sn_surface *cube, *ball;
+    assert_ok(sn_surface_create(&scene.bones[0].mesh, &cube, NULL));
+    assert_ok(sn_surface_create(&scene.bones[1].mesh, &ball, NULL));
     const sn_rigid still = sn_rigid_identity();
     uint64_t seed = 3;
     for (int line = 0; line < 30; line++) {
@@ -322,6 +325,10 @@ static void test_points_along_a_line_are_told_as_each_alone(void **state) {
         for (int i = 0; i < POINTS; i++) {
             points[i] = sn_lerp(from, to, (double)i / (POINTS - 1));
             sn_penetration one = sn_bone_probe_points(probe, &still, 1, &points[i], 1.0);
+            double by_cube = sn_surface_signed_distance(cube, points[i], NULL);
+            double by_ball = sn_surface_signed_distance(ball, sn_scale(points[i], 5.0), NULL) * 0.2;
+            assert_int_equal(one.inside, by_cube < 0.0 || by_ball < 0.0);
+            if (one.inside) assert_true(fabs(one.deepest + fmin(by_cube, by_ball)) < 1e-12);
             each.inside += one.inside;
             if (one.deepest > each.deepest) each.deepest = one.deepest, each.bone = one.bone;
         }
@@ -329,6 +336,8 @@ static void test_points_along_a_line_are_told_as_each_alone(void **state) {
         assert_int_equal(all.inside, each.inside);
         assert_true(all.deepest == each.deepest && all.bone == each.bone);
     }
+    sn_surface_destroy(cube);
+    sn_surface_destroy(ball);
     sn_bone_probe_destroy(probe);
     sn_scene_free(&scene);
 }

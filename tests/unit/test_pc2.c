@@ -153,8 +153,32 @@ static void an_aborted_cache_changes_nothing(void **state) {
     assert_int_equal(sn_pc2_create(path, 0, 0.0, 1.0, &cache, NULL), SN_ERROR_USAGE);
 }
 
+static void test_points_beyond_single_precision_are_refused_by_number(void **state) {
+    (void)state;
+    char folder[] = "/tmp/sinew-pc2-XXXXXX", file[64];
+    assert_non_null(mkdtemp(folder));
+    snprintf(file, sizeof file, "%s/far.pc2", folder);
+    sn_pc2 *cache;
+    sn_error error = {0};
+    assert_int_equal(sn_pc2_create(file, 2, 0.0, 1.0, &cache, &error), SN_OK);
+    sn_vec3 points[2] = {{0.0, 1.0, 2.0}, {0.0, -3.4e38, 0.0}};
+    assert_int_equal(sn_pc2_append(cache, points, &error), SN_OK);
+    points[1].y = -3.5e38;
+    assert_int_equal(sn_pc2_append(cache, points, &error), SN_ERROR_INPUT);
+    assert_non_null(strstr(error.text, "point 1"));
+    assert_string_equal(error.file, file);
+    assert_int_equal(sn_pc2_commit(cache, &error), SN_OK); /* what went before is kept */
+    sn_pc2_data data;
+    assert_int_equal(sn_pc2_read(file, &data, &error), SN_OK);
+    assert_int_equal(data.sample_count, 1);
+    sn_pc2_free(&data);
+    remove(file);
+    remove(folder);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_points_beyond_single_precision_are_refused_by_number),
         cmocka_unit_test(the_header_is_as_specified),
         cmocka_unit_test(what_was_written_is_read),
         cmocka_unit_test(files_that_lie_are_refused),

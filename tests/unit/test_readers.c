@@ -34,7 +34,7 @@ static sn_status read_mesh(const char *path, double *sum, sn_error *error) {
 
 static sn_status read_fibers(const char *path, double *sum, sn_error *error) {
     sn_fibers fibers;
-    sn_status status = sn_polylines_read(path, &fibers, error);
+    sn_status status = sn_polylines_read(path, &fibers, NULL, error);
     if (status != SN_OK) return status;
     *sum = 1000 * fibers.polyline_count;
     for (sn_index i = 0; i < fibers.polyline_count; i++)
@@ -46,7 +46,8 @@ static sn_status read_fibers(const char *path, double *sum, sn_error *error) {
 static sn_status read_sites(const char *path, double *sum, sn_error *error) {
     sn_index count;
     sn_end_site *sites;
-    sn_status status = sn_sites_read(path, &count, &sites, error);
+    sn_space space;
+    sn_status status = sn_sites_read(path, &count, &sites, &space, error);
     if (status != SN_OK) return status;
     *sum = 1000 * count;
     for (sn_index i = 0; i < count; i++) *sum += (sites[i].end == 1 ? 100 : 10) + sn_dot(sites[i].point, sn_v3(1, 3, 7));
@@ -427,7 +428,7 @@ static sn_fibers fibers_of(const char *text) {
     sn_fibers fibers;
     sn_error error = {0};
     write_bytes("a", text, strlen(text));
-    if (sn_polylines_read("a", &fibers, &error) != SN_OK) fail_msg("%d: %s", (int)error.line, error.text);
+    if (sn_polylines_read("a", &fibers, NULL, &error) != SN_OK) fail_msg("%d: %s", (int)error.line, error.text);
     return fibers;
 }
 

@@ -68,9 +68,9 @@ static void test_a_missing_surface_names_its_bone(void **state) {
     char name[] = "tibia", path[] = "no/such.ply";
     const sn_motion_bone bone = {name, path, 0.0, SN_NONE};
     sn_mesh mesh;
-    double unit;
+    sn_mesh_frame frame;
     sn_error error = {0};
-    assert_int_not_equal(sn_motion_bone_load(&bone, 1.0, &mesh, &unit, &error), SN_OK);
+    assert_int_not_equal(sn_motion_bone_load(&bone, 1.0, &mesh, &frame, &error), SN_OK);
     assert_non_null(strstr(error.text, "tibia"));
     assert_string_equal(error.file, path);
 }
