@@ -61,8 +61,13 @@ typedef enum sn_attach_reason {
 const char *sn_attach_reason_name(sn_attach_reason reason); /* "pin", "area", ...; NULL = there is no such reason */
 
 /* The vertices that move with one bone ([K21] 3.3); a vertex belongs to one bone at most. */
+/* Which end of the muscle an attachment is at, where who gave it said so. */
+typedef enum sn_attachment_end { SN_END_UNKNOWN, SN_END_ORIGIN, SN_END_INSERTION } sn_attachment_end;
+extern const char *const sn_attachment_end_names[]; /* "unknown", "origin", "insertion", NULL */
+
 typedef struct sn_attachment {
     char *bone;
+    sn_attachment_end end; /* as its areas are called; UNKNOWN also where they are called both */
     char *method;        /* "contact", "proximity", "contact+proximity", "pin", ... */
     sn_index count;
     sn_index *vertices;  /* (count) ascending */

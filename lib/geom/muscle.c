@@ -63,6 +63,8 @@ void sn_external_blend(const double weights[3], double out[3]) {
     out[2] = rest * weights[2];
 }
 
+const char *const sn_attachment_end_names[] = {"unknown", "origin", "insertion", NULL};
+
 const char *sn_attach_reason_name(sn_attach_reason reason) {
     static const char *const names[SN_REASON_COUNT] = {NULL, "pin", "area", "contact", "voxel", "proximity", "nearest", "filled"};
     return reason > 0 && reason < SN_REASON_COUNT ? names[reason] : NULL;

@@ -304,14 +304,23 @@ static sn_status parse_fibers(const sn_json_value *value, sn_index vertex_count,
     return status == SN_OK ? sn_parse_polylines(&polylines, out, error) : status;
 }
 
+/* A word; absent = not known. */
+static sn_status parse_end(const sn_json_value *value, sn_attachment_end *out, sn_error *error) {
+    int choice = -1;
+    sn_status status = sn_json_get_choice(value, sn_attachment_end_names + SN_END_ORIGIN, &choice, error);
+    if (status == SN_OK && choice >= 0) *out = (sn_attachment_end)(SN_END_ORIGIN + choice);
+    return status;
+}
+
 static sn_status parse_attachment(const sn_json_value *value, sn_index vertex_count, sn_attachment *out, sn_error *error) {
-    static const char *const known[] = {"bone", "vertices", "method", "distances", "reasons", "confidence", NULL};
-    sn_json_value bone = sn_json_member(value, "bone"), method = sn_json_member(value, "method"),
+    static const char *const known[] = {"bone", "end", "vertices", "method", "distances", "reasons", "confidence", NULL};
+    sn_json_value bone = sn_json_member(value, "bone"), end = sn_json_member(value, "end"), method = sn_json_member(value, "method"),
                   vertices = sn_json_member(value, "vertices"), distances = sn_json_member(value, "distances"),
                   reasons = sn_json_member(value, "reasons"), confidence = sn_json_member(value, "confidence");
     sn_status status = sn_json_expect_object(value, error);
     if (status == SN_OK) status = sn_json_require(&bone, "the name of a bone", error);
     if (status == SN_OK) status = sn_json_get_text(&bone, &out->bone, error);
+    if (status == SN_OK) status = parse_end(&end, &out->end, error);
     if (status == SN_OK) status = sn_json_get_text(&method, &out->method, error);
     if (status == SN_OK)
         status = sn_json_get_indices(&vertices, (sn_index_rule){1, -1, 0, vertex_count - 1}, &out->count, &out->vertices, error);
@@ -657,6 +666,7 @@ static sn_status write_attachments(const sn_muscle *muscle, sn_json *json, sn_er
         const sn_attachment *attachment = &muscle->attachments[i];
         sn_json_object_line(json, NULL);
         sn_json_text(json, "bone", attachment->bone);
+        if (attachment->end != SN_END_UNKNOWN) sn_json_text(json, "end", sn_attachment_end_names[attachment->end]);
         sn_json_indices(json, "vertices", attachment->vertices, (size_t)attachment->count);
         if (attachment->method != NULL) sn_json_text(json, "method", attachment->method);
         if (attachment->distances != NULL) sn_json_numbers(json, "distances", attachment->distances, (size_t)attachment->count);

@@ -3,9 +3,11 @@
  */
 #include "attach_detection.h"
 
+#include <ctype.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 
 enum { VERTICES_PER_CHUNK = 256 };
 
@@ -450,10 +452,34 @@ static bool is_sliding(const detection *d, sn_index holder) {
            d->report->pairs[holder].sliding; /* the pairs are in the order of the bones */
 }
 
+/* An area that is called "origin" or "insertion", with or without more behind that, says where it is. */
+static sn_attachment_end end_called(const char *name) {
+    for (int end = SN_END_ORIGIN; name != NULL && end <= SN_END_INSERTION; end++) {
+        const char *word = sn_attachment_end_names[end];
+        size_t length = strlen(word);
+        if (strncasecmp(name, word, length) == 0 && !isalpha((unsigned char)name[length])) return (sn_attachment_end)end;
+    }
+    return SN_END_UNKNOWN;
+}
+
+/* What the areas on a bone agree on. */
+static sn_attachment_end end_of(const detection *d, const char *bone) {
+    sn_attachment_end all = SN_END_UNKNOWN;
+    for (sn_index a = 0, seen = 0; a < d->report->area_count; a++) {
+        const sn_landmark_area *area = &d->params->areas[d->report->areas[a].area];
+        if (d->report->areas[a].left_out || strcmp(area->bone, bone) != 0) continue;
+        sn_attachment_end end = end_called(area->name);
+        if (seen++ > 0 && end != all) return SN_END_UNKNOWN;
+        all = end;
+    }
+    return all;
+}
+
 static sn_status fill_attachment(const detection *d, sn_index holder, sn_index count, sn_attachment *out, sn_error *error) {
     char method[96] = "";
     join_methods(d, holder, method, sizeof method);
     out->bone = sn_strdup(d->holders[holder]);
+    out->end = end_of(d, d->holders[holder]);
     out->method = sn_strdup(method);
     out->vertices = SN_NEW(sn_index, count);
     out->distances = SN_NEW(double, count);

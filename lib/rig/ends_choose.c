@@ -174,22 +174,38 @@ static sn_index farthest_point(const grouping *g) {
     return best;
 }
 
-/* The field between two patches, in g->field. */
-static sn_status field_between(grouping *g, const sn_index pair[2], sn_error *error) {
+/* The field between the patches that have a side, in g->field. */
+static sn_status field_between(grouping *g, sn_error *error) {
     sn_index count = 0;
-    for (int k = 0; k < 2; k++)
-        for (sn_index i = 0; i < g->patches[pair[k]].count; i++) {
-            g->sources[count] = g->list[g->patches[pair[k]].first + i];
-            g->values[count++] = k;
+    for (sn_index i = 0; i < g->patch_count; i++) {
+        const patch *p = &g->patches[i];
+        for (sn_index k = 0; k < p->count && p->side >= 0; k++) {
+            g->sources[count] = g->list[p->first + k];
+            g->values[count++] = p->side;
         }
+    }
     return sn_harmonic_field(g->surface->mesh, g->surface->topology, &(sn_fixed_values){count, g->sources, g->values}, g->field, error);
 }
 
-/* Which side each patch is on, by the field between the two. */
-static sn_status take_sides(grouping *g, sn_ends_source least, const sn_index pair[2], sn_error *error) {
-    sn_status status = field_between(g, pair, error);
+/* The areas that are called origin or insertion are at that end; false: not both are there, and nothing has a side. */
+static bool take_told_sides(grouping *g) {
+    bool there[2] = {false, false};
+    for (sn_index i = 0; i < g->patch_count; i++) {
+        patch *p = &g->patches[i];
+        sn_attachment_end end = g->muscle->attachments[p->attachment].end;
+        p->side = p->source != SN_ENDS_AREAS || end == SN_END_UNKNOWN ? -1 : end == SN_END_INSERTION;
+        if (p->side >= 0) there[p->side] = true;
+    }
+    for (sn_index i = 0; i < g->patch_count && !(there[0] && there[1]); i++) g->patches[i].side = -1;
+    return there[0] && there[1];
+}
+
+/* Which side each other patch is on, by the field between those that have one. */
+static sn_status take_sides(grouping *g, sn_ends_source least, sn_error *error) {
+    sn_status status = field_between(g, error);
     for (sn_index i = 0; i < g->patch_count && !status; i++) {
         patch *p = &g->patches[i];
+        if (p->side >= 0) continue;
         double u = counts(g, p, least) ? mean_over(g, p) : NAN;
         p->side = isnan(u) ? -1 : u >= 0.5;
         if (p->source == SN_ENDS_ATTACHMENTS && fabs(u - 0.5) < MIDDLE) p->side = -1;
@@ -252,10 +268,22 @@ static sn_status grow_pins(grouping *g, ends *out, sn_error *error) {
     return SN_OK;
 }
 
+/* Both ends, of patches among which some of each have a side; told: 0 is the end that is called so. */
+static sn_status take_both(grouping *g, sn_ends_source least, bool told, ends *out, sn_error *error) {
+    sn_status status = take_sides(g, least, error);
+    if (status) return status;
+    if (!told) order_sides(g);
+    write_ends(g, out);
+    ends_source(out, least, true, true);
+    return grow_pins(g, out, error);
+}
+
 /* Both ends from what is at least so good. */
 static sn_status make_both(grouping *g, sn_ends_source least, ends *out, bool *made, sn_error *error) {
     sn_index pair[2];
     double apart = 0.0;
+    *made = take_told_sides(g);
+    if (*made) return take_both(g, least, true, out, error);
     sn_status status = find_pair(g, least, pair, &apart, error);
     if (status || pair[0] == SN_NONE) return status;
     if (pair[0] == pair[1]) {
@@ -269,13 +297,9 @@ static sn_status make_both(grouping *g, sn_ends_source least, ends *out, bool *m
         ends_say(&out->choice, "%s: all lie at one end or along the belly", kinds[least]);
         return SN_OK;
     }
-    status = take_sides(g, least, pair, error);
-    if (status) return status;
-    order_sides(g);
-    write_ends(g, out);
+    for (int side = 0; side < 2; side++) g->patches[pair[side]].side = side;
     *made = true;
-    ends_source(out, least, true, true);
-    return grow_pins(g, out, error);
+    return take_both(g, least, false, out, error);
 }
 
 /* The point farthest from all that is known is the other end. */

@@ -271,6 +271,11 @@ fan_is_right() { # report
     "$BIN/attach-detect" -q --landmarks fan.tsv fan.json | "$BIN/root-select" -q | "$BIN/build-structure" -q | "$BIN/fiber-flow" -q |
         "$BIN/fiber-fill" -n 49 --report first.json -o first.muscle.json
     fan_is_right first.json
+    # what the landmarks call origin and insertion the document tells on, and fibres run from the one to the other
+    python3 -c 'import json
+d = json.load(open("first.muscle.json"))
+assert {a["bone"]: a.get("end") for a in d["attachments"]} == {"iliac": "origin", "femur": "insertion"}
+assert all(f["points"][2] > -30 and f["points"][-1] < -60 for f in d["fibers"]["polylines"])'
     "$BIN/root-select" -q fan.json | "$BIN/build-structure" -q | "$BIN/fiber-flow" -q | "$BIN/fiber-fill" -q -n 49 |
         "$BIN/attach-detect" -q --landmarks fan.tsv | "$BIN/fiber-flow" -q | "$BIN/fiber-fill" -q -n 49 --report last.json -o last.muscle.json
     fan_is_right last.json

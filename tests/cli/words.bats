@@ -36,6 +36,7 @@ joints = [{"name": "h", "type": "hinge", "axis": [0, 0, 1], "point": [0, 0, 0], 
 bones = [{"name": "b", "mesh": "tetra.off", "units": "m", "joint": "h"}]
 documents = {
     "muscle": {"format": "sinew-muscle", "version": 1, "name": "m", "metersPerUnit": 1, "space": "RAS", "mesh": tetra,
+               "attachments": [{"bone": "b", "end": "origin", "vertices": [0]}],
                "externals": [{"target": "n", "fascia": "deep", "vertices": [0], "triangles": [0], "barycentric": [1, 0, 0], "distances": [0],
                               "minimumDistances": [0], "weights": [1, 0, 0]}]},
     "motion": {"format": "sinew-motion", "version": 1, "joints": joints, "bones": bones,

@@ -144,8 +144,8 @@ static void found_attachments_must_be_trusted(void **state) {
         m.attachments = SN_NEW(sn_attachment, 2);
         for (int k = 0; k < 2; k++) {
             sn_index count = compact ? 3 * SECTORS : 4, first = k == 0 ? 1 : TOP - 3 * SECTORS;
-            m.attachments[k] =
-                (sn_attachment){sn_strdup(k ? "a" : "b"), sn_strdup("contact"), count, SN_NEW(sn_index, count), NULL, NULL, NULL};
+            m.attachments[k] = (sn_attachment){
+                .bone = sn_strdup(k ? "a" : "b"), .method = sn_strdup("contact"), .count = count, .vertices = SN_NEW(sn_index, count)};
             for (sn_index i = 0; i < count; i++) m.attachments[k].vertices[i] = first + (compact ? i : 2 * i);
         }
         sn_roots_report report;
@@ -153,6 +153,31 @@ static void found_attachments_must_be_trusted(void **state) {
         assert_int_equal(report.ends.source, compact ? SN_ENDS_ATTACHMENTS : SN_ENDS_TIPS);
         assert_true(!report.ends.unused && report.right);
         if (!compact) assert_non_null(strstr(report.ends.why, "scattered"));
+        sn_roots_free(&roots);
+        sn_muscle_free(&m);
+    }
+}
+
+/* Two areas in the lower half of a muscle: both are ends if they are called so, in either order; else they are one end of it. */
+static void areas_are_the_ends_that_they_are_called(void **state) {
+    (void)state;
+    enum { RINGS = 31, SECTORS = 12 };
+    for (int called = 0; called < 3; called++) { /* not; the lower one the insertion; the origin */
+        sn_muscle m = {.meters_per_unit = 1, .mesh = spindle(RINGS, SECTORS, 0.2, 0.03), .has_attachments = true, .attachment_count = 2};
+        m.attachments = SN_NEW(sn_attachment, 2);
+        for (int k = 0; k < 2; k++) {
+            sn_attachment *a = &m.attachments[k];
+            *a = (sn_attachment){
+                .bone = sn_strdup(k ? "a" : "b"), .method = sn_strdup("area"), .count = SECTORS, .vertices = SN_NEW(sn_index, SECTORS)};
+            a->end = called == 0 ? SN_END_UNKNOWN : (called == 1) == (k == 0) ? SN_END_INSERTION : SN_END_ORIGIN;
+            for (sn_index i = 0; i < SECTORS; i++) a->vertices[i] = 1 + (k ? 16 : 5) * SECTORS + i;
+        }
+        sn_roots_report report;
+        sn_roots roots = automatic(&m, &report);
+        assert_int_equal(report.ends.source, SN_ENDS_AREAS);
+        assert_true(report.ends.known[0] && report.ends.known[1] == (called > 0));
+        assert_int_equal(report.ends.patches[0], called > 0 ? 1 : 2);
+        assert_int_equal(report.ends.patches[1], called > 0 ? 1 : 0);
         sn_roots_free(&roots);
         sn_muscle_free(&m);
     }
@@ -297,6 +322,7 @@ int main(void) {
         cmocka_unit_test(attachments_are_the_ends_where_they_are_at_both),
         cmocka_unit_test(attachments_at_one_end_leave_the_other_to_its_tip),
         cmocka_unit_test(found_attachments_must_be_trusted),
+        cmocka_unit_test(areas_are_the_ends_that_they_are_called),
         cmocka_unit_test(a_hoop_is_reported_as_one),
         cmocka_unit_test(the_largest_component_gets_the_ring),
         cmocka_unit_test(an_open_sheet_is_an_error_that_helps),
