@@ -6,6 +6,7 @@
 
 #define TRUSTED_REACH 0.6 /* of found attachments: how far the surface may lie from them, over how far apart the ends are */
 #define MIDDLE 0.1        /* found attachments this near to the middle of the field lie along the belly: ends of neither side */
+#define FLAT 0.1          /* where the field rises by less than this share of its mean slope there is no way on: the tip of a head */
 #define CRUMB 0.1         /* of found attachments: smaller patches than this share of the bone's largest are left out */
 #define PIN_SHARE 0.01    /* a pin is a cap of this share of L at least: at a single vertex the field is singular */
 #define TIP_PATCH 0.05    /* around the point that is farthest from the one known end, as a share of L */
@@ -200,16 +201,49 @@ static bool take_told_sides(grouping *g) {
     return there[0] && there[1];
 }
 
-/* Which side each other patch is on, by the field between those that have one. */
-static sn_status take_sides(grouping *g, sn_ends_source least, sn_error *error) {
+/* The mean slope of the field along the edges at a patch. */
+static double slope_at(const grouping *g, const patch *p) {
+    const sn_topology *t = g->surface->topology;
+    const sn_vec3 *positions = g->surface->mesh->positions;
+    double rise = 0.0, way = 0.0;
+    for (sn_index i = p->first; i < p->first + p->count; i++)
+        for (sn_index k = t->vertex_start[g->list[i]]; k < t->vertex_start[g->list[i] + 1]; k++) {
+            sn_index w = t->neighbours[k];
+            rise += fabs(g->field[w] - g->field[g->list[i]]);
+            way += sn_distance(positions[w], positions[g->list[i]]);
+        }
+    return way > 0.0 ? rise / way : INFINITY;
+}
+
+/* The one side that a bone's patches have so far; -1 = none, or both. */
+static int side_of_bone(const grouping *g, sn_index attachment, const int *sides) {
+    bool there[2] = {false, false};
+    for (sn_index i = 0; i < g->patch_count; i++)
+        if (g->patches[i].attachment == attachment && sides[i] >= 0) there[sides[i]] = true;
+    return there[0] == there[1] ? -1 : there[1];
+}
+
+/* The side of a patch that has none yet, -1 = neither. Where a head ends the field is that of the fork, which may lie anywhere: its bone
+ * tells more, where that holds one end. What else was found on that bone on the way to the other end, a tendon passes. */
+static int judge_side(const grouping *g, const patch *p, double apart, const int *sides) {
+    double u = mean_over(g, p);
+    int side = u >= 0.5, bone = side_of_bone(g, p->attachment, sides);
+    if (slope_at(g, p) < FLAT / apart) return bone >= 0 ? bone : side;
+    bool passed = fabs(u - 0.5) < MIDDLE || (bone >= 0 && bone != side);
+    return p->source == SN_ENDS_ATTACHMENTS && passed ? -1 : side;
+}
+
+/* Which side each other patch is on, by the field between those that have one, `apart` from each other. */
+static sn_status take_sides(grouping *g, sn_ends_source least, double apart, sn_error *error) {
     sn_status status = field_between(g, error);
+    int *sides = SN_NEW(int, g->patch_count); /* so far: whatever the order of patches */
+    if (sides == NULL) status = sn_fail_memory(error, "the ends of the muscle");
+    for (sn_index i = 0; i < g->patch_count && !status; i++) sides[i] = g->patches[i].side;
     for (sn_index i = 0; i < g->patch_count && !status; i++) {
         patch *p = &g->patches[i];
-        if (p->side >= 0) continue;
-        double u = counts(g, p, least) ? mean_over(g, p) : NAN;
-        p->side = isnan(u) ? -1 : u >= 0.5;
-        if (p->source == SN_ENDS_ATTACHMENTS && fabs(u - 0.5) < MIDDLE) p->side = -1;
+        if (p->side < 0 && counts(g, p, least)) p->side = judge_side(g, p, apart, sides);
     }
+    free(sides);
     return status;
 }
 
@@ -268,9 +302,10 @@ static sn_status grow_pins(grouping *g, ends *out, sn_error *error) {
     return SN_OK;
 }
 
-/* Both ends, of patches among which some of each have a side; told: 0 is the end that is called so. */
-static sn_status take_both(grouping *g, sn_ends_source least, bool told, ends *out, sn_error *error) {
-    sn_status status = take_sides(g, least, error);
+/* Both ends, of patches among which some of each have a side. apart: distance of those; 0 = they are called origin and insertion. */
+static sn_status take_both(grouping *g, sn_ends_source least, double apart, ends *out, sn_error *error) {
+    bool told = apart == 0.0;
+    sn_status status = take_sides(g, least, told ? g->surface->shape->length : apart, error);
     if (status) return status;
     if (!told) order_sides(g);
     write_ends(g, out);
@@ -283,7 +318,7 @@ static sn_status make_both(grouping *g, sn_ends_source least, ends *out, bool *m
     sn_index pair[2];
     double apart = 0.0;
     *made = take_told_sides(g);
-    if (*made) return take_both(g, least, true, out, error);
+    if (*made) return take_both(g, least, 0.0, out, error);
     sn_status status = find_pair(g, least, pair, &apart, error);
     if (status || pair[0] == SN_NONE) return status;
     if (pair[0] == pair[1]) {
@@ -299,7 +334,7 @@ static sn_status make_both(grouping *g, sn_ends_source least, ends *out, bool *m
     }
     for (int side = 0; side < 2; side++) g->patches[pair[side]].side = side;
     *made = true;
-    return take_both(g, least, false, out, error);
+    return take_both(g, least, apart, out, error);
 }
 
 /* The point farthest from all that is known is the other end. */

@@ -9,6 +9,7 @@ refute() { if "$@"; then echo "held: $*"; return 1; fi; }
 setup_file() {
     sh "$BATS_TEST_DIRNAME/../sample-folder" "$BIN" "$EXAMPLES" "$BATS_FILE_TMPDIR/arm"
     cd "$BATS_FILE_TMPDIR/arm" || exit 1
+    for name in biceps brachialis triceps; do mv $name.fibers.json $name.muscle.json; done # as they were before fiber-fill
     "$BIN/fiber-fill" -n 20 biceps.muscle.json -o filled.muscle.json
     python3 -c 'import json
 s = json.load(open("arm.scene.json")); s["muscles"] = s["muscles"][:1]; s["muscles"][0]["name"] = "biceps"
@@ -127,7 +128,7 @@ END
     grep -q 'damaged' err
     cmp kept weights/*
     # a weight, and the count of vertices, that somebody has changed
-    for at in 3000 92; do
+    for at in 3004 92; do
         { head -c $at kept; printf 'abc\001'; tail -c +$((at + 5)) kept; } > "weights/$(ls weights)"
         simulate one.scene.json --frames 0:1 --lengths d2.tsv --embedding-cache weights --log d2.jsonl 2> err
         [ "$(grep -c warning err)" -eq 1 ]
@@ -286,7 +287,7 @@ assert 280 * m["vertices"] < m["fibers"]["weights"] <= 280 * m["vertices"] + max
     refused 2 "embedding-cache" one.scene.json --embedding-cache no -o no
     refused 2 "needs a file" one.scene.json --lengths -
     touch file
-    refused 1 "cannot make this folder" one.scene.json --embedding-cache file/no --lengths no.tsv
+    refused 1 "cannot be written: Not a directory" one.scene.json --embedding-cache file/no --lengths no.tsv
     python3 -c 'import json; m = json.load(open("filled.muscle.json")); m["attachments"] = []; json.dump(m, open("loose.muscle.json", "w"))
 s = json.load(open("one.scene.json")); s["muscles"][0]["rig"] = "loose.muscle.json"; json.dump(s, open("loose.scene.json", "w"))'
     refused 1 "attach-detect" -q loose.scene.json --lengths no.tsv --blend 1
@@ -341,7 +342,7 @@ scene() { # NAME UNIT BONES-JSON JOINT-JSON
     smooth_curves l.tsv
     python3 -c 'import json
 f = [json.loads(line)["fibers"] for line in open("log.jsonl")]
-assert f[0]["inside_bones"] == f[0]["blend"]["inside_bones"] == 0
+assert f[0]["inside_bones"] == f[0]["blend"]["inside_bones"] <= 100 # fibres begin where the muscle is attached: on the bone, or in it
 assert f[-1]["inside_bones"] <= f[-1]["blend"]["inside_bones"]
 if len(f) > 90: assert f[-1]["blend"]["inside_bones"] > 0'
     command -v gnuplot > /dev/null || skip "gnuplot is not here"

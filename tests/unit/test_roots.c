@@ -158,6 +158,35 @@ static void found_attachments_must_be_trusted(void **state) {
     }
 }
 
+/* Contact at the tips of both prongs, and of a tendon that passes the same bone further down: the prongs are one end, the stem's foot is
+ * the other, and what passes is neither; whichever bone comes first. */
+static void heads_on_one_bone_are_one_end(void **state) {
+    (void)state;
+    for (int order = 0; order < 2; order++) {
+        sn_muscle m = {.meters_per_unit = 1, .mesh = blocks(two_prongs), .has_attachments = true, .attachment_count = 2};
+        m.attachments = SN_NEW(sn_attachment, 2);
+        for (int k = 0; k < 2; k++)
+            m.attachments[k] = (sn_attachment){.bone = sn_strdup(k == order ? "above" : "below"),
+                                               .method = sn_strdup("contact"),
+                                               .vertices = SN_NEW(sn_index, m.mesh.vertex_count)};
+        sn_box box = sn_mesh_box(&m.mesh);
+        for (sn_index v = 0; v < m.mesh.vertex_count; v++) {
+            sn_vec3 p = m.mesh.positions[v];
+            bool tip = p.z > (p.x < 14.0 ? 31.0 : 35.0),
+                 passes = p.y < 4.5 && p.z > box.low.z + 6.5 && p.z < box.low.z + 9.5 && p.x > 11.0 && p.x < 17.0;
+            sn_attachment *a = &m.attachments[tip || passes ? order : 1 - order];
+            if (tip || passes || p.z < box.low.z + 2.5) a->vertices[a->count++] = v;
+        }
+        sn_roots_report report;
+        sn_roots roots = automatic(&m, &report);
+        assert_int_equal(report.ends.source, SN_ENDS_ATTACHMENTS);
+        assert_int_equal(report.ends.patches[0] + report.ends.patches[1], 3);
+        assert_true(report.ends.patches[0] != 0 && report.ends.patches[1] != 0 && report.right);
+        sn_roots_free(&roots);
+        sn_muscle_free(&m);
+    }
+}
+
 /* Two areas in the lower half of a muscle: both are ends if they are called so, in either order; else they are one end of it. */
 static void areas_are_the_ends_that_they_are_called(void **state) {
     (void)state;
@@ -323,6 +352,7 @@ int main(void) {
         cmocka_unit_test(attachments_at_one_end_leave_the_other_to_its_tip),
         cmocka_unit_test(found_attachments_must_be_trusted),
         cmocka_unit_test(areas_are_the_ends_that_they_are_called),
+        cmocka_unit_test(heads_on_one_bone_are_one_end),
         cmocka_unit_test(a_hoop_is_reported_as_one),
         cmocka_unit_test(the_largest_component_gets_the_ring),
         cmocka_unit_test(an_open_sheet_is_an_error_that_helps),
