@@ -55,7 +55,7 @@ END
     "$BIN/fiber-fill" -n 10 biceps.muscle.json -o filled.muscle.json
     python3 -c 'import json; s = json.load(open("arm.scene.json")); s["muscles"][0]["rig"] = "filled.muscle.json"; json.dump(s, open("filled.scene.json", "w"))'
     "$BIN/simulate" -q filled.scene.json --frames 0:12 --lengths l.sto --blend 1 > log.jsonl
-    "$plot" --over elbow l.sto biceps.svg
+    "$plot" --muscle biceps --over elbow l.sto biceps.svg
     grep -q '10 fibres' biceps.svg
 }
 
