@@ -207,13 +207,14 @@ static void assert_band(const fixture *f, curve *line, double width, double slac
 
 static void set_line(fixture *f, curve *line, sn_index count, double noise, double height) {
     static sn_vec3 points[64];
+    static char bone[] = "femur", name[] = "line";
     uint64_t random = 11;
     for (sn_index i = 0; i < count; i++) {
         sn_vec3 off = sn_v3(noise * (2 * sn_random(&random) - 1), noise * (2 * sn_random(&random) - 1), height);
         points[i] = sn_add(line(count > 1 ? (double)i / (count - 1) : 0.5), off);
     }
     f->params.area_count = 1;
-    f->areas[0] = (sn_landmark_area){(char[]){"femur"}, (char[]){"line"}, count, points};
+    f->areas[0] = (sn_landmark_area){bone, name, count, points};
 }
 
 static void landmarks_in_a_row_are_a_band(void **state) {
