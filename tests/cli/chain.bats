@@ -91,6 +91,38 @@ section() { jq -c ".$2" "$1"; }
     [ "$("$BIN/fiber-flow" -v built.json 2>&1 > /dev/null | grep -c 'by the field tree')" -eq 1 ]
 }
 
+# named FILE TOP1 TOP2 BOTTOM: the three areas by these names; ends of the fibres: mean z of their first points, of their last
+named() { awk -F '\t' -v OFS='\t' -v a="$2" -v b="$3" -v c="$4" '{ $2 = $1 == "iliac" ? a : $1 == "sacrum" ? b : c; print }' areas.tsv > "$1"; }
+mean_ends() { jq -r '.fibers.polylines | [(map(.points[2]) | add / length), (map(.points[-1]) | add / length)] | map(round | tostring) | join(" ")' "$1"; }
+
+@test "a name of one end alone is obeyed: origins are where fibres begin, insertions where they end, and two origins are one end" {
+    named a.tsv "origin 1" "origin 2" other
+    attach a.tsv clean.json | rig > a.json
+    read -r first last < <(mean_ends a.json)
+    [ "$first" -gt -25 ] && [ "$last" -lt -65 ]
+    named b.tsv insertion insertion other
+    attach b.tsv clean.json | rig > b.json
+    read -r first last < <(mean_ends b.json)
+    [ "$first" -lt -65 ] && [ "$last" -gt -25 ]
+    # the same where that is all there is, and where nothing but a pin is at the other end
+    grep -v femur b.tsv > c.tsv
+    attach c.tsv clean.json | { rig 2> err || [ $? -eq 3 ]; } > c.json
+    grep -q 'warning: the ends are taken from areas and a tip: areas: no origin is among them' err
+    read -r first last < <(mean_ends c.json)
+    [ "$first" -lt -65 ] && [ "$last" -gt -25 ]
+    attach c.tsv --pin p=box:0,-1,-80,120,11,-74 clean.json | rig > d.json
+    read -r first last < <(mean_ends d.json)
+    [ "$first" -lt -65 ] && [ "$last" -gt -25 ]
+    # two small heads wide apart are farther from each other than from the insertion
+    awk 'function quad(bone, name, x) { for (i = 0; i < 4; i++)
+            printf "%s\t%s\t%g\t0\t%g\n", bone, name, x + (i % 3 ? 18 : 0), i < 2 ? -2 : -12 }
+        BEGIN { quad("iliac", "origin 1", 6); quad("sacrum", "origin 2", 94) }' > wide.tsv
+    grep femur a.tsv >> wide.tsv
+    attach wide.tsv clean.json | rig > wide.json
+    read -r first last < <(mean_ends wide.json)
+    [ "$first" -gt -20 ] && [ "$last" -lt -65 ]
+}
+
 @test "sites come before areas, areas before pins, pins before contact; auto is none of them by hand" {
     "$BIN/attach-detect" -q --method none --pin a=box:0,-1,-12,120,11,0 --pin b=box:0,-1,-80,120,11,-74 clean.json -o pins.json
     printf 'origin 60 0 0\ninsertion 50 0 -80\n' > sites.txt
