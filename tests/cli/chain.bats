@@ -59,6 +59,17 @@ section() { jq -c ".$2" "$1"; }
     refute grep -q 'run .* again' err
 }
 
+@test "areas that are the same but called other ends are other attachments: what to run again is said" {
+    sed '/femur/s/area/insertion/; s/\tarea/\torigin/' areas.tsv > told.tsv
+    sed '/femur/s/area/origin/; s/\tarea/\tinsertion/' areas.tsv > turned.tsv
+    attach told.tsv clean.json | rig > told.json
+    "$BIN/attach-detect" --method area --landmarks turned.tsv --report r.json told.json -o turned.json 2> err
+    grep -q 'run root-select, build-structure, fiber-flow and fiber-fill again' err
+    [ "$(jq -c '.stale | length' r.json)" = 4 ]
+    "$BIN/attach-detect" --method area --landmarks told.tsv told.json -o same.json 2> err
+    refute grep -q 'run .* again' err
+}
+
 @test "the order and the names of the bones change nothing: two heads are one end" {
     attach areas.tsv clean.json | rig > first.json
     for bones in "femur sacrum iliac" "sacrum iliac femur" "sacrum femur iliac"; do
