@@ -360,6 +360,17 @@ static sn_status make_told(grouping *g, sn_ends_source least, int one, ends *out
     return take_both(g, least, apart, true, out, error);
 }
 
+/* What was found on one bone alone is where the muscle lies on it: patches of a belly that runs along it are no two ends. */
+static bool on_one_bone(const grouping *g, sn_ends_source least) {
+    sn_index bone = SN_NONE;
+    for (sn_index i = 0; i < g->patch_count; i++) {
+        if (!counts(g, &g->patches[i], least)) continue;
+        if (bone != SN_NONE && g->patches[i].attachment != bone) return false;
+        bone = g->patches[i].attachment;
+    }
+    return true;
+}
+
 /* Both ends from what is at least so good. */
 static sn_status make_both(grouping *g, sn_ends_source least, ends *out, bool *made, sn_error *error) {
     sn_index pair[2];
@@ -373,6 +384,10 @@ static sn_status make_both(grouping *g, sn_ends_source least, ends *out, bool *m
     if (status || pair[0] == SN_NONE) return status;
     if (pair[0] == pair[1]) {
         ends_say(&out->choice, "%s: there is one only, on %s", kinds[least], g->muscle->attachments[g->patches[pair[0]].attachment].bone);
+        return SN_OK;
+    }
+    if (least == SN_ENDS_ATTACHMENTS && on_one_bone(g, least)) {
+        ends_say(&out->choice, "%s: all are on one bone, %s", kinds[least], g->muscle->attachments[g->patches[pair[0]].attachment].bone);
         return SN_OK;
     }
     status = reach_both(g, least, apart, &both, error);

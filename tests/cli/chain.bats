@@ -166,6 +166,12 @@ mean_ends() { jq -r '.fibers.polylines | [(map(.points[2]) | add / length), (map
     [ "$(jq -r .ends r.json)" = tips ]
     grep -q 'the ends are taken from tips: attachments: all lie at one end or along the belly' err
     refute grep -q 'warning: the ends' err
+    # where one bone alone holds both places the muscle lies on it
+    { cat top.obj; sed 's/^f.*//' bottom.obj; awk '/^f/ { print "f", $2 + 8, $3 + 8, $4 + 8 }' bottom.obj; } > both.obj
+    "$BIN/attach-detect" -q --bone-units mm --bone both=both.obj clean.json -o one.json
+    "$BIN/root-select" -v one.json --report r.json > /dev/null 2> err
+    [ "$(jq -r .ends r.json)" = tips ]
+    grep -q 'the ends are taken from tips: attachments: all are on one bone, both' err
 }
 
 # a ring of 60 x 40 mm, 5 thick: whatever parts it in two must cut both of its arms
