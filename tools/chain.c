@@ -38,12 +38,13 @@ static uint64_t mix(uint64_t hash, const void *data, size_t size) {
     return hash;
 }
 
-/* What is attached to which bone, and whether by hand, as a number. */
+/* What is attached to which bone, at which end, and whether by hand, as a number. */
 static uint64_t held_by_bones(const sn_muscle *muscle) {
     uint64_t hash = 0xcbf29ce484222325U;
     for (sn_index i = 0; i < muscle->attachment_count; i++) {
         const sn_attachment *a = &muscle->attachments[i];
         hash = mix(hash, a->bone, strlen(a->bone) + 1);
+        hash = mix(hash, &a->end, sizeof a->end);
         hash = mix(hash, a->vertices, (size_t)a->count * sizeof *a->vertices);
         if (a->reasons != NULL) hash = mix(hash, a->reasons, (size_t)a->count * sizeof *a->reasons);
     }

@@ -33,9 +33,10 @@ typedef struct ends_surface {
 /* The best known ends. Attachments make both ends where their patches lie at two places: no point of the surface is farther from all of
  * them than the farthest two are from each other (on average over their vertices). Found ones (contact, proximity) are trusted where they
  * hold 1 % of their end or more, are not scattered (sn_grip_judge), half of their vertices or more are in one patch, and no point is
- * farther from them than 0.6 of what the two ends are from each other; of these, what lies on the middle fifth of the field is left out.
- * Areas and pins that lie at one end only are that end, and the point farthest from them is the other. The end at 0 has the lowest
- * vertex. SN_ERROR_INPUT as ends_from_sites. lib/rig/ends_choose.c */
+ * farther from them than 0.6 of what the two ends are from each other; of these, what lies on the middle fifth of the field is left out;
+ * all on one bone are no ends. Areas and pins that lie at one end only are that end, and the point farthest from them is the other. Areas
+ * that are called origin are the end at 0, those called insertion that at 1; where one of the two is told the other is what lies farthest
+ * from it. Where neither is, the end at 0 has the lowest vertex. SN_ERROR_INPUT as ends_from_sites. lib/rig/ends_choose.c */
 SN_MUST_CHECK sn_status ends_choose(const ends_surface *surface, const sn_muscle *muscle, sn_index site_count, const sn_end_site *sites,
                                     ends *out, sn_error *error);
 

@@ -188,8 +188,8 @@ static sn_status field_between(grouping *g, sn_error *error) {
     return sn_harmonic_field(g->surface->mesh, g->surface->topology, &(sn_fixed_values){count, g->sources, g->values}, g->field, error);
 }
 
-/* The areas that are called origin or insertion are at that end; false: not both are there, and nothing has a side. */
-static bool take_told_sides(grouping *g) {
+/* The areas that are called origin or insertion are at that end: how many ends are told; *one: the end, where it is one only. */
+static int take_told_sides(grouping *g, int *one) {
     bool there[2] = {false, false};
     for (sn_index i = 0; i < g->patch_count; i++) {
         patch *p = &g->patches[i];
@@ -197,8 +197,8 @@ static bool take_told_sides(grouping *g) {
         p->side = p->source != SN_ENDS_AREAS || end == SN_END_UNKNOWN ? -1 : end == SN_END_INSERTION;
         if (p->side >= 0) there[p->side] = true;
     }
-    for (sn_index i = 0; i < g->patch_count && !(there[0] && there[1]); i++) g->patches[i].side = -1;
-    return there[0] && there[1];
+    *one = there[1] && !there[0];
+    return there[0] + there[1];
 }
 
 /* The mean slope of the field along the edges at a patch. */
@@ -302,10 +302,9 @@ static sn_status grow_pins(grouping *g, ends *out, sn_error *error) {
     return SN_OK;
 }
 
-/* Both ends, of patches among which some of each have a side. apart: distance of those; 0 = they are called origin and insertion. */
-static sn_status take_both(grouping *g, sn_ends_source least, double apart, ends *out, sn_error *error) {
-    bool told = apart == 0.0;
-    sn_status status = take_sides(g, least, told ? g->surface->shape->length : apart, error);
+/* Both ends, of patches among which some of each have a side, `apart` from each other; told: by what the areas are called. */
+static sn_status take_both(grouping *g, sn_ends_source least, double apart, bool told, ends *out, sn_error *error) {
+    sn_status status = take_sides(g, least, apart, error);
     if (status) return status;
     if (!told) order_sides(g);
     write_ends(g, out);
@@ -313,28 +312,93 @@ static sn_status take_both(grouping *g, sn_ends_source least, double apart, ends
     return grow_pins(g, out, error);
 }
 
+/* Where the areas tell of one end, `one`, the other is the patch that they do not tell of and that lies farthest from them. */
+static sn_status find_other(grouping *g, sn_ends_source least, int one, sn_index *other, double *apart, sn_error *error) {
+    sn_index count = 0;
+    *other = SN_NONE;
+    *apart = 0.0;
+    for (sn_index i = 0; i < g->patch_count; i++) {
+        const patch *p = &g->patches[i];
+        if (p->side != one) continue;
+        memcpy(g->sources + count, g->list + p->first, (size_t)p->count * sizeof *g->sources);
+        count += p->count;
+    }
+    sn_status status = sn_geodesic_distance(g->surface->mesh, g->surface->topology, count, g->sources, g->field, error);
+    for (sn_index i = 0; i < g->patch_count && !status; i++) {
+        const patch *p = &g->patches[i];
+        double d = p->side < 0 && counts(g, p, least) ? mean_over(g, p) : 0.0;
+        if (!isfinite(d) || !(d > *apart)) continue;
+        *apart = d;
+        *other = i;
+    }
+    return status;
+}
+
+/* The known patches are so far apart that they are both ends; leaves the distances from all of them in g->field. */
+static sn_status reach_both(grouping *g, sn_ends_source least, double apart, bool *both, sn_error *error) {
+    double most = least == SN_ENDS_ATTACHMENTS ? TRUSTED_REACH : 1.0;
+    sn_status status = measure(g, SN_NONE, least, error);
+    *both = !status && !(g->field[farthest_point(g)] > most * apart);
+    return status;
+}
+
+/* Both ends, of which the areas tell one. */
+static sn_status make_told(grouping *g, sn_ends_source least, int one, ends *out, bool *made, sn_error *error) {
+    sn_index other;
+    double apart;
+    bool both = false;
+    sn_status status = find_other(g, least, one, &other, &apart, error);
+    if (!status && other != SN_NONE) status = reach_both(g, least, apart, &both, error);
+    if (status) return status;
+    if (!both) {
+        ends_say(&out->choice, other == SN_NONE ? "%s: no %s is among them" : "%s: all lie at one end or along the belly: no %s is known",
+                 kinds[least], sn_attachment_end_names[one ? SN_END_ORIGIN : SN_END_INSERTION]);
+        return SN_OK;
+    }
+    g->patches[other].side = 1 - one;
+    *made = true;
+    return take_both(g, least, apart, true, out, error);
+}
+
+/* What was found on one bone alone is where the muscle lies on it: patches of a belly that runs along it are no two ends. */
+static bool on_one_bone(const grouping *g, sn_ends_source least) {
+    sn_index bone = SN_NONE;
+    for (sn_index i = 0; i < g->patch_count; i++) {
+        if (!counts(g, &g->patches[i], least)) continue;
+        if (bone != SN_NONE && g->patches[i].attachment != bone) return false;
+        bone = g->patches[i].attachment;
+    }
+    return true;
+}
+
 /* Both ends from what is at least so good. */
 static sn_status make_both(grouping *g, sn_ends_source least, ends *out, bool *made, sn_error *error) {
     sn_index pair[2];
     double apart = 0.0;
-    *made = take_told_sides(g);
-    if (*made) return take_both(g, least, 0.0, out, error);
+    bool both;
+    int one, told = take_told_sides(g, &one);
+    *made = told == 2;
+    if (told == 2) return take_both(g, least, g->surface->shape->length, true, out, error);
+    if (told == 1) return make_told(g, least, one, out, made, error);
     sn_status status = find_pair(g, least, pair, &apart, error);
     if (status || pair[0] == SN_NONE) return status;
     if (pair[0] == pair[1]) {
         ends_say(&out->choice, "%s: there is one only, on %s", kinds[least], g->muscle->attachments[g->patches[pair[0]].attachment].bone);
         return SN_OK;
     }
-    status = measure(g, SN_NONE, least, error);
+    if (least == SN_ENDS_ATTACHMENTS && on_one_bone(g, least)) {
+        ends_say(&out->choice, "%s: all are on one bone, %s", kinds[least], g->muscle->attachments[g->patches[pair[0]].attachment].bone);
+        return SN_OK;
+    }
+    status = reach_both(g, least, apart, &both, error);
     if (status) return status;
-    double most = least == SN_ENDS_ATTACHMENTS ? TRUSTED_REACH : 1.0;
-    if (g->field[farthest_point(g)] > most * apart) {
+    if (!both) {
         ends_say(&out->choice, "%s: all lie at one end or along the belly", kinds[least]);
         return SN_OK;
     }
     for (int side = 0; side < 2; side++) g->patches[pair[side]].side = side;
     *made = true;
-    return take_both(g, least, apart, out, error);
+    return take_both(g, least, apart, false, out, error);
 }
 
 /* The point farthest from all that is known is the other end. */
@@ -343,7 +407,8 @@ static sn_status make_one(grouping *g, sn_ends_source least, ends *out, bool *ma
     sn_status status = measure(g, SN_NONE, least, error);
     if (status) return status;
     sn_index tip = farthest_point(g);
-    for (sn_index i = 0; i < g->patch_count; i++) g->patches[i].side = counts(g, &g->patches[i], least) ? 0 : -1;
+    int one, told = take_told_sides(g, &one), known = told == 1 ? one : 0;
+    for (sn_index i = 0; i < g->patch_count; i++) g->patches[i].side = counts(g, &g->patches[i], least) ? known : -1;
     write_ends(g, out);
     sn_index held = out->count;
     memset(g->seen, 0, (size_t)mesh->vertex_count * sizeof *g->seen);
@@ -352,11 +417,11 @@ static sn_status make_one(grouping *g, sn_ends_source least, ends *out, bool *ma
     for (sn_index v = 0; v < mesh->vertex_count && !status; v++) {
         if (g->seen[v] || !(g->field[v] <= TIP_PATCH * g->surface->shape->length)) continue;
         out->vertices[out->count] = v;
-        out->values[out->count++] = 1.0;
+        out->values[out->count++] = 1 - known;
     }
     if (status || out->count == held) return status; /* all of the surface is held */
     *made = true;
-    ends_source(out, least, true, false);
+    ends_source(out, least, known == 0, known == 1);
     ends_say(&out->choice, "the end that is not known is the tip farthest from the other");
     return SN_OK;
 }

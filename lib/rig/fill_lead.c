@@ -11,7 +11,7 @@
 #include "fill.h"
 #include "tree.h"
 
-enum { NODES = 49, BATCH = 512, ROUNDS = 4, FIBERS_A_CHUNK = 8 };
+enum { NODES = 49, BATCH = 512, ROUNDS = 4, FIBERS_A_CHUNK = 8, TURN = 16 };
 #define BENDING 81.0    /* of a second difference against a distance: waves shorter than about 2 pi x 3 nodes go */
 #define LID 1.5         /* radii of the slice beside the area within which slices are lids over it; at twice that they are none */
 #define OWN_LID 1.0     /* the same in radii of the slice at hand: it grows across the muscle before it moves along it */
@@ -236,16 +236,32 @@ static void take_fiber(batch *b, sn_index place) {
     for (size_t k = 0; k < NODES; k++) b->fibers[(size_t)b->list[place] * NODES + k] = b->nodes[(size_t)place * NODES + k];
 }
 
-static double fiber_length(const batch *b, sn_index i) { return length_of(b->fibers + (size_t)i * NODES); }
+/* The node that lies `way` along the fibre from node k, in steps of 1 or -1, or its last one. */
+static int node_along(const sn_vec3 *x, int k, int step, double way) {
+    for (double gone = 0.0; k + step >= 0 && k + step < NODES && gone < way; k += step) gone += sn_distance(x[k], x[k + step]);
+    return k;
+}
 
-/* Fibres that are much longer than they would be without their ways: these have less say, down to none. */
+/* Somewhere a sixteenth of the fibre turns by more than a right angle from the sixteenth before: it runs past its end and returns. */
+static bool turns_back(const sn_vec3 *x) {
+    double way = length_of(x) / TURN;
+    for (int k = 1; k + 1 < NODES; k++) {
+        sn_vec3 before = sn_sub(x[k], x[node_along(x, k, -1, way)]), after = sn_sub(x[node_along(x, k, 1, way)], x[k]);
+        if (sn_dot(before, after) < 0.0) return true;
+    }
+    return false;
+}
+
+static bool goes_astray(const sn_vec3 *x, double least) { return length_of(x) > DETOUR * least || turns_back(x); }
+
+/* Fibres that are much longer than they would be without their ways, or turn back: these have less say, down to none. */
 static sn_status shorten(batch *b, sn_error *error) {
     static const double scales[] = {0.1, 0.01, 0.001};
     sn_index all = b->listed;
     b->listed = 0;
     for (sn_index i = 0; i < all; i++) {
         const sn_vec3 *x = b->fibers + (size_t)i * NODES;
-        if (fiber_length(b, i) > DETOUR * sn_distance(x[0], x[NODES - 1])) b->list[b->listed++] = i;
+        if (goes_astray(x, sn_distance(x[0], x[NODES - 1]))) b->list[b->listed++] = i;
     }
     if (b->listed == 0) return SN_OK;
     sn_status status = settle_listed(b, 0.0, error);
@@ -253,7 +269,7 @@ static sn_status shorten(batch *b, sn_error *error) {
     for (sn_index k = 0; k < b->listed && !status; k++) {
         sn_index i = b->list[k];
         b->least[i] = length_of(b->nodes + (size_t)k * NODES);
-        if (fiber_length(b, i) <= DETOUR * b->least[i]) continue;
+        if (!goes_astray(b->fibers + (size_t)i * NODES, b->least[i])) continue;
         take_fiber(b, k);
         b->list[kept++] = i;
     }
@@ -262,10 +278,10 @@ static sn_status shorten(batch *b, sn_error *error) {
         status = settle_listed(b, scales[s], error);
         kept = 0;
         for (sn_index k = 0; k < b->listed && !status; k++) {
-            if (length_of(b->nodes + (size_t)k * NODES) <= DETOUR * b->least[b->list[k]])
-                take_fiber(b, k);
-            else
+            if (goes_astray(b->nodes + (size_t)k * NODES, b->least[b->list[k]]))
                 b->list[kept++] = b->list[k];
+            else
+                take_fiber(b, k);
         }
         b->listed = kept;
     }

@@ -27,7 +27,7 @@ setup() {
 
 attach() { "$BIN/attach-detect" "$@"; }
 # The vertices of bone $1 in the document on standard input.
-vertices() { tr -d ' \n' | grep -o "\"bone\":\"$1\",\"vertices\":\[[0-9,]*\]" | grep -o '\[.*\]'; }
+vertices() { tr -d ' \n' | grep -oE "\"bone\":\"$1\",(\"end\":\"[a-z]*\",)?\"vertices\":\[[0-9,]*\]" | grep -o '\[.*\]'; }
 
 @test "contact, proximity, both" {
     [ "$(attach $bones -m contact strip.off -q | vertices left)" = "[0,1,2,3]" ]

@@ -59,6 +59,17 @@ section() { jq -c ".$2" "$1"; }
     refute grep -q 'run .* again' err
 }
 
+@test "areas that are the same but called other ends are other attachments: what to run again is said" {
+    sed '/femur/s/area/insertion/; s/\tarea/\torigin/' areas.tsv > told.tsv
+    sed '/femur/s/area/origin/; s/\tarea/\tinsertion/' areas.tsv > turned.tsv
+    attach told.tsv clean.json | rig > told.json
+    "$BIN/attach-detect" --method area --landmarks turned.tsv --report r.json told.json -o turned.json 2> err
+    grep -q 'run root-select, build-structure, fiber-flow and fiber-fill again' err
+    [ "$(jq -c '.stale | length' r.json)" = 4 ]
+    "$BIN/attach-detect" --method area --landmarks told.tsv told.json -o same.json 2> err
+    refute grep -q 'run .* again' err
+}
+
 @test "the order and the names of the bones change nothing: two heads are one end" {
     attach areas.tsv clean.json | rig > first.json
     for bones in "femur sacrum iliac" "sacrum iliac femur" "sacrum femur iliac"; do
@@ -89,6 +100,38 @@ section() { jq -c ".$2" "$1"; }
         [ "$(jq -r .ends r.json)" = areas ]
     done
     [ "$("$BIN/fiber-flow" -v built.json 2>&1 > /dev/null | grep -c 'by the field tree')" -eq 1 ]
+}
+
+# named FILE TOP1 TOP2 BOTTOM: the three areas by these names; ends of the fibres: mean z of their first points, of their last
+named() { awk -F '\t' -v OFS='\t' -v a="$2" -v b="$3" -v c="$4" '{ $2 = $1 == "iliac" ? a : $1 == "sacrum" ? b : c; print }' areas.tsv > "$1"; }
+mean_ends() { jq -r '.fibers.polylines | [(map(.points[2]) | add / length), (map(.points[-1]) | add / length)] | map(round | tostring) | join(" ")' "$1"; }
+
+@test "a name of one end alone is obeyed: origins are where fibres begin, insertions where they end, and two origins are one end" {
+    named a.tsv "origin 1" "origin 2" other
+    attach a.tsv clean.json | rig > a.json
+    read -r first last < <(mean_ends a.json)
+    [ "$first" -gt -25 ] && [ "$last" -lt -65 ]
+    named b.tsv insertion insertion other
+    attach b.tsv clean.json | rig > b.json
+    read -r first last < <(mean_ends b.json)
+    [ "$first" -lt -65 ] && [ "$last" -gt -25 ]
+    # the same where that is all there is, and where nothing but a pin is at the other end
+    grep -v femur b.tsv > c.tsv
+    attach c.tsv clean.json | { rig 2> err || [ $? -eq 3 ]; } > c.json
+    grep -q 'warning: the ends are taken from areas and a tip: areas: no origin is among them' err
+    read -r first last < <(mean_ends c.json)
+    [ "$first" -lt -65 ] && [ "$last" -gt -25 ]
+    attach c.tsv --pin p=box:0,-1,-80,120,11,-74 clean.json | rig > d.json
+    read -r first last < <(mean_ends d.json)
+    [ "$first" -lt -65 ] && [ "$last" -gt -25 ]
+    # two small heads wide apart are farther from each other than from the insertion
+    awk 'function quad(bone, name, x) { for (i = 0; i < 4; i++)
+            printf "%s\t%s\t%g\t0\t%g\n", bone, name, x + (i % 3 ? 18 : 0), i < 2 ? -2 : -12 }
+        BEGIN { quad("iliac", "origin 1", 6); quad("sacrum", "origin 2", 94) }' > wide.tsv
+    grep femur a.tsv >> wide.tsv
+    attach wide.tsv clean.json | rig > wide.json
+    read -r first last < <(mean_ends wide.json)
+    [ "$first" -gt -20 ] && [ "$last" -lt -65 ]
 }
 
 @test "sites come before areas, areas before pins, pins before contact; auto is none of them by hand" {
@@ -123,6 +166,12 @@ section() { jq -c ".$2" "$1"; }
     [ "$(jq -r .ends r.json)" = tips ]
     grep -q 'the ends are taken from tips: attachments: all lie at one end or along the belly' err
     refute grep -q 'warning: the ends' err
+    # where one bone alone holds both places the muscle lies on it
+    { cat top.obj; sed 's/^f.*//' bottom.obj; awk '/^f/ { print "f", $2 + 8, $3 + 8, $4 + 8 }' bottom.obj; } > both.obj
+    "$BIN/attach-detect" -q --bone-units mm --bone both=both.obj clean.json -o one.json
+    "$BIN/root-select" -v one.json --report r.json > /dev/null 2> err
+    [ "$(jq -r .ends r.json)" = tips ]
+    grep -q 'the ends are taken from tips: attachments: all are on one bone, both' err
 }
 
 # a ring of 60 x 40 mm, 5 thick: whatever parts it in two must cut both of its arms
