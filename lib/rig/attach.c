@@ -469,7 +469,10 @@ static sn_attachment_end end_of(const detection *d, const char *bone) {
         const sn_landmark_area *area = &d->params->areas[d->report->areas[a].area];
         if (d->report->areas[a].left_out || strcmp(area->bone, bone) != 0) continue;
         sn_attachment_end end = end_called(area->name);
-        if (seen++ > 0 && end != all) return SN_END_UNKNOWN;
+        if (seen++ > 0 && end != all) {
+            sn_log(SN_LOG_WARNING, "the areas on %s are not all called the same end of the muscle: which one it holds is left open", bone);
+            return SN_END_UNKNOWN;
+        }
         all = end;
     }
     return all;

@@ -134,6 +134,17 @@ mean_ends() { jq -r '.fibers.polylines | [(map(.points[2]) | add / length), (map
     [ "$first" -gt -20 ] && [ "$last" -lt -65 ]
 }
 
+@test "one bone whose areas are called different ends is at none, and that is said" {
+    named a.tsv origin origin insertion
+    sed 's/^[a-z]*/one/' a.tsv > one.tsv
+    "$BIN/attach-detect" --method area --landmarks one.tsv clean.json -o one.json 2> err
+    [ "$(grep -c 'warning: the areas on one are not all called the same end' err)" -eq 1 ]
+    [ "$(jq -r '.attachments[0].end' one.json)" = null ]
+    "$BIN/attach-detect" --method area --landmarks a.tsv clean.json -o a.json 2> err
+    refute grep -q 'called the same end' err
+    [ "$(jq -r '[.attachments[].end] | sort | join(" ")' a.json)" = "insertion origin origin" ]
+}
+
 @test "sites come before areas, areas before pins, pins before contact; auto is none of them by hand" {
     "$BIN/attach-detect" -q --method none --pin a=box:0,-1,-12,120,11,0 --pin b=box:0,-1,-80,120,11,-74 clean.json -o pins.json
     printf 'origin 60 0 0\ninsertion 50 0 -80\n' > sites.txt
