@@ -205,16 +205,18 @@ static void assert_band(const fixture *f, curve *line, double width, double slac
     }
 }
 
+static char femur[] = "femur";
+
 static void set_line(fixture *f, curve *line, sn_index count, double noise, double height) {
     static sn_vec3 points[64];
-    static char bone[] = "femur", name[] = "line";
+    static char name[] = "line";
     uint64_t random = 11;
     for (sn_index i = 0; i < count; i++) {
         sn_vec3 off = sn_v3(noise * (2 * sn_random(&random) - 1), noise * (2 * sn_random(&random) - 1), height);
         points[i] = sn_add(line(count > 1 ? (double)i / (count - 1) : 0.5), off);
     }
     f->params.area_count = 1;
-    f->areas[0] = (sn_landmark_area){bone, name, count, points};
+    f->areas[0] = (sn_landmark_area){femur, name, count, points};
 }
 
 static void landmarks_in_a_row_are_a_band(void **state) {
@@ -262,7 +264,7 @@ static void closed_boundaries_are_no_lines(void **state) {
             for (int i = 0; i < count; i++)
                 ring[i] = sn_v3(15.2 + radius * cos(2 * SN_PI * i / count), 10.1 + 0.5 * radius * sin(2 * SN_PI * i / count), 0);
             f->params.area_count = 1;
-            f->areas[0] = (sn_landmark_area){(char[]){"femur"}, NULL, count, ring};
+            f->areas[0] = (sn_landmark_area){femur, NULL, count, ring};
             assert_int_equal(detect(f, NULL), SN_OK);
             assert_false(f->report.areas[0].line || f->report.areas[0].doubtful);
         }
@@ -280,7 +282,7 @@ static void three_landmarks_are_a_line_only_in_a_row(void **state) {
     fixture *f = *state;
     static sn_vec3 points[3] = {{4.5, 8.5, 0}, {20.5, 8.5, 0}, {12.5, 9.3, 0}}; /* the last between the others */
     f->params.area_count = 1;
-    f->areas[0] = (sn_landmark_area){(char[]){"femur"}, NULL, 3, points};
+    f->areas[0] = (sn_landmark_area){femur, NULL, 3, points};
     assert_int_equal(detect(f, NULL), SN_OK);
     assert_true(f->report.areas[0].line);
     points[2].y = 14.5;
@@ -299,7 +301,7 @@ static void a_straight_row_is_put_in_order(void **state) {
     for (int i = 0; i < 7; i++) points[i] = across(order[i] / 6.0);
     f->params.area_count = 1;
     f->params.line_width = 3;
-    f->areas[0] = (sn_landmark_area){(char[]){"femur"}, NULL, 7, points};
+    f->areas[0] = (sn_landmark_area){femur, NULL, 7, points};
     assert_int_equal(detect(f, NULL), SN_OK);
     assert_true(f->report.areas[0].line && f->report.areas[0].reordered);
     assert_band(f, across, 3, 0.3);
