@@ -123,16 +123,26 @@ static bool counts(const grouping *g, const patch *p, sn_ends_source least) {
 
 /* ---- two groups --------------------------------------------------------------------------------------------------------------- */
 
+/* A patch's vertices behind the `count` that are in g->sources; returns how many there are then. */
+static sn_index add_source(grouping *g, const patch *p, sn_index count) {
+    memcpy(g->sources + count, g->list + p->first, (size_t)p->count * sizeof *g->sources);
+    return count + p->count;
+}
+
+/* Into g->field. */
+static sn_status distances_from_sources(grouping *g, sn_index count, sn_error *error) {
+    return sn_geodesic_distance(g->surface->mesh, g->surface->topology, count, g->sources, g->field, error);
+}
+
 /* Distances from the patches that count, or from one of them; false where there is none. */
 static sn_status measure(grouping *g, sn_index only, sn_ends_source least, sn_error *error) {
     sn_index count = 0;
     for (sn_index i = 0; i < g->patch_count; i++) {
         const patch *p = &g->patches[i];
         if (only == SN_NONE ? !counts(g, p, least) : i != only) continue;
-        memcpy(g->sources + count, g->list + p->first, (size_t)p->count * sizeof *g->sources);
-        count += p->count;
+        count = add_source(g, p, count);
     }
-    return sn_geodesic_distance(g->surface->mesh, g->surface->topology, count, g->sources, g->field, error);
+    return distances_from_sources(g, count, error);
 }
 
 static double mean_over(const grouping *g, const patch *p) {
@@ -285,11 +295,10 @@ static sn_status grow_pins(grouping *g, ends *out, sn_error *error) {
         for (sn_index i = 0; i < g->patch_count; i++) {
             const patch *p = &g->patches[i];
             if (p->side != side || p->source != SN_ENDS_PINS) continue;
-            memcpy(g->sources + count, g->list + p->first, (size_t)p->count * sizeof *g->sources);
-            count += p->count;
+            count = add_source(g, p, count);
         }
         if (count == 0) continue;
-        sn_status status = sn_geodesic_distance(g->surface->mesh, g->surface->topology, count, g->sources, g->field, error);
+        sn_status status = distances_from_sources(g, count, error);
         if (status) return status;
         memset(g->seen, 0, (size_t)g->surface->mesh->vertex_count * sizeof *g->seen);
         for (sn_index i = 0; i < out->count; i++) g->seen[out->vertices[i]] = 1;
@@ -320,10 +329,9 @@ static sn_status find_other(grouping *g, sn_ends_source least, int one, sn_index
     for (sn_index i = 0; i < g->patch_count; i++) {
         const patch *p = &g->patches[i];
         if (p->side != one) continue;
-        memcpy(g->sources + count, g->list + p->first, (size_t)p->count * sizeof *g->sources);
-        count += p->count;
+        count = add_source(g, p, count);
     }
-    sn_status status = sn_geodesic_distance(g->surface->mesh, g->surface->topology, count, g->sources, g->field, error);
+    sn_status status = distances_from_sources(g, count, error);
     for (sn_index i = 0; i < g->patch_count && !status; i++) {
         const patch *p = &g->patches[i];
         double d = p->side < 0 && counts(g, p, least) ? mean_over(g, p) : 0.0;

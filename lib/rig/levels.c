@@ -10,6 +10,8 @@
 
 #include <stdlib.h>
 
+#include "sinew/sets.h"
+
 enum { LEVELS = 160 };
 
 /* ---- the field ------------------------------------------------------------------------------------------------------------ */
@@ -75,19 +77,7 @@ static void find_bands(levels *l) {
     }
 }
 
-/* ---- pieces and patches: union-find ----------------------------------------------------------------------------------------- */
-
-static sn_index find(sn_index *link, sn_index i) {
-    while (link[i] != i) i = link[i] = link[link[i]];
-    return i;
-}
-
-static void join(sn_index *link, sn_index a, sn_index b) {
-    a = find(link, a);
-    b = find(link, b);
-    if (a < b) link[b] = a;
-    if (b < a) link[a] = b;
-}
+/* ---- pieces and patches ----------------------------------------------------------------------------------------- */
 
 static sn_index lowest_band(const levels *l, const sn_index *v) {
     sn_index a = l->band[v[0]] < l->band[v[1]] ? l->band[v[0]] : l->band[v[1]];
@@ -134,9 +124,9 @@ static void join_all(levels *l) {
         const sn_edge *edge = &l->topology->edges[e];
         sn_index end[2];
         order_ends(l, edge, end);
-        if (l->band[end[0]] == l->band[end[1]]) join(l->vertex_node, end[0], end[1]);
+        if (l->band[end[0]] == l->band[end[1]]) sn_join_sets(l->vertex_node, end[0], end[1]);
         for (sn_index k = l->band[end[0]]; edge->triangle[1] != SN_NONE && k < l->band[end[1]]; k++)
-            join(l->piece, piece_at(l, edge->triangle[0], k), piece_at(l, edge->triangle[1], k));
+            sn_join_sets(l->piece, piece_at(l, edge->triangle[0], k), piece_at(l, edge->triangle[1], k));
     }
 }
 

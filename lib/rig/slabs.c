@@ -8,6 +8,7 @@
  */
 #include <stdlib.h>
 
+#include "sinew/sets.h"
 #include "tree.h"
 
 /* A piece without area still has to be somewhere: it weighs as much as this share of the mean triangle, as a point. */
@@ -62,21 +63,6 @@ static sn_index piece_at(const slicing *s, sn_index triangle, sn_index band) {
 
 /* ---- slabs ---------------------------------------------------------------------------------------------------------------- */
 
-static sn_index find_root(sn_index *link, sn_index piece) {
-    while (link[piece] != piece) piece = link[piece] = link[link[piece]];
-    return piece;
-}
-
-/* The lower piece stands for both. */
-static void unite(sn_index *link, sn_index a, sn_index b) {
-    a = find_root(link, a);
-    b = find_root(link, b);
-    if (a < b)
-        link[b] = a;
-    else
-        link[a] = b;
-}
-
 /* Across edges; and all pieces of band 0, which the roots hold together. */
 static void join_pieces(slicing *s) {
     const sn_topology *t = s->tree->topology;
@@ -86,13 +72,13 @@ static void join_pieces(slicing *s) {
         if (edge->triangle[1] == SN_NONE) continue;
         sn_index a = s->band[edge->v[0]], b = s->band[edge->v[1]];
         for (sn_index k = a < b ? a : b; k <= (a < b ? b : a); k++)
-            unite(s->link, piece_at(s, edge->triangle[0], k), piece_at(s, edge->triangle[1], k));
+            sn_join_sets(s->link, piece_at(s, edge->triangle[0], k), piece_at(s, edge->triangle[1], k));
     }
     sn_index root = SN_NONE;
     for (sn_index i = 0; i < t->triangle_count; i++) {
         if (lowest_band(s, s->tree->mesh->triangles[i]) > 0) continue;
         if (root == SN_NONE) root = s->start[i];
-        unite(s->link, root, s->start[i]);
+        sn_join_sets(s->link, root, s->start[i]);
     }
 }
 
@@ -113,7 +99,7 @@ static sn_status number_slabs(slicing *s, sn_error *error) {
     count_roots(s, next + 1);
     for (sn_index k = 0; k <= highest; k++) next[k + 1] += next[k];
     s->slab_count = next[highest + 1];
-    for (sn_index p = 0; p < pieces; p++) s->link[p] = find_root(s->link, p);
+    for (sn_index p = 0; p < pieces; p++) s->link[p] = sn_set_of(s->link, p);
     for (sn_index t = 0; t < mesh->triangle_count; t++) /* a piece's root comes before it: its number is there, as -1 - number */
         for (sn_index p = s->start[t], band = lowest_band(s, mesh->triangles[t]); p < s->start[t + 1]; p++, band++)
             s->link[p] = s->link[p] == p ? -1 - next[band]++ : s->link[s->link[p]];

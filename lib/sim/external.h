@@ -19,6 +19,7 @@
 #include "group.h"
 #include "rows.h"
 #include "sinew/moving.h"
+#include "sinew/sets.h"
 
 enum { SN_EXTERNAL_SLIDE, SN_EXTERNAL_SOFT, SN_EXTERNAL_HARD, SN_EXTERNAL_TYPES };
 
@@ -77,16 +78,6 @@ static inline sn_external_hold *sn_external_holds_of(const sn_muscle_state *s) {
 
 /* What a distance at rest is to be by now: of what lies in its target less and less. parted: sn_inputs. */
 static inline double sn_external_kept(double distance, double parted) { return distance < 0.0 ? (1.0 - parted) * distance : distance; }
-
-/* Disjoint sets of muscles, each named by its lowest one: parents[i] = i at first. */
-static inline sn_index sn_set_of(sn_index *parents, sn_index i) {
-    while (parents[i] != i) i = parents[i] = parents[parents[i]];
-    return i;
-}
-static inline void sn_join_sets(sn_index *parents, sn_index a, sn_index b) {
-    a = sn_set_of(parents, a), b = sn_set_of(parents, b);
-    parents[a > b ? a : b] = a < b ? a : b;
-}
 
 /* Which muscles (model->muscle_count) touch each other: a number for each, the same in one group: parents (muscle_count), as sn_set_of
  * finds them. SN_ERROR_INPUT: a target that the scene does not have, or a candidate that does not fit it. */
