@@ -1,13 +1,6 @@
 # architecture.awk -- a line for each rig from the report of the fibres through it. Given: out, stages (folders). Input: state/in.tsv.
 # With report.awk. Lengths, areas and volumes in the rig's unit, whose metres are in metersPerUnit; angles in degrees.
 
-function first_line(file,    line) {
-    line = ""
-    getline line < file
-    close(file)
-    return line
-}
-
 BEGIN {
     FS = "\t"
     count = split("metersPerUnit volume fibers lengthMean lengthDeviation lengthLeast lengthGreatest pennationOriginDegrees pennationInsertionDegrees physiologicalArea tendonLengthShare bellyLengthMean bellyLengthDeviation bellyPhysiologicalArea tendon", key, " ")

@@ -1,13 +1,6 @@
 # candidates.awk -- a line for each rig from the reports of its candidates for external constraints. Given: out, stages (folders).
 # Input: state/in.tsv. With report.awk.
 
-function first_line(file,    line) {
-    line = ""
-    getline line < file
-    close(file)
-    return line
-}
-
 BEGIN {
     FS = "\t"
     count = split("searched rows deep superficial slide soft hard idle entered without hidden surplus leastDistance meanDistance greatestDistance", key, " ")

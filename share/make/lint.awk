@@ -1,12 +1,5 @@
 # lint.awk -- a line for each surface from the reports of mesh-clean --check. Given: state (folder). Input: kind, name, path. With report.awk.
 
-function first_line(file,    line) {
-    line = ""
-    getline line < file
-    close(file)
-    return line
-}
-
 # what mesh-clean said of the file, without the warnings
 function complaint(file,    line, said) {
     while (said == "" && (getline line < file) > 0)

@@ -22,3 +22,11 @@ function read_report(file, field,    line, key, value, scope, found) {
     close(file)
     return found
 }
+
+# The first line of a file; nothing where there is none.
+function first_line(file,    line) {
+    line = ""
+    getline line < file
+    close(file)
+    return line
+}

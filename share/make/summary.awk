@@ -12,13 +12,6 @@ function warnings_in(file,    line, n) {
     return n + 0
 }
 
-function first_line(file,    line) {
-    line = ""
-    getline line < file
-    close(file)
-    return line
-}
-
 function exists(file,    line, found) {
     found = (getline line < file) >= 0
     close(file)
