@@ -115,9 +115,9 @@ $(B)/bin/%: $(B)/tools/%.o $(TOOL_SHARED) $(B)/libsinew.a
 
 # sources of one tool alone
 $(B)/bin/envelope-bind: $(B)/tools/frame_files.o
-$(B)/bin/simulate: $(B)/tools/fibers.o $(B)/tools/earlier.o $(B)/tools/contacts.o $(B)/tools/outcome.o $(B)/tools/bone_frames.o $(B)/tools/frame_files.o
+$(B)/bin/simulate: $(B)/tools/fibers.o $(B)/tools/earlier.o $(B)/tools/contacts.o $(B)/tools/outcome.o $(B)/tools/others.o $(B)/tools/bone_frames.o $(B)/tools/frame_files.o
 $(B)/bin/motion-import $(B)/bin/motion-fit: $(B)/tools/clip.o
-$(B)/bin/rig-view: $(B)/tools/motion_view.o $(B)/tools/frame_list.o $(B)/tools/section_view.o
+$(B)/bin/rig-view: $(B)/tools/others.o $(B)/tools/frame_files.o $(B)/tools/motion_view.o $(B)/tools/frame_list.o $(B)/tools/section_view.o
 $(B)/bin/motion-import: $(B)/tools/model_bones.o
 $(B)/bin/attach-detect: $(B)/tools/neighbours.o
 $(B)/bin/fiber-fill: $(B)/tools/fiber_architecture.o
@@ -143,5 +143,5 @@ tests: $(UNIT_TESTS) $(EXTRA_TESTS)
 include share/make/project.mk
 include share/make/fuzz.mk
 
--include $(patsubst %,$(B)/tools/%.d,fibers earlier contacts outcome bone_frames frame_files motion_view frame_list model_bones scene_list neighbours section_view) $(LIB_OBJECTS:.o=.d) $(BRIDGE_OBJECTS:.o=.d) $(BUILT_TOOLS:$(B)/bin/%=$(B)/tools/%.d) $(LIBEXEC_TOOLS:%=$(B)/tools/%.d) $(TOOL_SHARED:.o=.d)
+-include $(patsubst %,$(B)/tools/%.d,fibers earlier contacts outcome others bone_frames frame_files motion_view frame_list model_bones scene_list neighbours section_view) $(LIB_OBJECTS:.o=.d) $(BRIDGE_OBJECTS:.o=.d) $(BUILT_TOOLS:$(B)/bin/%=$(B)/tools/%.d) $(LIBEXEC_TOOLS:%=$(B)/tools/%.d) $(TOOL_SHARED:.o=.d)
 -include $(UNIT_TESTS:=.d) $(EXTRA_TESTS:=.d) $(EXAMPLES:$(B)/examples/%=$(B)/share/examples/%.d)

@@ -44,6 +44,7 @@ static bool frame_of(const char *line, int64_t *frame) {
 static const char *pass_frame(const char *at, const sn_model *model, sn_index frame, double rate, bool inside) {
     for (sn_index i = 0; i < model->muscle_count; i++) {
         int64_t told;
+        if (model->muscles[i].source->unseen) continue;
         sn_blob head = line_head(frame, rate, model->muscles[i].source->name);
         bool same = head.data != NULL && (inside ? frame_of(at, &told) && told == frame : strncmp(at, head.data, head.size) == 0);
         const char *newline = strchr(at, '\n');

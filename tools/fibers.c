@@ -121,6 +121,7 @@ static sn_status add_blend(const fiber_run *run, const sn_muscle *rig, fiber_mus
 static sn_status bind_muscle(fiber_run *run, const cli *c, sn_index muscle, sn_error *error) {
     const sn_scene_muscle *source = run->model->muscles[muscle].source;
     fiber_muscle *f = &run->muscles[muscle];
+    if (source->unseen) return SN_OK;
     if (source->rig.fibers.polyline_count == 0) {
         cli_warn(c, "muscle \"%s\" has no fibres to carry (fiber-fill makes them)", source->name);
         return SN_OK;
@@ -141,7 +142,7 @@ static sn_status bind_muscle(fiber_run *run, const cli *c, sn_index muscle, sn_e
 /* Some muscle must have fibres, before anything else is done. */
 static sn_status look_for_fibers(const sn_model *model, sn_error *error) {
     for (sn_index i = 0; i < model->muscle_count; i++)
-        if (model->muscles[i].source->rig.fibers.polyline_count > 0) return SN_OK;
+        if (!model->muscles[i].source->unseen && model->muscles[i].source->rig.fibers.polyline_count > 0) return SN_OK;
     return sn_fail(error, SN_ERROR_INPUT, "no muscle of the scene has fibres to carry; fiber-fill makes them");
 }
 

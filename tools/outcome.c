@@ -75,6 +75,7 @@ static void check_limits(outcome *o, const sn_state *state) {
         outcome_limit *l = &o->limits[k];
         for (sn_index i = 0; l->name != NULL && i < o->model->muscle_count; i++) {
             const sn_statistics *s = &state->muscles[i].statistics;
+            if (o->model->muscles[i].source->unseen) continue;
             double value = l->measure != NULL ? l->measure->read(s) : s->residuals[l->kind].max;
             if (l->above ? !(value > l->value) : !(value < l->value)) continue;
             cli_shortfall(o->c, "frame %d, muscle \"%s\": %s is %g, %s the limit of %g", (int)state->frame, name_of(o, i), l->name, value,
@@ -269,6 +270,7 @@ sn_status outcome_take(outcome *o, const sn_state *state, double seconds, sn_err
     bool added = add_frame(o, state, seconds);
     for (sn_index i = 0; added && i < o->model->muscle_count; i++) {
         const sn_statistics *s = &state->muscles[i].statistics;
+        if (o->model->muscles[i].source->frozen.sample_count > 0) continue;
         if (s->torn) added = add_tear(o, i, state->frame);
         compare(o, s, i, state->frame);
         check_leaps(o, state, i);

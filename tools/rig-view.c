@@ -2,6 +2,7 @@
 #include "bones.h"
 #include "cli.h"
 #include "motion_view.h"
+#include "others.h"
 #include "section_view.h"
 #include "sinew/sim.h"
 #include "sinew/view.h"
@@ -22,7 +23,7 @@ static struct {
     bool legend, all_bones, contact, no_contact, externals, no_externals;
     const char *cut;
     sn_length cut_depth;
-    cli_list bones, bone_lists, states, neighbours, focus;
+    cli_list bones, bone_lists, states, neighbours, focus, muscles;
 } given = {.cut_depth = {-1.0, 0.0}, .camera = "auto", .zoom = 1.0, .samples = 9, .legend = true};
 
 /* The words of --show. */
@@ -55,6 +56,8 @@ static const cli_option options[] = {
     {0, "cut-depth", "LENGTH", CLI_LENGTH, &given.cut_depth, 0, 0, 0, NULL, "rows so near to the plane are drawn (default: a mean edge)"},
     {0, "frames", "PATH", CLI_TEXT, &given.frames, 0, 0, 0, NULL,
      "PC2 point cache of the scene's one muscle, or folder with MUSCLE.pc2 for each"},
+    {0, "muscle", "NAME", CLI_LIST, &given.muscles, 0, 0, 0, NULL,
+     "of a scene draw this muscle alone (* and ? match); may be given again and again"},
     {0, "frame", "LIST", CLI_TEXT, &given.frame, 0, 0, 0, NULL,
      "frames of the scene or motion to draw, one tile each: 0,12,24 or 0:90:15 (default: its first)"},
     {0, "frame-count", "N", CLI_INTEGER, &given.frame_count, 0, 1, FRAMES_MAX, NULL,
@@ -665,7 +668,9 @@ static sn_status add_scene(album *a, const sn_blob *blob, const char *path, sn_e
     sn_status status = sn_scene_parse(blob, true, &scene, error);
     if (status) return status;
     if (a->bones.count > 0) cli_warn(a->c, "--bone is for muscle documents; %s brings its own bones", path);
-    status = given.states.count > 0 ? add_states(a, &scene, error) : add_frames(a, &scene, path, error);
+    const other_choices some = {.muscles = given.muscles};
+    status = given.states.count > 0 ? others_apply(a->c, &some, &scene, error) : others_leave_out(a->c, &given.muscles, &scene, error);
+    if (!status) status = given.states.count > 0 ? add_states(a, &scene, error) : add_frames(a, &scene, path, error);
     a->group_count++;
     if (!status) tell_scene_bones(a, &scene);
     sn_scene_free(&scene);

@@ -8,6 +8,7 @@
 #include "fibers.h"
 #include "frame_files.h"
 #include "grips.h"
+#include "others.h"
 #include "outcome.h"
 #include "sinew/error_time.h"
 
@@ -30,6 +31,7 @@ typedef struct choices {
     double external_stiffness;
     fiber_choices fibers;
     contact_choices contact;
+    other_choices others;
 } choices;
 
 static choices given = {.fibers = {.cut = FIBERS_CUT}};
@@ -40,6 +42,10 @@ static const cli_option OPTIONS[] = {
     {0, "preroll", "SECONDS", CLI_NUMBER, &given.preroll, 0, 0, 1e6, NULL, "let it settle this long at the first frame's inputs"},
     {0, "run-in", "SECONDS", CLI_NUMBER, &given.run_in, 0, 0, 1e6, NULL,
      "of the preroll: take the bones from rest to the first frame in this time, then hold"},
+    {0, "muscle", "NAME", CLI_LIST, &given.others.muscles, 0, 0, 0, NULL,
+     "log and write this muscle alone (* and ? match); others are left out, but for those tied to it; may be given again"},
+    {0, "freeze-others", "FOLDER", CLI_TEXT, &given.others.frozen, 0, 0, 0, NULL,
+     "with --muscle: those go as an earlier run's frames have them, and are not stepped"},
     {0, "law", "LAW", CLI_CHOICE, &given.law, 0, 0, 0, sn_fiber_law_names, "fibre law of all muscles: projected, paper or isochoric"},
     {0, "anisotropy", "FORM", CLI_CHOICE, &given.anisotropy, 0, 0, 0, sn_anisotropy_names,
      "surface edges along the fibres yield: scheme, none, pbd or xpbd"},
@@ -89,7 +95,8 @@ static const cli_option OPTIONS[] = {
     {0, "contact-samples", "N", CLI_INTEGER, &given.contact.samples, 0, 0, 3, NULL, "hold 1 or 3 points inside each triangle out, too"},
     {0, "grid-cell", "LENGTH", CLI_LENGTH, &given.contact.cell, 0, 0, 0, NULL,
      "of the bones' distance fields (default: a third of the finest mean edge in reach, or a sixth of the bone's thickness)"},
-    {0, "grid-cache", "FOLDER", CLI_TEXT, &given.contact.cache, CLI_WRITES | CLI_FOLDER | CLI_CACHE, 0, 0, NULL, "keep these fields in FOLDER for the next run"},
+    {0, "grid-cache", "FOLDER", CLI_TEXT, &given.contact.cache, CLI_WRITES | CLI_FOLDER | CLI_CACHE, 0, 0, NULL,
+     "keep these fields in FOLDER for the next run"},
     {0, "collision", "HOW", CLI_CHOICE, &given.contact.collision, 0, 0, 0, sn_collision_names,
      "scheme (default), field or, under xpbd, voxel: Kohout and Cervenka's, which the scheme kohout means"},
     {0, "voxels", "N", CLI_TEXT, &given.contact.voxels, 0, 0, 0, NULL,
@@ -112,7 +119,8 @@ static const cli_option OPTIONS[] = {
     {0, "penetration", NULL, CLI_FLAG, &given.fibers.penetration, 0, 0, 0, NULL, "log the fibre vertices inside bones, and the deepest"},
     {0, "mvc-cut", "W", CLI_NUMBER, &given.fibers.cut, 0, 0, 0.09, NULL,
      "drop weights that bind them below W and correct the rest (default 3e-4); 0 keeps all"},
-    {0, "embedding-cache", "FOLDER", CLI_TEXT, &given.fibers.cache, CLI_WRITES | CLI_FOLDER | CLI_CACHE, 0, 0, NULL, "keep these weights in FOLDER for the next run"},
+    {0, "embedding-cache", "FOLDER", CLI_TEXT, &given.fibers.cache, CLI_WRITES | CLI_FOLDER | CLI_CACHE, 0, 0, NULL,
+     "keep these weights in FOLDER for the next run"},
 };
 
 static const cli_tool TOOL = {
@@ -323,8 +331,9 @@ static sn_status load_scene(job *j, sn_error *error) {
         if (given.frames != NULL || cli_given(&j->c, "rate")) sn_scene_warn_of_times(&j->scene);
         j->first = j->scene.first_frame, j->last = j->scene.last_frame;
         if (given.from == NULL) check_stop(j, j->first, true);
-        status = make_model(j, error);
+        status = others_apply(&j->c, &given.others, &j->scene, error);
     }
+    if (status == SN_OK) { status = make_model(j, error); }
     if (status != SN_OK) sn_error_set_file(error, blob.name);
     sn_blob_free(&blob);
     return status;
@@ -378,6 +387,16 @@ static sn_status save_now_and_then(const job *j, sn_error *error) {
     return write_state(j, error);
 }
 
+/* ---- muscles that are seen ---------------------------------------------------------------------------------------------------- */
+
+static bool is_seen(const job *j, sn_index muscle) { return !j->model->muscles[muscle].source->unseen; }
+
+static sn_index seen_count(const job *j) {
+    sn_index count = 0;
+    for (sn_index i = 0; i < j->model->muscle_count; i++) count += is_seen(j, i);
+    return count;
+}
+
 /* ---- frames --------------------------------------------------------------------------------------------------------------- */
 
 static const char *extension(const char *path) {
@@ -393,8 +412,7 @@ static bool one_file(const job *j) {
     if (given.format == FORMAT_PLY || strcmp(extension(output), ".ply") == 0)
         cli_usage_error(&j->c, "a PLY sequence needs a folder: -o FOLDER --format ply");
     if (strcmp(extension(output), ".pc2") != 0) cli_usage_error(&j->c, "-o %s: frames are written as NAME.pc2 or into a folder", output);
-    if (j->model->muscle_count > 1)
-        cli_usage_error(&j->c, "%d muscles do not fit into one cache: give -o a folder", (int)j->model->muscle_count);
+    if (seen_count(j) > 1) cli_usage_error(&j->c, "%d muscles do not fit into one cache: give -o a folder", (int)seen_count(j));
     return true;
 }
 
@@ -445,7 +463,7 @@ static sn_status check_names(const job *j, sn_error *error) {
     for (sn_index i = 0; i < j->model->muscle_count; i++)
         for (sn_index k = 0; k < j->model->muscle_count; k++) {
             const char *a = j->model->muscles[i].source->name, *b = j->model->muscles[k].source->name;
-            if (k != i && files_clash(a, b))
+            if (k != i && is_seen(j, i) && is_seen(j, k) && files_clash(a, b))
                 return sn_fail(error, SN_ERROR_INPUT, "the muscles \"%s\" and \"%s\" would share a file of frames; rename one", a, b);
         }
     return SN_OK;
@@ -457,8 +475,9 @@ static sn_status open_targets(job *j, sn_error *error) {
     sn_status status = check_names(j, error);
     if (status == SN_OK && !file) status = frame_folder_make(j->c.output, error);
     if (status == SN_OK && (j->targets = SN_NEW(target, j->model->muscle_count)) == NULL) status = sn_fail_memory(error, "the frames");
-    for (sn_index i = 0; status == SN_OK && i < j->model->muscle_count; i++) status = open_target(j, i, file, error);
-    return status == SN_OK ? earlier_whole(j->c.output, j->continued, j->model->muscle_count, error) : status;
+    for (sn_index i = 0; status == SN_OK && i < j->model->muscle_count; i++)
+        if (is_seen(j, i)) status = open_target(j, i, file, error);
+    return status == SN_OK ? earlier_whole(j->c.output, j->continued, seen_count(j), error) : status;
 }
 
 static sn_status open_bones(job *j, sn_error *error) {
@@ -475,6 +494,7 @@ static sn_status write_frames(job *j, sn_error *error) {
     sn_status status = SN_OK;
     for (sn_index i = 0; j->targets != NULL && status == SN_OK && i < j->model->muscle_count; i++) {
         target *t = &j->targets[i];
+        if (!is_seen(j, i)) continue;
         sn_state_positions(j->model, j->state, i, t->cache != NULL ? t->positions : t->mesh.positions);
         status =
             t->cache != NULL ? sn_pc2_append(t->cache, t->positions, error) : frame_write_ply(t->path, j->state->frame, &t->mesh, error);
@@ -633,6 +653,7 @@ static const sn_plan_muscle *plan_of(const job *j, sn_index muscle) {
 static sn_status write_log(job *j, bool stopped, sn_error *error) {
     sn_status status = SN_OK;
     for (sn_index i = 0; status == SN_OK && i < j->model->muscle_count; i++) {
+        if (!is_seen(j, i)) continue;
         sn_json *json = sn_json_begin(j->log, false);
         if (json == NULL) return sn_fail_memory(error, "the log");
         write_statistics(j, json, i, plan_of(j, i), stopped);
@@ -647,6 +668,7 @@ static sn_status write_log(job *j, bool stopped, sn_error *error) {
 static sn_status check_caches(job *j, sn_error *error) {
     for (sn_index i = 0; j->targets != NULL && given.format == FORMAT_PC2 && i < j->model->muscle_count; i++) {
         const sn_vec3 *p = j->targets[i].positions;
+        if (!is_seen(j, i)) continue;
         sn_state_positions(j->model, j->state, i, j->targets[i].positions);
         for (sn_index k = 0; k < j->model->muscles[i].vertex_count; k++)
             if (fmax(fabs(p[k].x), fmax(fabs(p[k].y), fabs(p[k].z))) > (double)FLT_MAX)
@@ -785,7 +807,8 @@ static void write_muscle_plan(const job *j, sn_json *json, const sn_plan_muscle 
     sn_json_object(json, NULL);
     sn_json_text(json, "name", plan->name);
     if (!plan->enabled) {
-        sn_json_text(json, "leftOut", "it is not enabled");
+        bool asked = j->scene.muscles[plan - j->model->plan.muscles].unseen;
+        sn_json_text(json, "leftOut", asked ? "--muscle asks for others, to which it is not tied" : "it is not enabled");
         sn_json_close(json);
         return;
     }
@@ -919,6 +942,7 @@ static sn_status warn_of_loose_muscles(const job *j, sn_error *error) {
     if (j->model->muscle_count == 0) cli_warn(&j->c, "the scene has no muscle that is enabled: there is nothing to simulate");
     for (sn_index i = 0; status == SN_OK && i < j->model->muscle_count; i++) {
         const sn_model_muscle *m = &j->model->muscles[i];
+        if (!is_seen(j, i)) continue;
         warn_of_idle_tone(j, m);
         warn_of_idle_tendon(j, m->source);
         if (m->kinematic_count == 0)

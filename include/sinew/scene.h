@@ -107,15 +107,17 @@ typedef struct sn_scene_muscle {
     char *tendon_map;          /* vertex attribute in [0,1]: 1 = tendon, which does not contract; NULL = muscle everywhere */
     char *stiffness_map;       /* vertex attribute above 0: factor on the stiffness of distances; NULL = 1 everywhere */
     sn_anisotropy anisotropy;
-    double least_area;     /* no triangle below this share of its rest area; in [0,1); default 0.5; 0 = no such rows */
-    sn_knots volume_ratio; /* activation in [0,1] -> goal volume over rest volume; default 1 */
-    double density;        /* kg/m^3; default 1060 */
-    bool unit_mass;        /* every point 1 kg, whatever the density; default false */
-    double damping;        /* rate, 1/s, of the velocity beside the rigid motion of the bones; weight is not damped; default 5 */
-    sn_index iterations;   /* per substep; 0 = the solver's */
-    bool enabled;          /* false = left out */
-    bool untouched;        /* no bone is felt; default false */
-    bool unbound;          /* none of its external constraints acts, and none of others on it; default false */
+    double least_area;      /* no triangle below this share of its rest area; in [0,1); default 0.5; 0 = no such rows */
+    sn_knots volume_ratio;  /* activation in [0,1] -> goal volume over rest volume; default 1 */
+    double density;         /* kg/m^3; default 1060 */
+    bool unit_mass;         /* every point 1 kg, whatever the density; default false */
+    double damping;         /* rate, 1/s, of the velocity beside the rigid motion of the bones; weight is not damped; default 5 */
+    sn_index iterations;    /* per substep; 0 = the solver's */
+    bool enabled;           /* false = left out */
+    bool untouched;         /* no bone is felt; default false */
+    bool unbound;           /* none of its external constraints acts, and none of others on it; default false */
+    sn_vertex_track frozen; /* where all of its vertices are over time, m; no samples (default): it is simulated */
+    bool unseen;            /* there for the others: neither logged nor written; default false */
 } sn_scene_muscle;
 
 /* QN is the default: the error for the time is less (error-time). */
@@ -204,6 +206,12 @@ bool sn_scene_runs_in(const sn_scene *scene);
 sn_index sn_solver_substeps(const sn_solver_settings *settings); /* per frame, before any is halved */
 /* To that method, with its defaults but the threads and the sleep there are; nothing where it is that method already. */
 void sn_solver_change(sn_solver_settings *settings, sn_solver_method method);
+/* Which muscles a run of some of them needs: wanted, needed (muscle_count). Those wanted, and what external constraints tie to them,
+ * directly or over others; `nearest`: directly, and what these are tied to, as that may be nearer to them. */
+SN_MUST_CHECK sn_status sn_scene_choose(const sn_scene *scene, const bool *wanted, bool nearest, bool *needed, sn_error *error);
+/* Have a muscle go as a track of its vertices says, which the scene then owns: whatever is tied to it holds on to that. Nothing of its own
+ * is stepped. SN_ERROR_INPUT: other vertices, or a track that does not reach from the scene's first frame to its last. */
+SN_MUST_CHECK sn_status sn_scene_freeze(sn_scene *scene, sn_index muscle, sn_vertex_track *track, sn_error *error);
 /* Ranges, indices, names: SN_ERROR_INPUT naming bone or muscle and the value; attachments to what the scene lacks are an error, and so are
  * those to a surface that is not loaded. */
 SN_MUST_CHECK sn_status sn_scene_validate(const sn_scene *scene, sn_error *error);

@@ -137,8 +137,9 @@ typedef struct sn_area_row {
 typedef struct sn_site {
     sn_index joint;          /* SN_NONE = the bone never moves, or it is a surface */
     sn_index surface;        /* of the scene; SN_NONE = it is a bone */
+    bool frozen;             /* all of the muscle's vertices, as its track has them */
     sn_index begin, end;     /* of kinematic_points */
-    sn_index first_follower; /* surface: that of kinematic_points[begin] */
+    sn_index first_follower; /* surface or frozen: that of kinematic_points[begin] */
     sn_index middle;         /* surface: the follower nearest to the centre, whose tangent frame is the site's pose */
     sn_vec3 centre;          /* mean rest position, m */
 } sn_site;
@@ -161,7 +162,7 @@ enum { SN_UNFITTED = false, SN_FITTED = true };
     X(sn_index, kinematic_points, m->kinematic_count, SN_PRESENT, SN_UNFITTED)      /* carried by bones; grouped by site */                \
     X(double, kinematic_mass, m->kinematic_count, SN_PRESENT, SN_UNFITTED) /* kg, by which they weigh in the motion of the bones */        \
     X(sn_site, sites, m->site_count, SN_PRESENT, SN_UNFITTED)              /* one per attachment with vertices */                          \
-    X(sn_follower, followers, m->follower_count, SN_PRESENT, SN_UNFITTED)  /* of those kinematic points that go with a surface */          \
+    X(sn_follower, followers, m->follower_count, SN_PRESENT, SN_UNFITTED)  /* of those kinematic points that go with a surface; of a frozen muscle: not used */          \
     /* distances of all three kinds; factors on the stiffness (1 over it), on the correction ([K21] 3.1, PBD form), and the share of the   \
      * contraction by the activation map; pairs: those of batch b of a kind are at distance_start[kind] / 4 + b */                         \
     X(sn_distance_row, distances, m->distance_start[SN_DISTANCE_KINDS], SN_PRESENT, SN_FITTED)                                             \

@@ -163,6 +163,7 @@ static void free_muscle(sn_scene_muscle *muscle) {
     free(muscle->activation_map);
     free(muscle->tendon_map);
     free(muscle->stiffness_map);
+    sn_vertex_track_free(&muscle->frozen);
 }
 
 void sn_scene_free(sn_scene *scene) {

@@ -64,12 +64,26 @@ static void weigh(const sn_external_settings *settings, const double told[3], do
     sn_external_blend(on, out);
 }
 
+static bool is_frozen(const sn_model_muscle *m) { return m->source->frozen.sample_count > 0; }
+
+static bool is_attached(const sn_muscle *rig, sn_index vertex) {
+    for (sn_index i = 0; i < rig->attachment_count; i++)
+        for (sn_index k = 0; k < rig->attachments[i].count; k++)
+            if (rig->attachments[i].vertices[k] == vertex) return true;
+    return false;
+}
+
+/* Does a vertex move by itself, or would it if its muscle were not frozen? */
+static bool is_free(const sn_model_muscle *m, sn_index vertex) {
+    return is_frozen(m) ? !is_attached(&m->source->rig, vertex) : m->inverse_mass[vertex] > 0.0;
+}
+
 /* Does a candidate of a free vertex do anything? */
 static bool acts(const sn_model *model, const sn_model_muscle *m, const sn_external *e, sn_index k) {
     double weights[SN_EXTERNAL_TYPES];
     weigh(&model->scene->externals, e->weights + 3 * k, weights);
     bool pulls = weights[0] > 0.0 || weights[1] > 0.0 || weights[2] > 0.0;
-    return m->inverse_mass[e->vertices[k]] > 0.0 && (pulls || !model->scene->externals.no_minimum); /* all 0: the minimum alone */
+    return is_free(m, e->vertices[k]) && (pulls || !model->scene->externals.no_minimum); /* all 0: the minimum alone */
 }
 
 static bool any_acts(const sn_model *model, const sn_model_muscle *m, const sn_external *e) {
@@ -374,6 +388,16 @@ static void bind_row(const work *w, const sn_model_muscle *m, sn_externals *all,
     row->least = least ? fmin(f->minimum, row->distance) : -INFINITY;
 }
 
+/* A vertex of a frozen muscle is of use to others alone: one of its targets (found from begin to end) must be a muscle that is not. */
+static bool is_of_use(const work *w, const sn_model_muscle *m, sn_index begin, sn_index end) {
+    bool use = !is_frozen(m);
+    for (sn_index i = begin; i < end && !use; i++) {
+        sn_index member = target_of(w, w->found[i].target)->member;
+        use = member != SN_NONE && !is_frozen(w->g->members[member]);
+    }
+    return use;
+}
+
 static sn_status make_rows(const work *w, sn_model_muscle *m, sn_error *error) {
     sn_externals *all = SN_NEW(sn_externals, 1);
     if ((m->own[SN_ROWS_EXTERNAL] = all) == NULL) return sn_fail_memory(error, "external constraints");
@@ -382,11 +406,12 @@ static sn_status make_rows(const work *w, sn_model_muscle *m, sn_error *error) {
     all->candidates = SN_NEW(sn_index, w->found_count);
     all->rest_sides = SN_NEW(double, w->found_count);
     if (all->rows == NULL || all->candidates == NULL || all->rest_sides == NULL) return sn_fail_memory(error, "external constraints");
-    for (sn_index i = 0; i < w->found_count;) {
-        sn_index first = i, vertex = w->found[i].vertex;
+    for (sn_index first = 0, next; first < w->found_count; first = next) {
+        for (next = first; next < w->found_count && w->found[next].vertex == w->found[first].vertex;) next++;
+        if (!is_of_use(w, m, first, next)) continue;
         sn_external_row *row = &all->rows[m->external_count++];
         row->begin = all->candidate_count;
-        for (; i < w->found_count && w->found[i].vertex == vertex; i++) all->candidates[all->candidate_count++] = w->found[i].target;
+        for (sn_index i = first; i < next; i++) all->candidates[all->candidate_count++] = w->found[i].target;
         row->end = all->candidate_count;
         bind_row(w, m, all, &w->found[first], row);
     }

@@ -1,7 +1,8 @@
 /*
  * kinematic.c -- attached vertices: they follow their bone rigidly and exactly, or a surface.   [K21] 3.3, [R18] 4.2
  *
- * Their inverse mass is 0, so that no projection moves them, and each substep puts them at pose(rest) anew.
+ * Their inverse mass is 0, so that no projection moves them, and each substep puts them at pose(rest) anew. Of a frozen muscle all vertices
+ * are such points, each at its own place.
  */
 #include "rows.h"
 
@@ -73,6 +74,18 @@ static sn_status add_site(const sn_build *build, const sn_attachment *attachment
     return follow(build, site, error);
 }
 
+/* All vertices of a frozen muscle are one site. */
+static sn_status freeze(const sn_build *build, sn_error *error) {
+    sn_model_muscle *m = build->model;
+    sn_attachment all = {.count = m->vertex_count, .vertices = SN_NEW(sn_index, m->vertex_count)};
+    if (all.vertices == NULL) return sn_fail_memory(error, "a frozen muscle");
+    for (sn_index v = 0; v < all.count; v++) all.vertices[v] = v;
+    add_points(build, &all)->frozen = true;
+    free(all.vertices);
+    m->follower_count = m->vertex_count;
+    return SN_OK;
+}
+
 /* Vertices of attachments to surfaces. */
 static size_t count_followers(const sn_scene *scene, const sn_muscle *rig) {
     size_t count = 0;
@@ -85,19 +98,20 @@ sn_status sn_kinematics_build(const sn_build *build, sn_error *error) {
     const sn_muscle *rig = &build->source->rig;
     sn_model_muscle *m = build->model;
     size_t count = 0;
+    bool frozen = build->source->frozen.sample_count > 0;
     for (sn_index i = 0; i < rig->attachment_count; i++) count += (size_t)rig->attachments[i].count;
+    if (frozen) count = (size_t)m->vertex_count;
     m->kinematic_points = SN_NEW(sn_index, count);
     m->kinematic_mass = SN_NEW(double, count);
-    m->sites = SN_NEW(sn_site, rig->attachment_count);
-    m->followers = SN_NEW(sn_follower, count_followers(build->scene, rig));
+    m->sites = SN_NEW(sn_site, frozen ? 1 : rig->attachment_count);
+    m->followers = SN_NEW(sn_follower, frozen ? count : count_followers(build->scene, rig));
     if (m->kinematic_points == NULL || m->kinematic_mass == NULL || m->sites == NULL || m->followers == NULL)
         return sn_fail_memory(error, "attachments");
-    for (sn_index i = 0; i < rig->attachment_count; i++) {
-        sn_status status = add_site(build, &rig->attachments[i], error);
-        if (status != SN_OK) return status;
-    }
+    sn_status status = frozen ? freeze(build, error) : SN_OK;
+    for (sn_index i = 0; i < rig->attachment_count && !frozen && status == SN_OK; i++)
+        status = add_site(build, &rig->attachments[i], error);
     build->plan->kinematic = m->kinematic_count;
-    return SN_OK;
+    return status;
 }
 
 static void put(sn_point *point, sn_vec3 position) { point->x = position.x, point->y = position.y, point->z = position.z; }
@@ -130,12 +144,28 @@ sn_surface_moment sn_kinematics_moment(sn_muscle_state *s, const sn_scene *scene
     return all;
 }
 
+/* Along its track; on the way to it from rest in a run-in. */
+static void aim_at_track(const sn_model_muscle *m, sn_muscle_state *s, const sn_surface_moment *at) {
+    for (sn_index v = 0; v < m->vertex_count; v++) {
+        sn_vec3 there = sn_vertex_track_at(&m->source->frozen, at->time, v);
+        s->inputs->targets[v] = at->share >= 1.0 ? there : sn_lerp(m->rest[v], there, at->share);
+    }
+    s->inputs->poses[0] = sn_rigid_identity();
+}
+
 void sn_kinematics_aim(const sn_model_muscle *m, sn_muscle_state *s, const sn_scene *scene, const sn_surface_moment *at) {
+    if (m->source->frozen.sample_count > 0) {
+        aim_at_track(m, s, at);
+        return;
+    }
     aim_at_bones(m, s, scene, at);
     if (m->follower_count == 0) return;
     sn_surface_moment all = sn_kinematics_moment(s, scene, at);
     aim_at_surfaces(m, s, scene, &all);
 }
+
+/* Has each of its points a target of its own? */
+static bool follows(const sn_site *site) { return site->surface != SN_NONE || site->frozen; }
 
 /* A bone that never moves leaves its points alone, to the last bit. */
 static sn_vec3 carried(const sn_model_muscle *m, const sn_muscle_state *s, sn_index site, sn_vec3 rest) {
@@ -145,7 +175,7 @@ static sn_vec3 carried(const sn_model_muscle *m, const sn_muscle_state *s, sn_in
 
 sn_vec3 sn_kinematics_target(const sn_model_muscle *m, const sn_muscle_state *s, sn_index site, sn_index k) {
     const sn_site *at = &m->sites[site];
-    if (at->surface != SN_NONE) return s->inputs->targets[at->first_follower + k - at->begin];
+    if (follows(at)) return s->inputs->targets[at->first_follower + k - at->begin];
     return carried(m, s, site, m->rest[m->kinematic_points[k]]);
 }
 
@@ -161,7 +191,7 @@ bool sn_kinematics_moved(const sn_model_muscle *m, const sn_muscle_state *s) {
     if (m->site_count == 0) return false;
     if (memcmp(s->inputs->poses, s->inputs->placed, (size_t)m->site_count * sizeof *s->inputs->poses) != 0) return true;
     for (sn_index i = 0; i < m->site_count; i++)
-        if (m->sites[i].surface != SN_NONE && followers_moved(m, s, i)) return true;
+        if (follows(&m->sites[i]) && followers_moved(m, s, i)) return true;
     return false;
 }
 

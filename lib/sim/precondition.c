@@ -544,6 +544,10 @@ size_t sn_preconditioner_bytes(const sn_preconditioner *p) {
 }
 
 bool sn_preconditioner_apply(sn_preconditioner *p, const sn_vec3 *in, sn_vec3 *out) {
+    if (p->free_count == 0) {
+        memset(out, 0, (size_t)p->point_count * sizeof *out);
+        return true;
+    }
     const rest_matrix *matrix = p->turns != NULL ? &p->corotated : &p->scalar;
     if (matrix->factor == NULL) return false;
     return p->count == 1 ? apply_alone(p, matrix->factor, in, out) : apply_group(p, matrix, in, out);
