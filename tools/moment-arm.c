@@ -90,16 +90,37 @@ static void warn_of_gaps(const job *j) {
 #define NOISY_ARM 1e-4  /* m */
 #define LONG_ARM 0.3    /* m */
 #define LONG_STRETCH 3.0
+#define LEFT_SHARE 0.1   /* of the lengths' variation */
+#define LEFT_LENGTH 1e-4 /* m */
+
+/* Lengths that differ at one angle, and no known coordinate that could have done it. */
+static void warn_of_residuals(const job *j) {
+    sn_index count = 0, first = SN_NONE;
+    for (sn_index i = 0; i < j->arms.muscle_count; i++) {
+        const sn_muscle_arms *m = &j->arms.muscles[i];
+        if (m->kind != SN_ARM_ALONE || !(m->sweep_residual > LEFT_LENGTH && m->sweep_residual > LEFT_SHARE * m->variation)) continue;
+        if (count++ == 0) first = i;
+    }
+    if (count == 0) return;
+    cli_warn(&j->c,
+             "the lengths of %d of %d muscles are no curve of \"%s\": those of \"%s\" are %.3g mm off in the root mean square, of %.3g mm "
+             "that they "
+             "vary; activation, motion without rest, or a coordinate that is not in the tables",
+             count, j->arms.muscle_count, j->input.coordinate, j->input.muscles[first], 1e3 * j->arms.muscles[first].sweep_residual,
+             1e3 * j->arms.muscles[first].variation);
+}
 
 static void warn_of_muscles(const job *j) {
-    sn_index noisy = 0, worst = 0, longest = 0, stretched = 0;
+    sn_index noisy = 0, worst = SN_NONE, longest = SN_NONE, stretched = 0;
     char noise[32], arm[32];
     for (sn_index i = 0; i < j->arms.muscle_count; i++) {
         const sn_muscle_arms *m = &j->arms.muscles[i], *most = j->arms.muscles;
+        if (m->stretch > most[stretched].stretch) stretched = i;
+        if (m->kind == SN_ARM_MIXED) continue; /* no moment arm: that is said elsewhere */
+        if (worst == SN_NONE) worst = longest = i;
         noisy += m->noise_mean > NOISY_SHARE * m->largest && m->noise_mean > NOISY_ARM;
         if (m->noise_mean > most[worst].noise_mean) worst = i;
         if (m->largest > most[longest].largest) longest = i;
-        if (m->stretch > most[stretched].stretch) stretched = i;
     }
     if (j->arms.muscle_count == 0) return;
     const sn_muscle_arms *all = j->arms.muscles;
@@ -107,7 +128,7 @@ static void warn_of_muscles(const job *j) {
         cli_warn(&j->c, "the arms of %d of %d muscles are noisy: \"%s\" has a standard error of %s, and its largest arm is %s", noisy,
                  j->arms.muscle_count, j->input.muscles[worst], say_arm(j, all[worst].noise_mean, noise),
                  say_arm(j, all[worst].largest, arm));
-    if (!j->input.is_way && all[longest].largest > LONG_ARM)
+    if (!j->input.is_way && longest != SN_NONE && all[longest].largest > LONG_ARM)
         cli_warn(&j->c, "\"%s\" has an arm of %.3g m: are the lengths in mm (--length-unit), or is the coordinate in radians (--unit)?",
                  j->input.muscles[longest], all[longest].largest);
     if (all[stretched].stretch > LONG_STRETCH)
@@ -140,20 +161,35 @@ static void tell_company_of(job *j, sn_arm_kind kind, const char *why) {
             count, j->arms.muscle_count, name, other, why, bound);
 }
 
+/* Over the muscles whose arms are moment arms; over all where none is. */
+typedef struct summary {
+    double noise, hysteresis;
+    sn_index count;
+} summary;
+
+static summary sum_up(const sn_arms *a, bool all) {
+    summary s = {.hysteresis = NAN};
+    for (sn_index i = 0; i < a->muscle_count; i++) {
+        if (!all && a->muscles[i].kind != SN_ARM_ALONE) continue;
+        s.noise = fmax(s.noise, a->muscles[i].noise_mean);
+        s.hysteresis = fmax(s.hysteresis, a->muscles[i].hysteresis); /* fmax leaves out NaN */
+        s.count++;
+    }
+    return s;
+}
+
 static void say_summary(const job *j) {
     const sn_arms *a = &j->arms;
-    double scale = angle_scale(j), noise = 0.0, hysteresis = NAN;
+    double scale = angle_scale(j);
     sn_index up = 0;
     char text[32], apart[80] = "one way alone";
     for (sn_index i = 0; i < a->sweeps.count; i++) up += a->sweeps.items[i].up;
-    for (sn_index i = 0; i < a->muscle_count; i++) {
-        noise = fmax(noise, a->muscles[i].noise_mean);
-        hysteresis = fmax(hysteresis, a->muscles[i].hysteresis); /* fmax leaves out NaN */
-    }
-    if (!isnan(hysteresis)) snprintf(apart, sizeof apart, "up and down differ by %s at most", say_arm(j, hysteresis, text));
+    summary s = sum_up(a, false);
+    if (s.count == 0) s = sum_up(a, true);
+    if (!isnan(s.hysteresis)) snprintf(apart, sizeof apart, "up and down differ by %s at most", say_arm(j, s.hysteresis, text));
     cli_tell(&j->c, "%d muscles, %d fibres over \"%s\" from %.4g to %.4g %s, %d ways up and %d down: %s; noise of the arms: %s at most",
              a->muscle_count, a->fiber_count, j->input.coordinate, a->low * scale, a->high * scale, angle_unit(j), up, a->sweeps.count - up,
-             apart, say_arm(j, noise, text));
+             apart, say_arm(j, s.noise, text));
     if (j->input.is_way)
         cli_tell(&j->c, "\"%s\" is a way, so that arms have no unit: metres of length a metre of way", j->input.coordinate);
 }
@@ -162,6 +198,7 @@ static void tell(job *j) {
     say_summary(j);
     warn_of_gaps(j);
     warn_of_muscles(j);
+    warn_of_residuals(j);
     tell_company_of(j, SN_ARM_WITH_IT, "moves along with it");
     tell_company_of(j, SN_ARM_MIXED, "moves too");
 }
@@ -529,11 +566,14 @@ static sn_status write_chart_data(const job *j, sn_index panels, const char *pat
 /* gnuplot, a child, reads the data by the number of a file that has no name. */
 static sn_status draw_panels(job *j, sn_index panels, sn_error *error) {
     char path[64], number[16], label[300];
+    const char *stem;
+    size_t length;
     int data = memfd_create("moment-arm", 0);
     if (data < 0) return sn_fail(error, SN_ERROR_IO, "no room for the data of a chart");
     snprintf(path, sizeof path, "/proc/self/fd/%d", data);
     snprintf(number, sizeof number, "%d", (int)panels);
-    snprintf(label, sizeof label, "%.250s, %s", j->input.coordinate, angle_unit(j));
+    sn_column_read_name(j->input.coordinate, &stem, &length);
+    snprintf(label, sizeof label, "%.*s, %s", (int)(length < 250 ? length : 250), stem, angle_unit(j));
     sn_status status = write_chart_data(j, panels, path, error);
     if (status == SN_OK)
         chart_draw(&j->c, "moment-arm.gp",

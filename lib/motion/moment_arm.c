@@ -55,12 +55,19 @@ static sn_status check_range(const run *r) {
     return SN_OK;
 }
 
+/* As people count: the fibre's number in its muscle, from 1. */
+static int number_of(const run *r, sn_index fiber) {
+    int number = 1;
+    for (sn_index f = 0; f < fiber; f++) number += r->input->muscle_of[f] == r->input->muscle_of[fiber];
+    return number;
+}
+
 static sn_status check_lengths(const run *r) {
     for (sn_index f = 0; f < r->input->fiber_count; f++)
         for (sn_index i = 0; i < r->input->row_count; i++) {
             double length = r->input->lengths[f][i];
             if (!isnan(length) && !(length > 0.0 && isfinite(length)))
-                return sn_fail(r->error, SN_ERROR_INPUT, "fibre %d of \"%s\" has a length of %g m", f,
+                return sn_fail(r->error, SN_ERROR_INPUT, "fibre %d of \"%s\" has a length of %g m", number_of(r, f),
                                r->input->muscles[r->input->muscle_of[f]], length);
         }
     return SN_OK;
@@ -194,8 +201,8 @@ static sn_status fit_fiber(const run *r, sn_index fiber, sn_muscle_arms *m, tall
     sn_status status = sn_arm_fit_values(m->fit, &r->all, r->input->lengths[fiber], out->coefficients[fiber], &fitted, r->error);
     if (status != SN_OK) return status;
     if (!fitted.determined || fitted.count <= size)
-        return sn_fail(r->error, SN_ERROR_INPUT, "fibre %d of \"%s\" has %d lengths, where %d knots need more", fiber,
-                       r->input->muscles[r->input->muscle_of[fiber]], fitted.count, m->knots);
+        return sn_fail(r->error, SN_ERROR_INPUT, "fibre %d of \"%s\" has %d lengths, which do not determine a fit by %d knots",
+                       number_of(r, fiber), r->input->muscles[r->input->muscle_of[fiber]], fitted.count, m->knots);
     for (sn_index k = 0; k < out->sample_count; k++)
         out->fibers[fiber][k] = r->in_gap[k] ? NAN : sn_arm_of_fiber(out, fiber, out->angles[k]);
     measure_lengths(r, r->input->lengths[fiber], m, t);

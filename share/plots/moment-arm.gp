@@ -25,18 +25,19 @@ set ylabel ARG6 noenhanced offset 1,0
 set style fill solid 0.22 noborder
 set autoscale xfix
 set xzeroaxis lt 1 lc rgb "#999999" lw 0.8
-set key tmargin left Left reverse samplen 1.2 noenhanced
+set key tmargin left Left reverse horizontal samplen 1.6 noenhanced
 set multiplot layout rows,columns title ARG3 noenhanced
 do for [i = 0:panels-1] {
     stats data index 2*i using 1 name "own" nooutput
     set xrange [own_min:own_max]
-    stats data index 2*i+1 using 2 name "measured" nooutput
+    stats data index 2*i+1 using (column(2) == column(2) ? 1 : 0) name "points" nooutput
+    own_measured = points_max
     plot data index 2*i using 1:3:4 with filledcurves lc rgb "#1b6ca8" notitle, \
-         data index 2*i using 1:5 with lines lw 0.8 dt 2 lc rgb "#2e8b57" notitle, \
-         data index 2*i using 1:6 with lines lw 0.8 dt 3 lc rgb "#8b2e6b" notitle, \
-         data index 2*i using 1:2 with lines lw 1.8 lc rgb "#1b6ca8" title columnheader(1), \
          data index 2*i+1 using 1:3:4 with filledcurves lc rgb "#c1432e" notitle, \
-         data index 2*i+1 using 1:2 with points pt 7 ps 0.4 lc rgb "#c1432e" notitle
+         data index 2*i using 1:5 with lines lw 1.0 dt 2 lc rgb "#2e8b57" title (i == 0 ? "up" : ""), \
+         data index 2*i using 1:6 with lines lw 1.0 dt 3 lc rgb "#8b2e6b" title (i == 0 ? "down" : ""), \
+         data index 2*i using 1:2 with lines lw 1.8 lc rgb "#1b6ca8" title columnheader(1), \
+         data index 2*i+1 using 1:2 with points pt 7 ps 0.4 lc rgb "#c1432e" title (own_measured > 0 ? "measured" : "")
 }
 unset multiplot
 unset output

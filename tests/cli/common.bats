@@ -3,7 +3,7 @@
 bats_require_minimum_version 1.5.0
 
 # a && b and ! a do not end a test under bats: state every condition by itself, and what must not hold with `refute`
-needed() { case $1 in attach-detect) echo "--bone a=tetra.off" ;; rig-view) echo "-o x.png" ;; motion-fit) echo "--body none.tsv" ;; envelope-bind) echo "--bones none.json" ;; motion-sense) echo "--sensors s.json" ;; esac; } # what a tool asks for besides its input
+needed() { case $1 in attach-detect) echo "--bone a=tetra.off" ;; rig-view) echo "-o x.png" ;; motion-fit) echo "--body none.tsv" ;; envelope-bind) echo "--bones none.json" ;; motion-sense) echo "--sensors s.json" ;; moment-arm) echo "--coordinate a" ;; esac; } # what a tool asks for besides its input
 
 refute() { if "$@"; then echo "held: $*"; return 1; fi; }
 
@@ -62,6 +62,15 @@ setup() {
         "$BIN/$tool" --help | grep -q -e ' --strict '
         run -2 "$BIN/$tool" --qqqqqqqqqqqqqqqq
         [[ "$output" != *"did you mean"* ]]
+    done
+}
+
+@test "an option by its whole name is that one, whatever others begin so" {
+    for tool in $tools; do
+        for option in $("$BIN/$tool" --help | grep -o -e '^ *\(-.,\)\? *--[a-z-]*' | grep -o -e '--[a-z-]*'); do
+            "$BIN/$tool" "$option" > out 2> err < /dev/null || true
+            refute grep -q "could be" err
+        done
     done
 }
 
