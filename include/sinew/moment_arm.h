@@ -119,9 +119,10 @@ typedef struct sn_arms {
 
 /*
  * Fit and differentiate. Splines are cubic, of equally spaced knots from the least to the greatest coordinate. By rule the number of knots
- * is the least one whose generalised cross-validation (Craven and Wahba 1979: n RSS / (n - p)^2, summed over the muscle's fibres, p
- * coefficients) is within 5 % of the best, among 2 to SN_ARM_MOST_KNOTS knots that leave four different angles for each piece. With
- * both ways, each is fitted alone too, by as many knots where its rows allow. A fibre that misses lengths is fitted to those that it has.
+ * is one more than the least one whose generalised cross-validation (Craven and Wahba 1979: n RSS / (n - p)^2, summed over the muscle's
+ * fibres, p coefficients) is within 5 % of the best (what is best for values is too stiff for slopes), among 2 to SN_ARM_MOST_KNOTS knots
+ * that leave four different angles for each piece. With both ways, each is fitted alone too, by as many knots where its rows allow. A fibre
+ * that misses lengths is fitted to those that it has.
  *
  * The bound on another coordinate c: if an arm of a about c were there, lengths at one angle would differ by a u, u the root mean square of
  * what is no curve of theta in c. So a is no larger than (sweep_residual) / u, and what it adds to -dl/dtheta no larger than that times the
