@@ -269,6 +269,11 @@ static void name_sheet(const job *j, sheet *s) {
     for (sn_index i = 0; i < s->columns; i++) s->names[i] = s->words[i];
 }
 
+/* NaN where the fibre has no length. */
+static double fiber_at_row(const job *j, sn_index fiber, sn_index row) {
+    return isnan(j->input.lengths[fiber][row]) ? NAN : sn_arm_of_fiber(&j->arms, fiber, j->input.values[row]);
+}
+
 static void fill_sheet(const job *j, const sheet *s, sn_index row) {
     double *to = s->row, angle = s->by_time ? j->input.values[row] : j->arms.angles[row];
     if (s->by_time) *to++ = j->input.table.times[row];
@@ -276,7 +281,7 @@ static void fill_sheet(const job *j, const sheet *s, sn_index row) {
     for (sn_index i = 0; i < j->arms.muscle_count; i++) {
         if (!s->of_fibers) *to++ = sn_arm_of_muscle(&j->arms, i, angle);
         for (sn_index f = 0; s->of_fibers && f < j->arms.fiber_count; f++)
-            if (j->input.muscle_of[f] == i) *to++ = s->by_time ? sn_arm_of_fiber(&j->arms, f, angle) : j->arms.fibers[f][row];
+            if (j->input.muscle_of[f] == i) *to++ = s->by_time ? fiber_at_row(j, f, row) : j->arms.fibers[f][row];
     }
 }
 

@@ -71,7 +71,7 @@ typedef enum sn_arm_kind {
 } sn_arm_kind;
 extern const char *const sn_arm_kind_names[]; /* "alone", "alongWithIt", "mixed"; NULL at the end */
 
-/* Arrays of (sample_count): NaN where there is no row near, see sn_arms.gap_count. */
+/* Arrays of (sample_count), over the fibres that have lengths there: NaN where there is no row near, see sn_arms.gap_count. */
 typedef struct sn_muscle_arms {
     sn_index fiber_count, knots;
     double *mean, *spread, *lower, *upper; /* over the fibres: mean, standard deviation (n - 1; 0 of one), least, greatest */
@@ -108,13 +108,14 @@ typedef struct sn_arms {
     sn_index gap_count;                                            /* samples in a gap: a tenth of the range or more without a row */
     double widest_gap, gap_from;
     sn_sweeps sweeps;
-    bool has_up, has_down;   /* enough rows for a fit to that way alone */
-    sn_index muscle_room;    /* muscles that were asked for */
-    sn_muscle_arms *muscles; /* (muscle_room) owned; the first muscle_count are done */
-    double **fibers;         /* (fiber_count) x (sample_count): arms; owned; NULL of a muscle that was not done */
-    double **coefficients;   /* (fiber_count) of the fits of all rows; owned */
-    sn_index *muscle_of;     /* (fiber_count) owned */
-    sn_arm_company *company; /* (other_count) owned */
+    bool has_up, has_down;          /* enough rows for a fit to that way alone */
+    sn_index muscle_room;           /* muscles that were asked for */
+    sn_muscle_arms *muscles;        /* (muscle_room) owned; the first muscle_count are done */
+    double **fibers;                /* (fiber_count) x (sample_count): arms; owned; NULL of a muscle that was not done */
+    double **coefficients;          /* (fiber_count) of the fits of all rows; owned */
+    sn_index *muscle_of;            /* (fiber_count) owned */
+    double *fiber_low, *fiber_high; /* (fiber_count) owned: where a fibre's lengths begin and end, over the coordinate */
+    sn_arm_company *company;        /* (other_count) owned */
 } sn_arms;
 
 /*
@@ -132,7 +133,8 @@ typedef struct sn_arms {
  * positive. SN_STOPPED with what is done where the trace says so.
  */
 SN_MUST_CHECK sn_status sn_moment_arms(const sn_arm_input *input, const sn_arm_params *params, sn_arms *out, sn_error *error);
-/* Of a fibre, or the mean of a muscle's, at a value of the coordinate within low .. high; NaN outside. */
+/* Of a fibre, or the mean of a muscle's that have one, at a value of the coordinate where lengths begin before and end behind it; else NaN.
+ */
 double sn_arm_of_fiber(const sn_arms *arms, sn_index fiber, double angle);
 double sn_arm_of_muscle(const sn_arms *arms, sn_index muscle, double angle);
 void sn_arms_free(sn_arms *arms); /* leaves all zeros */

@@ -26,14 +26,17 @@ static bool make_point(const sn_arms *arms, sn_index muscle, const sn_measured_a
                    .low = measured->lower[i],
                    .high = measured->upper[i]};
     if (!(angle >= arms->low && angle <= arms->high) || in_gap(arms, muscle, angle)) return false;
+    sn_index count = 0;
     for (sn_index f = 0; f < arms->fiber_count; f++) {
-        if (arms->muscle_of[f] != muscle) continue;
-        double arm = sn_arm_of_fiber(arms, f, angle);
-        out->mean += arm / arms->muscles[muscle].fiber_count;
+        double arm = arms->muscle_of[f] == muscle ? sn_arm_of_fiber(arms, f, angle) : NAN;
+        if (isnan(arm)) continue;
+        out->mean += arm;
         out->lower = fmin(out->lower, arm);
         out->upper = fmax(out->upper, arm);
+        count++;
     }
-    return true;
+    out->mean /= count;
+    return count > 0;
 }
 
 static double shared(const point *p) { return fmax(0.0, fmin(p->upper, p->high) - fmax(p->lower, p->low)); }

@@ -14,6 +14,7 @@ typedef struct run {
     sn_error *error;
     arm_way all, ways[2]; /* all rows; those up and those down */
     bool *in_gap;         /* (sample_count) */
+    double widest;        /* without a row, and no gap yet */
     sn_arms *out;
 } run;
 
@@ -88,11 +89,11 @@ static double median_step(const double *sorted, sn_index count, double *steps) {
     return n > 0 ? steps[n / 2] : 0.0;
 }
 
-static void mark_gaps(const run *r, const double *sorted, double widest) {
+static void mark_gaps(const run *r, const double *sorted) {
     sn_arms *out = r->out;
     for (sn_index i = 1; i < r->all.count; i++) {
         double gap = sorted[i] - sorted[i - 1];
-        if (!(gap > widest)) continue;
+        if (!(gap > r->widest)) continue;
         if (gap > out->widest_gap) {
             out->widest_gap = gap;
             out->gap_from = sorted[i - 1];
@@ -111,7 +112,8 @@ static sn_status find_gaps(run *r) {
     for (sn_index i = 0; enough && i < count; i++) sorted[i] = r->all.x[i];
     if (enough) {
         qsort(sorted, (size_t)count, sizeof *sorted, compare);
-        mark_gaps(r, sorted, fmax(GAP_OF_RANGE * (r->all.high - r->all.low), GAP_OF_STEP * median_step(sorted, count, steps)));
+        r->widest = fmax(GAP_OF_RANGE * (r->all.high - r->all.low), GAP_OF_STEP * median_step(sorted, count, steps));
+        mark_gaps(r, sorted);
     }
     free(sorted);
     free(steps);
@@ -159,8 +161,9 @@ static sn_status choose_pieces(const run *r, sn_index muscle, sn_index *out) {
 static sn_status make_fit(const run *r, sn_index muscle, sn_muscle_arms *m) {
     sn_index pieces = r->params->knots - 1;
     sn_status status = r->params->knots > 0 ? SN_OK : choose_pieces(r, muscle, &pieces);
+    if (status != SN_OK) return status;
     m->knots = pieces + 1;
-    if (status == SN_OK) status = sn_spline_fit_create(r->all.low, r->all.high, pieces, &m->fit, r->error);
+    status = sn_spline_fit_create(r->all.low, r->all.high, pieces, &m->fit, r->error);
     if (status == SN_OK) status = sn_spline_fit_design(m->fit, r->all.count, r->all.x, r->error);
     if (status == SN_ERROR_INPUT)
         return sn_fail(r->error, status, "%d knots are more than the rows determine, as some lie where no row is; ask for fewer", m->knots);
@@ -192,26 +195,56 @@ static void measure_lengths(const run *r, const double *lengths, sn_muscle_arms 
     t->square += square;
 }
 
-static sn_status fit_fiber(const run *r, sn_index fiber, sn_muscle_arms *m, tally *t) {
+/* Where a fibre has lengths: its least and greatest coordinate; sorted (rows of `way`) gets them all. Returns how many there are. */
+static sn_index sort_coordinates(const arm_way *way, const double *lengths, double *sorted) {
+    sn_index count = 0;
+    for (sn_index i = 0; i < way->count; i++)
+        if (!isnan(lengths[way->rows[i]])) sorted[count++] = way->x[i];
+    qsort(sorted, (size_t)count, sizeof *sorted, compare);
+    return count;
+}
+
+/* Nothing is told of a fibre beyond its own lengths, nor in gaps of its own. */
+static void fill_arms(const run *r, sn_index fiber, const double *sorted, sn_index count) {
     sn_arms *out = r->out;
+    out->fiber_low[fiber] = sorted[0];
+    out->fiber_high[fiber] = sorted[count - 1];
+    for (sn_index k = 0, next = 0; k < out->sample_count; k++) {
+        double angle = out->angles[k];
+        while (next < count && sorted[next] < angle) next++; /* the first that is not below */
+        bool apart = next > 0 && next < count && sorted[next] > angle && sorted[next] - sorted[next - 1] > r->widest;
+        out->fibers[fiber][k] = r->in_gap[k] || apart ? NAN : sn_arm_of_fiber(out, fiber, angle);
+    }
+}
+
+static sn_status fit_lengths(const run *r, sn_index fiber, sn_muscle_arms *m, double *sorted, tally *t) {
+    sn_arms *out = r->out;
+    const double *lengths = r->input->lengths[fiber];
     arm_fit fitted;
     sn_index size = sn_spline_fit_size(m->fit);
-    out->fibers[fiber] = SN_NEW(double, out->sample_count);
-    out->coefficients[fiber] = SN_NEW(double, size);
-    if (out->fibers[fiber] == NULL || out->coefficients[fiber] == NULL) return sn_fail_memory(r->error, "the arms of fibres");
-    sn_status status = sn_arm_fit_values(m->fit, &r->all, r->input->lengths[fiber], out->coefficients[fiber], &fitted, r->error);
+    sn_status status = sn_arm_fit_values(m->fit, &r->all, lengths, out->coefficients[fiber], &fitted, r->error);
     if (status != SN_OK) return status;
     if (!fitted.determined || fitted.count <= size)
         return sn_fail(r->error, SN_ERROR_INPUT, "fibre %d of \"%s\" has %d lengths, which do not determine a fit by %d knots",
                        number_of(r, fiber), r->input->muscles[r->input->muscle_of[fiber]], fitted.count, m->knots);
-    for (sn_index k = 0; k < out->sample_count; k++)
-        out->fibers[fiber][k] = r->in_gap[k] ? NAN : sn_arm_of_fiber(out, fiber, out->angles[k]);
-    measure_lengths(r, r->input->lengths[fiber], m, t);
+    fill_arms(r, fiber, sorted, sort_coordinates(&r->all, lengths, sorted));
+    measure_lengths(r, lengths, m, t);
     t->fibers++;
     t->values += fitted.count;
     t->left += fitted.left;
     t->variance += fitted.left / (fitted.count - size);
     return SN_OK;
+}
+
+static sn_status fit_fiber(const run *r, sn_index fiber, sn_muscle_arms *m, tally *t) {
+    sn_arms *out = r->out;
+    double *sorted = SN_NEW(double, r->all.count);
+    out->fibers[fiber] = SN_NEW(double, out->sample_count);
+    out->coefficients[fiber] = SN_NEW(double, sn_spline_fit_size(m->fit));
+    bool enough = sorted != NULL && out->fibers[fiber] != NULL && out->coefficients[fiber] != NULL;
+    sn_status status = enough ? fit_lengths(r, fiber, m, sorted, t) : sn_fail_memory(r->error, "the arms of fibres");
+    free(sorted);
+    return status;
 }
 
 static void sum_up_sample(const run *r, sn_index muscle, sn_index k, sn_muscle_arms *m) {
@@ -220,13 +253,15 @@ static void sum_up_sample(const run *r, sn_index muscle, sn_index k, sn_muscle_a
     for (sn_index f = 0; f < r->input->fiber_count; f++) {
         if (r->input->muscle_of[f] != muscle) continue;
         double arm = r->out->fibers[f][k], step = arm - mean;
+        if (isnan(arm)) continue;
         mean += step / ++count;
         square += step * (arm - mean);
         least = fmin(least, arm);
         most = fmax(most, arm);
     }
+    if (count == 0) mean = least = most = NAN;
     m->mean[k] = mean;
-    m->spread[k] = count > 1 ? sqrt(square / (count - 1)) : 0.0;
+    m->spread[k] = count > 1 ? sqrt(square / (count - 1)) : 0.0 * mean;
     m->lower[k] = least;
     m->upper[k] = most;
 }
@@ -235,17 +270,15 @@ static void sum_up(const run *r, sn_index muscle, const tally *t, sn_muscle_arms
     double least = INFINITY, most = -INFINITY, square = 0.0, sigma = sqrt(t->variance / t->fibers);
     sn_index count = 0;
     for (sn_index k = 0; k < r->out->sample_count; k++) {
-        if (r->in_gap[k]) {
-            m->mean[k] = m->spread[k] = m->lower[k] = m->upper[k] = m->noise[k] = NAN;
-            continue;
-        }
         sum_up_sample(r, muscle, k, m);
-        m->noise[k] = sigma * sn_spline_fit_slope_error(m->fit, r->out->angles[k]);
+        m->noise[k] = isnan(m->mean[k]) ? NAN : sigma * sn_spline_fit_slope_error(m->fit, r->out->angles[k]);
+        if (isnan(m->mean[k])) continue;
         square += m->noise[k] * m->noise[k];
         least = fmin(least, m->mean[k]);
         most = fmax(most, m->mean[k]);
         count++;
     }
+    if (count == 0) least = most = NAN; /* lengths between two samples alone */
     m->fiber_count = t->fibers;
     m->noise_mean = sqrt(square / count);
     m->range = most - least;
@@ -256,37 +289,53 @@ static void sum_up(const run *r, sn_index muscle, const tally *t, sn_muscle_arms
 
 /* ---- one way alone -------------------------------------------------------------------------------------------------------------- */
 
-static void add_slopes(const run *r, const arm_way *way, const sn_spline_fit *fit, const double *coefficients, double *sum) {
+/* Sums over the fibres that have lengths at an angle. */
+typedef struct way_sums {
+    double *arms;     /* (sample_count) */
+    sn_index *counts; /* (sample_count) */
+} way_sums;
+
+static void add_slopes(const run *r, const arm_way *way, const double *lengths, const sn_spline_fit *fit, const double *coefficients,
+                       way_sums *sums) {
+    double low = INFINITY, high = -INFINITY;
+    for (sn_index i = 0; i < way->count; i++) {
+        if (isnan(lengths[way->rows[i]])) continue;
+        low = fmin(low, way->x[i]);
+        high = fmax(high, way->x[i]);
+    }
     for (sn_index k = 0; k < r->out->sample_count; k++) {
         double slope, angle = r->out->angles[k];
-        if (r->in_gap[k] || angle < way->low || angle > way->high) continue;
+        if (r->in_gap[k] || angle < low || angle > high) continue;
         sn_spline_fit_at(fit, coefficients, angle, &slope);
-        sum[k] -= slope;
+        sums->arms[k] -= slope;
+        sums->counts[k]++;
     }
 }
 
-/* The mean arm of the muscle's fibres by the rows of one way; all NaN where they do not determine one. */
-static sn_status fit_way(const run *r, sn_index muscle, const arm_way *way, double *arms, tally *t) {
-    sn_index pieces = r->out->muscles[muscle].knots - 1, count = 0;
+static sn_status add_fibers(const run *r, sn_index muscle, const arm_way *way, const sn_spline_fit *fit, way_sums *sums, tally *t) {
     double coefficients[SN_ARM_MOST_KNOTS + 2];
-    sn_spline_fit *fit = NULL;
-    bool whole = true;
-    sn_status status = sn_arm_design(way, &pieces, &fit, r->error);
-    for (sn_index f = 0; f < r->input->fiber_count && status == SN_OK && fit != NULL && whole; f++) {
+    for (sn_index f = 0; f < r->input->fiber_count; f++) {
         arm_fit fitted;
         if (r->input->muscle_of[f] != muscle) continue;
-        status = sn_arm_fit_values(fit, way, r->input->lengths[f], coefficients, &fitted, r->error);
-        if (status != SN_OK) break;
-        whole = fitted.determined;
-        if (whole) add_slopes(r, way, fit, coefficients, arms);
+        sn_status status = sn_arm_fit_values(fit, way, r->input->lengths[f], coefficients, &fitted, r->error);
+        if (status != SN_OK) return status;
+        if (!fitted.determined) continue;
+        add_slopes(r, way, r->input->lengths[f], fit, coefficients, sums);
         t->left += fitted.left;
         t->values += fitted.count;
-        count++;
     }
-    for (sn_index k = 0; k < r->out->sample_count; k++) {
-        bool there = fit != NULL && whole && !r->in_gap[k] && r->out->angles[k] >= way->low && r->out->angles[k] <= way->high;
-        arms[k] = there ? arms[k] / count : NAN;
-    }
+    return SN_OK;
+}
+
+/* The mean arm of the muscle's fibres by the rows of one way; NaN where they do not determine one. */
+static sn_status fit_way(const run *r, sn_index muscle, const arm_way *way, double *arms, tally *t) {
+    sn_index pieces = r->out->muscles[muscle].knots - 1;
+    sn_spline_fit *fit = NULL;
+    way_sums sums = {arms, SN_NEW(sn_index, r->out->sample_count)};
+    sn_status status = sums.counts != NULL ? sn_arm_design(way, &pieces, &fit, r->error) : sn_fail_memory(r->error, "the arms of a way");
+    if (status == SN_OK && fit != NULL) status = add_fibers(r, muscle, way, fit, &sums, t);
+    for (sn_index k = 0; status == SN_OK && k < r->out->sample_count; k++) arms[k] = sums.counts[k] > 0 ? arms[k] / sums.counts[k] : NAN;
+    free(sums.counts);
     sn_spline_fit_destroy(fit);
     return status;
 }
@@ -372,6 +421,9 @@ static sn_status allocate(const run *r) {
     out->coefficients = SN_NEW(double *, input->fiber_count);
     out->muscle_of = SN_NEW(sn_index, input->fiber_count);
     out->company = SN_NEW(sn_arm_company, input->other_count);
+    out->fiber_low = SN_NEW(double, input->fiber_count);
+    out->fiber_high = SN_NEW(double, input->fiber_count);
+    if (!out->fiber_low || !out->fiber_high) return sn_fail_memory(r->error, "moment arms");
     if (!out->angles || !out->muscles || !out->fibers || !out->coefficients || !out->muscle_of || !out->company)
         return sn_fail_memory(r->error, "moment arms");
     for (sn_index f = 0; f < input->fiber_count; f++) out->muscle_of[f] = input->muscle_of[f];
@@ -422,16 +474,21 @@ sn_status sn_moment_arms(const sn_arm_input *input, const sn_arm_params *params,
 
 double sn_arm_of_fiber(const sn_arms *arms, sn_index fiber, double angle) {
     double slope;
-    if (!(angle >= arms->low && angle <= arms->high) || arms->coefficients[fiber] == NULL) return NAN;
+    if (arms->coefficients[fiber] == NULL || !(angle >= arms->fiber_low[fiber] && angle <= arms->fiber_high[fiber])) return NAN;
     sn_spline_fit_at(arms->muscles[arms->muscle_of[fiber]].fit, arms->coefficients[fiber], angle, &slope);
     return -slope;
 }
 
 double sn_arm_of_muscle(const sn_arms *arms, sn_index muscle, double angle) {
     double sum = 0.0;
-    for (sn_index f = 0; f < arms->fiber_count; f++)
-        if (arms->muscle_of[f] == muscle) sum += sn_arm_of_fiber(arms, f, angle);
-    return sum / arms->muscles[muscle].fiber_count;
+    sn_index count = 0;
+    for (sn_index f = 0; f < arms->fiber_count; f++) {
+        double arm = arms->muscle_of[f] == muscle ? sn_arm_of_fiber(arms, f, angle) : NAN;
+        if (isnan(arm)) continue;
+        sum += arm;
+        count++;
+    }
+    return count > 0 ? sum / count : NAN;
 }
 
 static void free_muscle(sn_muscle_arms *m) {
@@ -453,6 +510,8 @@ void sn_arms_free(sn_arms *arms) {
     free(arms->fibers);
     free(arms->coefficients);
     free(arms->muscle_of);
+    free(arms->fiber_low);
+    free(arms->fiber_high);
     free(arms->company);
     *arms = (sn_arms){0};
 }

@@ -101,6 +101,24 @@ END
     done
 }
 
+@test "the page tells every member of the report that the schema has" {
+    python3 - "$share/schema/moment-arm.schema.json" "$share/man/moment-arm.1" << 'END'
+import json, re, sys
+def names(node):
+    if isinstance(node, dict):
+        for key, value in node.items():
+            if key == "properties": yield from value
+            yield from names(value)
+    elif isinstance(node, list):
+        for value in node: yield from names(value)
+page = open(sys.argv[2]).read()
+page = page[page.index(".Sh THE REPORT"):page.index(".Sh EXIT STATUS")]
+told = set(re.findall(r"[A-Za-z]+", " ".join(line for line in page.split("\n") if re.match(r"\.(Cm|It|Pq) ?", line))))
+missing = set(names(json.load(open(sys.argv[1])))) - told - {"format"}
+assert not missing, missing
+END
+}
+
 @test "a pipe and a file give the same bytes, and so does a second run" {
     moment-arm -q --coordinate elbow strap.tsv > a.tsv
     moment-arm -q --coordinate elbow - < strap.tsv | cmp - a.tsv

@@ -380,6 +380,31 @@ static void gaps_have_no_arms_and_missing_lengths_are_left_out(void **state) {
     free(s);
 }
 
+/* A fibre whose lengths end early has no arm behind their end, however well a cubic would go on; the others have. */
+static void no_fibre_is_told_beyond_its_own_lengths(void **state) {
+    (void)state;
+    study *s = new_study(161, 2, 1);
+    for (sn_index k = 0; k < 161; k++) {
+        double t = s->theta[k] = (k <= 80 ? k : 160 - k) / 80.0;
+        s->values[0][k] = 0.3 - 0.02 * t;
+        s->values[1][k] = t > 0.6 || (t > 0.2 && t < 0.4) ? NAN : 0.3 - 0.03 * t;
+    }
+    sn_arms arms = solve(s, 2);
+    const sn_muscle_arms *m = &arms.muscles[0];
+    for (sn_index k = 0; k < arms.sample_count; k++) {
+        double t = arms.angles[k];
+        bool both = t <= 0.6 && !(t > 0.2 && t < 0.4);
+        assert_int_equal(isnan(arms.fibers[1][k]) != 0, !both);
+        assert_true(fabs(m->mean[k] - (both ? 0.025 : 0.02)) < 1e-9);
+        assert_true(fabs(m->upper[k] - (both ? 0.03 : 0.02)) < 1e-9);
+        assert_true(fabs(m->spread[k] - (both ? 0.01 / sqrt(2.0) : 0.0)) < 1e-9);
+        assert_true(fabs(m->up[k] - (t <= 0.6 ? 0.025 : 0.02)) < 1e-9);
+    }
+    assert_true(isnan(sn_arm_of_fiber(&arms, 1, 0.61)) && fabs(sn_arm_of_muscle(&arms, 0, 0.61) - 0.02) < 1e-9);
+    sn_arms_free(&arms);
+    free(s);
+}
+
 static void what_cannot_be_fitted_is_refused(void **state) {
     (void)state;
     study *s = new_study(40, 1, 1);
@@ -635,6 +660,7 @@ int main(void) {
         cmocka_unit_test(up_and_down_are_told_apart),
         cmocka_unit_test(muscles_that_cross_others_have_no_moment_arm),
         cmocka_unit_test(gaps_have_no_arms_and_missing_lengths_are_left_out),
+        cmocka_unit_test(no_fibre_is_told_beyond_its_own_lengths),
         cmocka_unit_test(what_cannot_be_fitted_is_refused),
         cmocka_unit_test(rows_may_come_in_any_order),
         cmocka_unit_test(a_trace_stops_after_a_muscle),
