@@ -3,11 +3,11 @@
 
 #include <stdlib.h>
 
-enum { MOST_PIECES = 12 };
-#define ALONG 0.99         /* explained by this share: it moves along */
-#define NOTHING_APART 1e-9 /* of its range */
-#define BOUND_SHARE 0.05   /* of the muscle's largest arm */
-#define BOUND_ARM 5e-4     /* m */
+enum { MOST_PIECES = SN_ARM_MOST_KNOTS - 1 }; /* no fewer than a muscle may have: it takes up no more of what another coordinate does */
+#define ALONG 0.99                            /* explained by this share: it moves along */
+#define NOTHING_APART 1e-9                    /* of its range */
+#define BOUND_SHARE 0.05                      /* of the muscle's largest arm */
+#define BOUND_ARM 5e-4                        /* m */
 #define BOUND_OF_WAY 0.01
 
 const char *const sn_arm_kind_names[] = {"alone", "alongWithIt", "mixed", NULL};
