@@ -43,7 +43,7 @@ LINK_cgal    := -lgmp -lmpfr -lstdc++
 LINK_png     := -lpng -lz
 LINK_assimp  := -lassimp
 
-TOOLS := mesh-clean root-select build-structure fiber-flow fiber-fill attach-detect motion-import motion-fit motion-sense envelope-bind scene-build simulate error-time rig-view
+TOOLS := mesh-clean root-select build-structure fiber-flow fiber-fill attach-detect motion-import motion-fit motion-sense envelope-bind scene-build simulate moment-arm error-time rig-view
 LIBS_mesh-clean      := cgal embree mesh json exact
 LIBS_root-select     := sparse mesh json
 LIBS_build-structure := embree mesh json
@@ -56,6 +56,7 @@ LIBS_motion-sense    := gsl mesh json exact
 LIBS_scene-build     := embree mesh json exact
 LIBS_envelope-bind   := gsl embree mesh json exact
 LIBS_simulate        := gsl sparse embree mesh json exact
+LIBS_moment-arm      := gsl mesh json exact
 LIBS_rig-view        := embree gsl sparse mesh json png exact
 LIBS_error-time      := gsl sparse embree mesh json exact
 
@@ -119,6 +120,7 @@ $(B)/bin/simulate: $(B)/tools/fibers.o $(B)/tools/earlier.o $(B)/tools/contacts.
 $(B)/bin/motion-import $(B)/bin/motion-fit: $(B)/tools/clip.o
 $(B)/bin/rig-view: $(B)/tools/others.o $(B)/tools/frame_files.o $(B)/tools/motion_view.o $(B)/tools/frame_list.o $(B)/tools/section_view.o
 $(B)/bin/motion-import: $(B)/tools/model_bones.o
+$(B)/bin/moment-arm: $(B)/tools/arm_input.o
 $(B)/bin/attach-detect: $(B)/tools/neighbours.o
 $(B)/bin/fiber-fill: $(B)/tools/fiber_architecture.o
 $(B)/bin/scene-build: $(B)/tools/model_bones.o $(B)/tools/scene_list.o
@@ -143,5 +145,5 @@ tests: $(UNIT_TESTS) $(EXTRA_TESTS)
 include share/make/project.mk
 include share/make/fuzz.mk
 
--include $(patsubst %,$(B)/tools/%.d,fibers earlier contacts outcome others bone_frames frame_files motion_view frame_list model_bones scene_list neighbours section_view) $(LIB_OBJECTS:.o=.d) $(BRIDGE_OBJECTS:.o=.d) $(BUILT_TOOLS:$(B)/bin/%=$(B)/tools/%.d) $(LIBEXEC_TOOLS:%=$(B)/tools/%.d) $(TOOL_SHARED:.o=.d)
+-include $(patsubst %,$(B)/tools/%.d,fibers earlier contacts outcome others bone_frames frame_files motion_view frame_list model_bones scene_list neighbours section_view arm_input) $(LIB_OBJECTS:.o=.d) $(BRIDGE_OBJECTS:.o=.d) $(BUILT_TOOLS:$(B)/bin/%=$(B)/tools/%.d) $(LIBEXEC_TOOLS:%=$(B)/tools/%.d) $(TOOL_SHARED:.o=.d)
 -include $(UNIT_TESTS:=.d) $(EXTRA_TESTS:=.d) $(EXAMPLES:$(B)/examples/%=$(B)/share/examples/%.d)

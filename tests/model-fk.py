@@ -609,4 +609,5 @@ def main():
     sys.exit(0 if modes[sys.argv[1]][0](*sys.argv[2:]) else 1)
 
 
-main()
+if __name__ == "__main__":
+    main()

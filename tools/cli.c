@@ -218,12 +218,19 @@ static _Noreturn void no_such_option(const cli *c, const char *name, size_t leng
                     meant != NULL ? meant : "", meant != NULL ? "?" : "");
 }
 
+static const cli_option *find_whole_name(const cli *c, const char *name, size_t length) {
+    const cli_option *option;
+    for (int i = 0; (option = cli_option_at(c->tool, i)) != NULL; i++)
+        if (option->kind != CLI_HEADING && strlen(option->name) == length && strncmp(option->name, name, length) == 0) return option;
+    return NULL;
+}
+
 /* Exact name, or the only one that starts so. */
 static const cli_option *find_name(const cli *c, const char *name, size_t length) {
-    const cli_option *option, *found = NULL;
+    const cli_option *option, *found = find_whole_name(c, name, length);
+    if (found != NULL) return found;
     for (int i = 0; (option = cli_option_at(c->tool, i)) != NULL; i++) {
         if (option->kind == CLI_HEADING || strncmp(option->name, name, length) != 0) continue;
-        if (option->name[length] == '\0') return option;
         if (found != NULL) cli_usage_error(c, "option --%.*s could be --%s or --%s", (int)length, name, found->name, option->name);
         found = option;
     }

@@ -114,6 +114,7 @@ void sn_skeleton_free(sn_skeleton *skeleton);       /* the same */
 typedef struct sn_columns {
     char *name;                     /* of the file, for messages */
     bool degrees;                   /* angles are in degrees */
+    bool degrees_told;              /* the file says whether they are */
     int64_t names_line, first_line; /* of the file: where the names and row 0 are; 0 = not known */
     sn_index row_count, column_count;
     char **names;   /* (column_count) without the time */

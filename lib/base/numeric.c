@@ -1,6 +1,7 @@
-/* numeric.c -- curves, eigenvalues, robust fits (the only user of GSL). */
+/* numeric.c -- curves, splines by least squares, eigenvalues, robust fits (the only user of GSL). */
 #include "sinew/numeric.h"
 
+#include <gsl/gsl_bspline.h>
 #include <gsl/gsl_eigen.h>
 #include <gsl/gsl_errno.h>
 #include <gsl/gsl_interp.h>
@@ -224,6 +225,145 @@ bool sn_least_squares_sphere(sn_index count, const sn_vec3 *points, sn_vec3 *cen
     *centre = sn_add_scaled(s.mean, sn_v3(x[0], x[1], x[2]), s.spread);
     *radius = x[3] * s.spread;
     return true;
+}
+
+/* ---- splines by least squares --------------------------------------------------------------------------------------------------- */
+
+enum { SPLINE_ORDER = 4 }; /* cubic: as many B-splines are not 0 at any place */
+/* A pivot of the normal equations this much smaller than the largest is a coefficient that the data does not tell. */
+#define SPLINE_LEAST_PIVOT 1e-6
+
+typedef struct spline_row {
+    size_t first;                /* of the B-splines that are not 0 */
+    double values[SPLINE_ORDER]; /* theirs */
+} spline_row;
+
+struct sn_spline_fit {
+    double low, high;
+    size_t size;
+    gsl_bspline_workspace *basis;
+    gsl_matrix *nonzero, *factor; /* (order x 2): values and slopes at one place; (size x size): Cholesky's */
+    gsl_vector *work;             /* (size) */
+    sn_index count;
+    spline_row *rows; /* (count) of the design */
+};
+
+sn_status sn_spline_fit_create(double low, double high, sn_index intervals, sn_spline_fit **out, sn_error *error) {
+    *out = NULL;
+    if (!isfinite(low) || !isfinite(high) || !(low < high) || intervals < 1)
+        return sn_fail(error, SN_ERROR_USAGE, "no spline of %d pieces from %g to %g", intervals, low, high);
+    gsl_set_error_handler_off();
+    sn_spline_fit *fit = *out = SN_NEW(sn_spline_fit, 1);
+    if (fit == NULL) return sn_fail_memory(error, "a spline");
+    *fit = (sn_spline_fit){.low = low, .high = high, .size = (size_t)intervals + SPLINE_ORDER - 1};
+    fit->basis = gsl_bspline_alloc(SPLINE_ORDER, (size_t)intervals + 1);
+    fit->nonzero = gsl_matrix_alloc(SPLINE_ORDER, 2);
+    fit->factor = gsl_matrix_alloc(fit->size, fit->size);
+    fit->work = gsl_vector_alloc(fit->size);
+    if (fit->basis != NULL && fit->nonzero != NULL && fit->factor != NULL && fit->work != NULL &&
+        gsl_bspline_knots_uniform(low, high, fit->basis) == GSL_SUCCESS)
+        return SN_OK;
+    sn_spline_fit_destroy(fit);
+    *out = NULL;
+    return sn_fail_memory(error, "a spline");
+}
+
+void sn_spline_fit_destroy(sn_spline_fit *fit) {
+    if (fit == NULL) return;
+    if (fit->basis != NULL) gsl_bspline_free(fit->basis);
+    gsl_matrix_free(fit->nonzero);
+    gsl_matrix_free(fit->factor);
+    gsl_vector_free(fit->work);
+    free(fit->rows);
+    free(fit);
+}
+
+sn_index sn_spline_fit_size(const sn_spline_fit *fit) { return (sn_index)fit->size; }
+
+/* The B-splines that are not 0 at x, or their slopes (derivative 1). */
+static spline_row spline_row_at(const sn_spline_fit *fit, double x, size_t derivative) {
+    spline_row row = {0};
+    size_t last;
+    /* cannot fail inside the domain */
+    gsl_bspline_deriv_eval_nonzero(fmin(fmax(x, fit->low), fit->high), 1, fit->nonzero, &row.first, &last, fit->basis);
+    for (size_t j = 0; j < SPLINE_ORDER; j++) row.values[j] = gsl_matrix_get(fit->nonzero, j, derivative);
+    return row;
+}
+
+static void add_to_normal(gsl_matrix *normal, const spline_row *row) {
+    for (size_t j = 0; j < SPLINE_ORDER; j++)
+        for (size_t k = 0; k < SPLINE_ORDER; k++)
+            *gsl_matrix_ptr(normal, row->first + j, row->first + k) += row->values[j] * row->values[k];
+}
+
+static bool factor_normal(const sn_spline_fit *fit) {
+    double least = INFINITY, most = 0.0;
+    if (gsl_linalg_cholesky_decomp1(fit->factor) != GSL_SUCCESS) return false;
+    for (size_t j = 0; j < fit->size; j++) {
+        least = fmin(least, gsl_matrix_get(fit->factor, j, j));
+        most = fmax(most, gsl_matrix_get(fit->factor, j, j));
+    }
+    return least > SPLINE_LEAST_PIVOT * most;
+}
+
+sn_status sn_spline_fit_design(sn_spline_fit *fit, sn_index count, const double *x, sn_error *error) {
+    free(fit->rows);
+    fit->count = count;
+    fit->rows = SN_NEW(spline_row, count);
+    if (fit->rows == NULL) return sn_fail_memory(error, "a spline");
+    gsl_matrix_set_zero(fit->factor);
+    for (sn_index i = 0; i < count; i++) {
+        fit->rows[i] = spline_row_at(fit, x[i], 0);
+        add_to_normal(fit->factor, &fit->rows[i]);
+    }
+    return factor_normal(fit)
+               ? SN_OK
+               : sn_fail(error, SN_ERROR_INPUT, "%d values do not determine a spline of %d coefficients", count, (int)fit->size);
+}
+
+static double spline_sum(const spline_row *row, const double *coefficients) {
+    double sum = 0.0;
+    for (size_t j = 0; j < SPLINE_ORDER; j++) sum += row->values[j] * coefficients[row->first + j];
+    return sum;
+}
+
+double sn_spline_fit_solve(const sn_spline_fit *fit, const double *y, double *coefficients) {
+    gsl_vector_view solution = gsl_vector_view_array(coefficients, fit->size);
+    double mean = 0.0, left = 0.0;
+    for (sn_index i = 0; i < fit->count; i++) mean += y[i] / fit->count; /* taken off: the B-splines of any place sum to 1 */
+    gsl_vector_set_zero(&solution.vector);
+    for (sn_index i = 0; i < fit->count; i++)
+        for (size_t j = 0; j < SPLINE_ORDER; j++) coefficients[fit->rows[i].first + j] += fit->rows[i].values[j] * (y[i] - mean);
+    gsl_linalg_cholesky_svx(fit->factor, &solution.vector);
+    for (size_t j = 0; j < fit->size; j++) coefficients[j] += mean;
+    for (sn_index i = 0; i < fit->count; i++) {
+        double off = y[i] - spline_sum(&fit->rows[i], coefficients);
+        left += off * off;
+    }
+    return left;
+}
+
+double sn_spline_fit_at(const sn_spline_fit *fit, const double *coefficients, double x, double *slope) {
+    spline_row row = spline_row_at(fit, x, 1);
+    if (slope != NULL) *slope = spline_sum(&row, coefficients);
+    row = spline_row_at(fit, x, 0);
+    return spline_sum(&row, coefficients);
+}
+
+/* |L^-1 b'|, L L^T the normal equations. */
+double sn_spline_fit_slope_error(const sn_spline_fit *fit, double x) {
+    spline_row row = spline_row_at(fit, x, 1);
+    double sum = 0.0;
+    gsl_vector_set_zero(fit->work);
+    for (size_t j = 0; j < SPLINE_ORDER; j++) gsl_vector_set(fit->work, row.first + j, row.values[j]);
+    for (size_t j = 0; j < fit->size; j++) { /* forward substitution */
+        double value = gsl_vector_get(fit->work, j);
+        for (size_t k = 0; k < j; k++) value -= gsl_matrix_get(fit->factor, j, k) * gsl_vector_get(fit->work, k);
+        value /= gsl_matrix_get(fit->factor, j, j);
+        gsl_vector_set(fit->work, j, value);
+        sum += value * value;
+    }
+    return sqrt(sum);
 }
 
 sn_status sn_sobol(sn_index dimensions, sn_index count, double *out, sn_error *error) {

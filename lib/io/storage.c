@@ -212,6 +212,7 @@ sn_status sn_storage_parse(const sn_blob *blob, sn_columns *out, sn_error *error
     if (status == SN_OK) status = read_header(&s);
     if (status == SN_OK) status = read_names(&s);
     if (status == SN_OK) status = read_rows(&s);
+    out->degrees_told = s.degrees_given || out->degrees;
     if (status == SN_OK) return SN_OK;
     sn_error_set_file(error, blob->name);
     sn_columns_free(out);

@@ -39,6 +39,15 @@ static sn_status convert(const char *path, const sn_track_options *options, sn_v
     return SN_OK;
 }
 
+/* As they are, not as a header promises them: steps may be lost in rounding. */
+static sn_status check_times(const char *path, const sn_vertex_track *track, sn_error *error) {
+    for (sn_index i = 0; i < track->sample_count; i++)
+        if (!isfinite(track->times[i]) || (i > 0 && !(track->times[i] > track->times[i - 1])))
+            return sn_fail_at(error, SN_ERROR_INPUT, path, 0, "the time of frame %ld, %g s, is not later than that before it", (long)i,
+                              track->times[i]);
+    return SN_OK;
+}
+
 /* ---- PC2 ----------------------------------------------------------------------------------------------------------------------- */
 
 static sn_status read_pc2(const char *path, const sn_track_options *options, sn_vertex_track *out, sn_error *error) {
@@ -57,6 +66,7 @@ static sn_status read_pc2(const char *path, const sn_track_options *options, sn_
         out->positions = data.positions;
         data.positions = NULL;
         for (sn_index i = 0; i < out->sample_count; i++) out->times[i] = (data.start_frame + i * data.sample_rate) / options->rate;
+        status = check_times(path, out, error);
     }
     sn_pc2_free(&data);
     return status;
@@ -90,11 +100,7 @@ static sn_status read_mdd(const sn_blob *blob, const sn_track_options *options, 
     for (sn_index i = 0; i < frames; i++) out->times[i] = options->rate_told ? i / options->rate : (double)sn_get_f32_big(at + 4 * i);
     at += 4 * (size_t)frames;
     for (size_t i = 0; i < 3 * (size_t)frames * (size_t)points; i++) out->positions[i] = sn_get_f32_big(at + 4 * i);
-    for (sn_index i = 1; i < frames; i++)
-        if (!(out->times[i] > out->times[i - 1]))
-            return sn_fail_at(error, SN_ERROR_INPUT, blob->name, 0, "the time of frame %ld, %g s, is not later than that before it",
-                              (long)i, out->times[i]);
-    return SN_OK;
+    return check_times(blob->name, out, error);
 }
 
 static sn_status read_cache(const char *path, const sn_track_options *options, sn_vertex_track *out, sn_error *error) {

@@ -3,7 +3,7 @@
 bats_require_minimum_version 1.5.0
 
 # a && b and ! a do not end a test under bats: state every condition by itself, and what must not hold with `refute`
-needed() { case $1 in attach-detect) echo "--bone a=tetra.off" ;; rig-view) echo "-o x.png" ;; motion-fit) echo "--body none.tsv" ;; envelope-bind) echo "--bones none.json" ;; motion-sense) echo "--sensors s.json" ;; esac; } # what a tool asks for besides its input
+needed() { case $1 in attach-detect) echo "--bone a=tetra.off" ;; rig-view) echo "-o x.png" ;; motion-fit) echo "--body none.tsv" ;; envelope-bind) echo "--bones none.json" ;; motion-sense) echo "--sensors s.json" ;; moment-arm) echo "--coordinate a" ;; esac; } # what a tool asks for besides its input
 
 refute() { if "$@"; then echo "held: $*"; return 1; fi; }
 
@@ -65,6 +65,15 @@ setup() {
     done
 }
 
+@test "an option by its whole name is that one, whatever others begin so" {
+    for tool in $tools; do
+        for option in $("$BIN/$tool" --help | grep -o -e '^ *\(-.,\)\? *--[a-z-]*' | grep -o -e '--[a-z-]*'); do
+            "$BIN/$tool" "$option" > out 2> err < /dev/null || true
+            refute grep -q "could be" err
+        done
+    done
+}
+
 @test "a mistyped value of an option with known values is named as it was meant" {
     means() { # TOOL OPTION VALUE MEANT
         run -2 "$BIN/$1" "--$2" "$3" none.json
@@ -76,6 +85,7 @@ setup() {
     means rig-view show fibres fibers
     means rig-view show surface,atachments attachments
     means attach-detect method prximity proximity
+    means moment-arm unit degres degrees
     means error-time stretch membran membrane
     run -2 "$BIN/mesh-clean" --units dm none.off
     [[ "$output" != *"did you mean"* ]]
@@ -137,6 +147,7 @@ piped() {
     done
     printf '{"format": "sinew-motion", "version": 1, "rate": 24, "joints": [{"name": "b", "type": "hinge", "axis": [1,0,0], "point": [0,0,0], "keys": [[0,0],[1,90]]}]}' > m.json
     printf '{"format": "sinew-sensors", "version": 1, "sensors": [{"name": "s", "type": "angle", "joint": "b", "axis": "x", "curve": [[0,0],[90,1]]}]}' > s.json
+    awk 'BEGIN { print "time\tb.angle\ts.1"; for (i = 0; i < 20; i++) print i "\t" i "\t" 0.2 - i / 1000 }' > l.tsv
     rig=tip/fusiform.muscle.json
     "$BIN/root-select" -q $rig -o rooted.json
     "$BIN/build-structure" -q rooted.json -o built.json
@@ -156,6 +167,8 @@ motion-import -q m.json
 motion-import -q --list m.json
 motion-sense -q --sensors s.json m.json
 motion-sense -q --sensors s.json --list m.json
+moment-arm -q --coordinate b l.tsv
+moment-arm -q --list l.tsv
 simulate -q tip/tip.scene.json
 simulate -q --plan tip/tip.scene.json
 rig-view $rig
@@ -231,6 +244,7 @@ END
         refute links $tool embree
     done
     refute links build-structure gmp mpfr gsl cholmod
+    refute links moment-arm embree cholmod libpng 'stdc++'
     refute links attach-detect gmp mpfr gsl cholmod
 }
 
@@ -248,6 +262,10 @@ END
             [[ "$output" == *"out.$ending"*.json* ]] || { echo "$tool $ending: $output"; false; }
             [ ! -e "out.$ending" ]
         done
+    done
+    for ending in json csv glb pdf; do
+        run -2 "$BIN/moment-arm" --coordinate a -o "out.$ending" /dev/null
+        [[ "$output" == *"out.$ending"*.tsv* ]]
     done
     for ending in jpg svg pdf gif json ply; do
         run -2 "$BIN/rig-view" -o "out.$ending" /dev/null

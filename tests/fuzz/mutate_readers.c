@@ -8,6 +8,7 @@
  * --seeds writes the good files to FOLDER, a folder for each format in it: where the programs of tests/fuzz/targets begin.
  */
 #include "fields.h"
+#include "sinew/arm_files.h"
 #include "sinew/error_time.h"
 #include "sinew/model_files.h"
 
@@ -49,7 +50,9 @@ typedef enum kind {
     LANDMARKS, /* around attachment areas */
     SITES,     /* of a muscle's ends */
     TEMPLATE,  /* of fibres */
-    ENDS       /* of fibres, by vertices */
+    ENDS,      /* of fibres, by vertices */
+    LENGTHS,   /* over a coordinate */
+    MEASURED   /* moment arms */
 } kind;
 
 typedef struct bytes {
@@ -276,6 +279,14 @@ static const char dog_mjcf[] = "<mujoco model=\"m\"><compiler angle=\"degree\" e
 static const char walk_mot[] = "walk\nversion=1\nnRows=3\nnColumns=4\ninDegrees=yes\n\nUnits are S.I.\n\nendheader\ntime\tq\t"
                                "/jointset/k/p/value\tforce\n0.5\t1\t-2.5\tnan\n0.6\t2e1\t3\t4\n0.8\t90\t1\t0\n";
 
+static const char lengths_tsv[] =
+    "# lengths\ntime\telbow.angle\tbiceps.1\tbiceps.2\n0\t0\t0.20\t0.21\n0.1\t5\t0.198\t0.209\n0.2\t10\t0.196\t0.207\n"
+    "0.3\t15\t0.195\tnan\n0.4\t20\t0.193\t0.204\n0.5\t25\t0.191\t0.202\n0.6\t30\t0.19\t0.201\n0.7\t35\t0.188\t0.2\n"
+    "0.8\t40\t0.187\t0.198\n0.9\t35\t0.188\t0.2\n1\t30\t0.19\t\n1.1\t25\t0.191\t0.202\n1.2\t20\t0.193\t0.204\n";
+static const char lengths_csv[] = "\"angle\",\"a b\",c\n1, 0.2 ,0.3\n2,,0.31\n3,0.22,0.32\n";
+static const char measured_tsv[] =
+    "muscle\tcoordinate\tangle\tarm.mm\tsd.mm\nbiceps\telbow\t10\t20\t2\nbiceps\telbow\t0\t21\t\nbrachialis\thip\t3\t4\t5\n";
+
 static _Noreturn void give_up(const char *what) {
     fprintf(stderr, "mutate_readers: %s\n", what);
     exit(1);
@@ -457,6 +468,10 @@ static void make_seeds(void) {
     add_text(TEMPLATE, "fan.template.json", template_json);
     add_text(ENDS, "some.ends.json", ends_json);
     add_text(ENDS, "fibers.ends.json", lines_json);
+    add_text(LENGTHS, "flexed.lengths.tsv", lengths_tsv);
+    add_text(LENGTHS, "plain.lengths.csv", lengths_csv);
+    add_text(LENGTHS, "walk.lengths.sto", walk_mot);
+    add_text(MEASURED, "elbow.measured.tsv", measured_tsv);
 }
 
 /* Each good file in a folder of its format. */
@@ -967,6 +982,71 @@ static void put_file(const sn_blob *blob) {
     if (file == NULL || fwrite(blob->data, 1, blob->size, file) != blob->size || fclose(file) != 0) give_up("cannot write a file");
 }
 
+/* The second column over the first: arms that are numbers or none, or a refusal. */
+static const char *use_lengths(const sn_columns *c) {
+    static const char *const muscle = "a";
+    static const sn_index of = 0;
+    double *x = calloc((size_t)c->row_count, sizeof *x), *y = calloc((size_t)c->row_count, sizeof *y);
+    const double *lengths = y;
+    sn_arm_params params = SN_ARM_PARAMS;
+    sn_arm_input input = {.row_count = c->row_count,
+                          .coordinate = x,
+                          .fiber_count = 1,
+                          .lengths = &lengths,
+                          .muscle_count = 1,
+                          .muscles = &muscle,
+                          .muscle_of = &of};
+    sn_error error = {0};
+    sn_arms arms;
+    if (x == NULL || y == NULL) give_up("out of memory");
+    for (sn_index i = 0; i < c->row_count; i++) {
+        double value = c->values[(size_t)i * (size_t)c->column_count];
+        x[i] = isfinite(value) ? value : NAN;
+        y[i] = c->values[(size_t)i * (size_t)c->column_count + 1];
+    }
+    sn_status status = sn_moment_arms(&input, &params, &arms, &error);
+    const char *fault = status == SN_OK || (status == SN_ERROR_INPUT && error.text[0] != '\0') ? NULL : "the arms fail";
+    for (sn_index k = 0; status == SN_OK && k < arms.sample_count; k++)
+        if (isinf(arms.muscles[0].mean[k])) fault = "an arm is infinite";
+    if (status == SN_OK) sn_arms_free(&arms);
+    free(x);
+    free(y);
+    return fault;
+}
+
+static const char *try_lengths(const sn_blob *blob, sn_status *status, sn_error *error) {
+    sn_columns columns;
+    *status = sn_number_table_parse(blob, &columns, error);
+    if (*status != SN_OK) return columns.values == NULL && columns.names == NULL ? NULL : "a refused table is left behind";
+    const char *fault = columns.row_count < 1 || columns.column_count < 1 ? "a table of nothing" : NULL, *stem;
+    size_t length;
+    for (sn_index i = 0; i < columns.column_count; i++)
+        if (sn_column_read_name(columns.names[i], &stem, &length) != SN_COLUMN_OTHER &&
+            stem + length > columns.names[i] + strlen(columns.names[i]))
+            fault = "a stem runs over its name";
+    if (columns.times != NULL && isinf(sn_columns_at(&columns, 0, sn_columns_median_step(&columns), columns.times[0])) &&
+        isfinite(columns.values[0]))
+        fault = "a number becomes infinite";
+    if (fault == NULL && columns.column_count > 1 && columns.row_count < 2000) fault = use_lengths(&columns);
+    sn_columns_free(&columns);
+    return fault;
+}
+
+static const char *try_measured(const sn_blob *blob, sn_status *status, sn_error *error) {
+    sn_measured_choice choice = {.coordinate = "elbow.angle"};
+    sn_measured_arms arms;
+    const char *fault = NULL;
+    *status = sn_measured_arms_parse(blob, &choice, &arms, error);
+    if (*status != SN_OK) return arms.items == NULL ? NULL : "refused arms are left behind";
+    for (sn_index i = 0; i < arms.count; i++)
+        for (sn_index k = 0; k < arms.items[i].count; k++) {
+            if (!(fabs(arms.items[i].arms[k]) <= 0.5) || !isfinite(arms.items[i].angles[k])) fault = "an arm is none";
+            if (k > 0 && arms.items[i].angles[k] < arms.items[i].angles[k - 1]) fault = "angles do not ascend";
+        }
+    sn_measured_arms_free(&arms);
+    return fault;
+}
+
 static const char *try_landmarks(const sn_blob *blob, sn_status *status, sn_error *error) {
     sn_landmarks landmarks;
     const char *fault = NULL;
@@ -1125,6 +1205,8 @@ static void try_file(kind k, const char *name, const char *data, size_t size, bo
                         : k == SITES     ? try_sites(&blob, &status, &error)
                         : k == TEMPLATE  ? try_template(&blob, &status, &error)
                         : k == ENDS      ? try_ends(&blob, &status, &error)
+                        : k == LENGTHS   ? try_lengths(&blob, &status, &error)
+                        : k == MEASURED  ? try_measured(&blob, &status, &error)
                                          : try_cache(&blob, &status, &error);
     double taken = seconds() - start;
     setitimer(ITIMER_PROF, &NO_LIMIT, NULL);
@@ -1349,6 +1431,8 @@ static void try_kept_files(void) {
                      : strstr(name, ".sites")     ? SITES
                      : strstr(name, ".template")  ? TEMPLATE
                      : strstr(name, ".ends")      ? ENDS
+                     : strstr(name, ".lengths")   ? LENGTHS
+                     : strstr(name, ".measured")  ? MEASURED
                                                   : MESH;
             try_file(k, name, blob.data, blob.size, false);
             sn_blob_free(&blob);
