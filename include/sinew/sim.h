@@ -133,6 +133,11 @@ typedef struct sn_area_row {
 /* The square of a goal length is a sum of terms (of the row) times factors (of the activation); see distance.c. */
 #define SN_LAW_TERMS 3
 
+/* An edge of a closed surface: its ends; the triangle that runs from the first to the second, and the other. */
+typedef struct sn_skin_edge {
+    sn_index at[4];
+} sn_skin_edge;
+
 /* Vertices that move with one bone or joint, rigidly, or with a surface, each by its follower: kinematic_points[begin .. end - 1]. */
 typedef struct sn_site {
     sn_index joint;          /* SN_NONE = the bone never moves, or it is a surface */
@@ -162,7 +167,8 @@ enum { SN_UNFITTED = false, SN_FITTED = true };
     X(sn_index, kinematic_points, m->kinematic_count, SN_PRESENT, SN_UNFITTED)      /* carried by bones; grouped by site */                \
     X(double, kinematic_mass, m->kinematic_count, SN_PRESENT, SN_UNFITTED) /* kg, by which they weigh in the motion of the bones */        \
     X(sn_site, sites, m->site_count, SN_PRESENT, SN_UNFITTED)              /* one per attachment with vertices */                          \
-    X(sn_follower, followers, m->follower_count, SN_PRESENT, SN_UNFITTED)  /* of those kinematic points that go with a surface; of a frozen muscle: not used */          \
+    X(sn_follower, followers, m->follower_count, SN_PRESENT,                                                                               \
+      SN_UNFITTED) /* of those kinematic points that go with a surface; of a frozen muscle: not used */                                    \
     /* distances of all three kinds; factors on the stiffness (1 over it), on the correction ([K21] 3.1, PBD form), and the share of the   \
      * contraction by the activation map; pairs: those of batch b of a kind are at distance_start[kind] / 4 + b */                         \
     X(sn_distance_row, distances, m->distance_start[SN_DISTANCE_KINDS], SN_PRESENT, SN_FITTED)                                             \
@@ -179,7 +185,17 @@ enum { SN_UNFITTED = false, SN_FITTED = true };
     /* least areas: 1 / (2 A0), 1/m^2 */                                                                                                   \
     X(sn_area_row, areas, m->area_count, SN_PRESENT, SN_UNFITTED)                                                                          \
     X(double, area_scales, m->area_count, SN_PRESENT, SN_UNFITTED)                                                                         \
-    X(bool, area_pairs, m->area_batched / 4, SN_NULLABLE, SN_UNFITTED)
+    X(bool, area_pairs, m->area_batched / 4, SN_NULLABLE, SN_UNFITTED)                                                                     \
+    /* skin (lib/sim/skin.c), under `qn`: edges, those with a mesh row first and in its order; factors on the stiffness of springs and     \
+     * hinges (0 = none), rest angles; of each triangle: the edge opposite to each corner; its row of area, or SN_NONE, and that's scale   \
+     */                                                                                                                                    \
+    X(sn_skin_edge, skin_edges, m->skin_edge_count, SN_PRESENT, SN_UNFITTED)                                                               \
+    X(double, skin_springs, m->skin_edge_count, SN_PRESENT, SN_UNFITTED)                                                                   \
+    X(double, skin_hinges, m->skin_edge_count, SN_PRESENT, SN_UNFITTED)                                                                    \
+    X(double, skin_angles, m->skin_edge_count, SN_PRESENT, SN_UNFITTED)                                                                    \
+    X(sn_triangle, skin_sides, m->skin_triangle_count, SN_PRESENT, SN_UNFITTED)                                                            \
+    X(sn_index, skin_area_rows, m->skin_triangle_count, SN_PRESENT, SN_UNFITTED)                                                           \
+    X(double, skin_area_scales, m->skin_triangle_count, SN_PRESENT, SN_UNFITTED)
 
 /* One muscle, immutable. Points are the surface vertices in document order, then the samples on which a vertex hangs. */
 typedef struct sn_model_muscle {
@@ -198,6 +214,7 @@ typedef struct sn_model_muscle {
     sn_index distance_batched[SN_DISTANCE_KINDS];       /* so many of each kind come first, in fours that share no point */
     sn_index hinge_count, hinge_batched;                /* rows; those that come first, in fours */
     sn_index area_count, area_batched;                  /* the same */
+    sn_index skin_edge_count, skin_triangle_count;      /* edges and triangles that are evaluated together; 0 = the muscle has no skin */
     void *own[SN_ROW_KINDS];                            /* rows that only their own kind reads */
     bool keeps_volume;                                  /* the volume row runs */
     double rest_volume;                                 /* V0, m^3; NaN for an open or flat surface */

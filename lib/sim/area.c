@@ -8,8 +8,8 @@
  * Under `qn` the rows are a barrier, B(J) = -k A0 (J - 1)^2 ln J for J < 1. Triangles that the step found collapsed have none: it would
  * hold them on the wrong side of a fold.
  */
+#include "area_kernel.h"
 #include "rows.h"
-#include "wide_log.h"
 
 #include <float.h>
 #include <stdlib.h>
@@ -106,17 +106,6 @@ static void errors_of_kind(const sn_model_muscle *m, const sn_muscle_state *s, s
 }
 
 /* ---- the energy of back end `qn` --------------------------------------------------------------------------------------------- */
-
-/* Below this share of its rest area a triangle's barrier goes on as a straight line: finite, and continuous with its slope. */
-static const double BARRIER_LINEAR = 1e-3;
-
-/* B(J) and dB/dJ over k A0, for J < 1. */
-SN_INLINE wide barrier(wide j, wide *slope) {
-    wide least = wide_splat(BARRIER_LINEAR), at = wide_select(wide_less(least, j), j, least);
-    wide gap = at - wide_splat(1.0), ln = wide_log(at);
-    *slope = -(wide_splat(2.0) * gap * ln + gap * gap / at);
-    return *slope * (j - at) - gap * gap * ln;
-}
 
 typedef struct barriers {
     const sn_point *points;

@@ -7,11 +7,6 @@
 #include "rows.h"
 #include "wide.h"
 
-SN_INLINE wide_mask has_directions(wide square) {
-    return ~wide_less(square, wide_splat(SN_EDGE_GUARD)) & ~wide_less(wide_splat(WIDE_MOST), square) &
-           wide_less(wide_splat(-1.0), square); /* and no NaN */
-}
-
 /* What the rows of one sweep share. */
 typedef struct distance_rows {
     wide_record *points;

@@ -4,6 +4,7 @@
  *   Phi(x) = 1/2 |x - y|^2_M / h^2 + the energies of all kinds of rows (row_table.c)
  */
 #include "qn.h"
+#include "skin.h"
 #include "wide.h"
 
 #include <string.h>
@@ -48,7 +49,10 @@ double sn_rows_evaluate(const sn_model *model, const sn_state *state, sn_index m
 
 /* `energy` and those of all rows of one muscle; forces (point_count). */
 static double add_rows(const sn_model_muscle *m, const sn_muscle_state *s, const sn_point *points, sn_point *forces, double energy) {
-    for (int kind = 0; kind < SN_ROW_KINDS; kind++) energy += sn_rows_energy(m, s, (sn_row_kind)kind, points, (sn_forces){&forces->x, 4});
+    const sn_forces to = {&forces->x, 4};
+    if (m->skin_edge_count > 0) energy += sn_skin_evaluate(m, s, points, to);
+    for (int kind = 0; kind < SN_ROW_KINDS; kind++)
+        if (!sn_skin_has(m, (sn_row_kind)kind)) energy += sn_rows_energy(m, s, (sn_row_kind)kind, points, to);
     return energy;
 }
 

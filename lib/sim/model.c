@@ -2,6 +2,7 @@
  * model.c -- from a scene to the model: points, masses, and the constraint table, built once.
  */
 #include "contact.h"
+#include "skin.h"
 
 #include <stdlib.h>
 
@@ -149,6 +150,7 @@ static sn_status build_muscle(sn_build *build, sn_error *error) {
     m->two_level = m->quasi_newton && m->kinematic_count > 0 && build->scene->solver.preconditioner == SN_PRECONDITION_TWO_LEVEL;
     if ((status = sn_tendons_of_points(build, error)) != SN_OK) return status;
     if ((status = sn_rows_build(build, error)) != SN_OK) return status;
+    if ((status = sn_skin_build(build, error)) != SN_OK) return status;
     fit_arrays(m);
     sn_plan_count(build);
     return SN_OK;

@@ -9,6 +9,7 @@
 #include "contact.h"
 #include "external.h"
 #include "qn.h"
+#include "skin.h"
 
 static const double ARMIJO = 1e-4;
 static const int MOST_HALVINGS = 30;
@@ -33,10 +34,14 @@ static const double LEAST_CURVATURE = 1e-10;
 
 /* ---- vectors of points ---------------------------------------------------------------------------------------------------- */
 
+/* In four sums, so that none waits for the one before it. */
 static double dot(sn_index n, const sn_vec3 *a, const sn_vec3 *b) {
-    double sum = 0.0;
-    for (sn_index i = 0; i < n; i++) sum += sn_dot(a[i], b[i]);
-    return sum;
+    double sum[4] = {0.0, 0.0, 0.0, 0.0};
+    sn_index i = 0;
+    for (; i + 4 <= n; i += 4)
+        for (sn_index lane = 0; lane < 4; lane++) sum[lane] += sn_dot(a[i + lane], b[i + lane]);
+    for (; i < n; i++) sum[0] += sn_dot(a[i], b[i]);
+    return (sum[0] + sum[1]) + (sum[2] + sum[3]);
 }
 
 static void add_scaled(sn_index n, sn_vec3 *sum, const sn_vec3 *a, double scale) {
@@ -100,9 +105,18 @@ static bool keeps_areas(const sn_model_muscle *m, const sn_muscle_state *s, cons
     return true;
 }
 
-static bool all_keep_areas(const sn_group *g, const sn_group_state *s) {
+/* Members without a skin, whose areas are looked at before the trial is evaluated; those with one know them afterwards. */
+static bool others_keep_areas(const sn_group *g, const sn_group_state *s) {
     bool keep = true;
-    for (sn_index i = 0; keep && i < g->count; i++) keep = keeps_areas(g->members[i], s->members[i], sn_qn_of(s)->trial + g->first[i]);
+    for (sn_index i = 0; keep && i < g->count; i++)
+        if (g->members[i]->skin_edge_count == 0) keep = keeps_areas(g->members[i], s->members[i], sn_qn_of(s)->trial + g->first[i]);
+    return keep;
+}
+
+static bool skins_keep_areas(const sn_group *g, const sn_group_state *s) {
+    bool keep = true;
+    for (sn_index i = 0; keep && i < g->count; i++)
+        if (g->members[i]->skin_edge_count > 0) keep = sn_skin_keeps_areas(g->members[i], s->members[i], AREA_LIMIT);
     return keep;
 }
 
@@ -126,11 +140,12 @@ static double search(const sn_group *g, sn_group_state *s, double h, double slop
     sn_qn *qn = sn_qn_of(s);
     const sn_objective objective = {g, s, h};
     double length = 1.0;
+    for (sn_index k = 0; k < g->count; k++) sn_skin_keep(g->members[k], s->members[k]); /* the points were evaluated last */
     for (int i = 0; i < MOST_HALVINGS; i++, length *= 0.5) {
         place_trial(g, s, length);
-        if (all_keep_areas(g, s)) {
+        if (others_keep_areas(g, s)) {
             double energy = sn_objective_evaluate(&objective, qn->trial, qn->trial_gradient);
-            if (is_lower(g, qn, energy, length, slope)) {
+            if (skins_keep_areas(g, s) && is_lower(g, qn, energy, length, slope)) {
                 qn->energy = energy;
                 return length;
             }

@@ -62,7 +62,8 @@ static inline sn_qn *sn_qn_of(const sn_group_state *s) { return s->memory; }
 /* What Phi depends on besides the points: inputs of the members, where inertia takes the points, which triangles are guarded. */
 typedef struct sn_objective {
     const sn_group *group;
-    const sn_group_state *state; /* not its points; volume_gradient is left at dV/dx of the points evaluated; forces are scratch */
+    const sn_group_state
+        *state; /* not its points; what sn_qn_find_volume_gradient needs is left of the points evaluated; forces are scratch */
     double h;
 } sn_objective;
 
@@ -115,6 +116,8 @@ void sn_qn_forget_pairs(sn_qn *qn);
 void sn_qn_stop(sn_group_state *s, const sn_group *g, sn_stop_reason reason);
 /* From here on the matrix has the volume rows with this gradient (point_count). */
 void sn_qn_set_volume_rows(sn_qn *qn, const sn_vec3 *gradient);
+/* dV/dx of the points that were evaluated last, of all members, is in volume_gradient. */
+void sn_qn_find_volume_gradient(const sn_group *g, sn_group_state *s);
 /* With the gradient of the points that were evaluated last. */
 void sn_qn_take_volume_gradient(const sn_group *g, sn_group_state *s);
 /* Stiffness of each member, and k_V, now. */

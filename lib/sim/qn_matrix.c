@@ -2,6 +2,7 @@
  * qn_matrix.c -- the matrix that a step of the back end `qn` goes by, from the state; and what all of its parts tell each other.
  */
 #include "qn.h"
+#include "skin.h"
 
 void sn_qn_forget_pairs(sn_qn *qn) { qn->pair_count = qn->pair_next = 0; }
 
@@ -35,8 +36,14 @@ void sn_qn_set_volume_rows(sn_qn *qn, const sn_vec3 *gradient) {
     sn_preconditioner_set_volume(qn->preconditioner, gradient, qn->volume_stiffness);
 }
 
+void sn_qn_find_volume_gradient(const sn_group *g, sn_group_state *s) {
+    for (sn_index i = 0; i < g->count && g->keeps_volume; i++)
+        if (g->members[i]->skin_edge_count > 0) sn_skin_volume_gradient(g->members[i], s->members[i]);
+}
+
 void sn_qn_take_volume_gradient(const sn_group *g, sn_group_state *s) {
     sn_qn *qn = sn_qn_of(s);
+    sn_qn_find_volume_gradient(g, s);
     if (g->keeps_volume) memcpy(qn->row_gradient, qn->volume_gradient, (size_t)g->point_count * sizeof *qn->row_gradient);
     sn_qn_set_volume_rows(qn, qn->row_gradient);
 }

@@ -138,6 +138,7 @@ static bool predict(const sn_group *g, sn_group_state *s, double h, sn_vec3 weig
     sn_qn *qn = sn_qn_of(s);
     choose_base(g, s, h, weight, smooth);
     sn_objective_evaluate(&(sn_objective){g, s, h}, qn->trial, qn->gradient);
+    sn_qn_find_volume_gradient(g, s);
     sn_preconditioner_turn(qn->preconditioner, qn->trial);
     sn_preconditioner_add_jump(qn->preconditioner, qn->jump, qn->volume_gradient, qn->volume_stiffness, qn->gradient);
     sn_qn_set_volume_rows(qn, qn->volume_gradient);

@@ -222,6 +222,8 @@ void sn_rows_destroy(sn_model_muscle *m); /* what kinds keep to themselves */
 
 /* ---- volume.c ---- */
 double sn_volume_ratio(const sn_model_muscle *m, const sn_muscle_state *s); /* V / V0 */
+/* The mean of points (count), in four sums: what volumes are taken about. */
+sn_vec3 sn_volume_centre(sn_index count, const sn_point *points);
 
 /* ---- single.c: the sweeps in single precision ---- */
 float sn_single_weight(const sn_model_muscle *m, sn_index point);   /* inverse mass in floats: over that of a mean point */

@@ -44,7 +44,14 @@ typedef struct sn_bone_motion {
     X(sn_index, near, m->contact_count, SN_LEFT)                            /* those that may act in the step at hand */                   \
     X(sn_index, slides_on, m->external_count, SN_KEPT) /* of each external row: the target that it slides on, as the group counts */       \
     X(sn_index, slides_at, m->external_count, SN_KEPT) /* and the triangle there: where the next search starts */                          \
-    X(bool, guarded, m->quasi_newton ? m->area_count : 0, SN_KEPT)
+    X(bool, guarded, m->quasi_newton ? m->area_count : 0, SN_KEPT)                                                                         \
+    /* of the skin, where it was evaluated last: normal and 1 / its square of each triangle; force of its barrier, and of each edge's      \
+     * spring and hinge, over lengths (skin.c) */                                                                                          \
+    X(sn_point, skin_normals, m->skin_triangle_count, SN_LEFT)                                                                             \
+    X(double, skin_kept, m->skin_triangle_count, SN_LEFT)                                                                                  \
+    X(double, skin_pushes, m->skin_triangle_count, SN_LEFT)                                                                                \
+    X(double, skin_pulls, m->skin_edge_count, SN_LEFT)                                                                                     \
+    X(double, skin_turns, m->skin_edge_count, SN_LEFT)
 
 /* What one muscle is told of the step at hand. */
 typedef struct sn_inputs {

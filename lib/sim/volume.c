@@ -81,8 +81,7 @@ static void sweep_kind(const sn_model_muscle *m, sn_muscle_state *s, sn_row_kind
 
 /* ---- the energy ----------------------------------------------------------------------------------------------------------- */
 
-/* As mean_point(), in four sums. */
-static sn_vec3 mean_of_four(sn_index count, const sn_point *points) {
+sn_vec3 sn_volume_centre(sn_index count, const sn_point *points) {
     sn_vec3 sum[SN_BATCH] = {{0}}, first = sn_point_position(&points[0]);
     for (sn_index i = 0; i < count; i++) {
         sn_vec3 *lane = &sum[i % SN_BATCH];
@@ -129,7 +128,7 @@ static double energy_of_kind(const sn_model_muscle *m, const sn_muscle_state *s,
                              sn_forces gradient) {
     (void)kind;
     sn_vec3 *volume_gradient = s->inputs->volume_gradient;
-    triangles in = {points, m->triangles->v, mean_of_four(m->vertex_count, points), {NULL, 3}};
+    triangles in = {points, m->triangles->v, sn_volume_centre(m->vertex_count, points), {NULL, 3}};
     if (gradient.values != NULL) in.gradient.values = &volume_gradient->x;
     for (sn_index i = 0; gradient.values != NULL && i < m->vertex_count; i++) volume_gradient[i] = sn_v3(0, 0, 0);
     double c = volume_of_triangles(&in, m->triangle_count) - s->inputs->volume_goal * m->rest_volume;

@@ -120,6 +120,11 @@ SN_INLINE wide_point wide_load_vectors(const sn_vec3 *v, int lanes) {
     return transpose((wide){v[0].x, v[0].y, v[0].z, 0.0}, (wide){v[s].x, v[s].y, v[s].z, 0.0},
                      (wide){v[2 * s].x, v[2 * s].y, v[2 * s].z, 0.0}, (wide){v[3 * s].x, v[3 * s].y, v[3 * s].z, 0.0});
 }
+/* Numbers index[0], index[stride], ... of consecutive rows. */
+SN_INLINE wide wide_pick(const double *values, const sn_index *index, int stride, int lanes) {
+    int s = lanes == WIDE_LANES ? stride : 0;
+    return (wide){values[index[0]], values[index[s]], values[index[2 * s]], values[index[3 * s]]};
+}
 /* Lanes whose flag is set. */
 SN_INLINE wide_mask wide_flags(const bool *flag, int lanes) {
     int s = lanes == WIDE_LANES ? 1 : 0;
@@ -195,6 +200,9 @@ SN_INLINE void wide_scatter(sn_point *points, const sn_index *index, int stride,
 SN_INLINE wide_point wide_load_points(const sn_point *p, int lanes) { return (void)lanes, *p; }
 SN_INLINE void wide_store_points(sn_point *to, wide_point p, int lanes) { (void)lanes, *to = p; }
 SN_INLINE wide_point wide_load_vectors(const sn_vec3 *v, int lanes) { return (void)lanes, (wide_point){v->x, v->y, v->z, 0.0}; }
+SN_INLINE wide wide_pick(const double *values, const sn_index *index, int stride, int lanes) {
+    return (void)stride, (void)lanes, values[*index];
+}
 SN_INLINE wide_mask wide_flags(const bool *flag, int lanes) { return (void)lanes, *flag ? -1 : 0; }
 
 typedef sn_vec3 wide_records;
@@ -234,6 +242,12 @@ SN_INLINE wide_point wide_move(wide_point p, wide_vec3 gradient, wide step, wide
     p.y = wide_select(mask, p.y + gradient.y * step, p.y);
     p.z = wide_select(mask, p.z + gradient.z * step, p.z);
     return p;
+}
+
+/* Lengths, by their squares, that have a direction: not too short, and neither infinite nor NaN. */
+SN_INLINE wide_mask has_directions(wide square) {
+    return ~wide_less(square, wide_splat(SN_EDGE_GUARD)) & ~wide_less(wide_splat(WIDE_MOST), square) &
+           wide_less(wide_splat(-1.0), square); /* and no NaN */
 }
 
 #ifndef SN_WIDE_SINGLE /* ---- energies and forces: in double alone */
