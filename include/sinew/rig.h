@@ -143,12 +143,14 @@ typedef struct sn_roots_report {
     double genus;           /* of the surface; NaN where it is not closed */
     sn_index components;    /* of the surface; the automatic ring is on the one with most triangles */
     sn_ends_choice ends;    /* what the automatic selection took the ends from */
-    double span;   /* of the ring along the muscle: 0 = all of it is equally far from both ends, 1 = it reaches from one to the other;
-                    * NaN for manual selection */
-    bool right;    /* automatic: a closed ring that parts the surface in two and the ends from each other, spans a third or
-                    * less and lies a tenth of the way or more from both ends */
-    bool section;  /* automatic: across the straight line between the ends, as no contour of their field has a right ring */
-    bool fallback; /* automatic: nothing is right, and what came nearest was taken */
+    double span;       /* of the ring along the muscle: 0 = all of it is equally far from both ends, 1 = it reaches from one to the other;
+                        * NaN for manual selection */
+    bool right;        /* automatic: a closed ring that parts the surface in two and the best known ends from each other, spans a third or
+                        * less and lies a tenth of the way or more from both ends */
+    bool section;      /* automatic: across the straight line between the ends, as no contour of their field has a right ring */
+    bool between_tips; /* automatic: no ring parts the best known ends; one between the tips was looked for, though flow and fibres go by
+                        * those ends */
+    bool fallback;     /* automatic: nothing is right, and what came nearest was taken */
 } sn_roots_report;
 
 sn_roots_params sn_roots_defaults(void);
