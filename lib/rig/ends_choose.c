@@ -4,7 +4,6 @@
 
 #include "ends.h"
 
-#define LEAST_HELD 0.02   /* of the surface that found attachments hold at least */
 #define MOST_BEYOND 0.10  /* of the surface that lies beyond found attachments at most */
 #define MOST_FLAT 0.30    /* of the surface on which no way leads on between found attachments at most */
 #define TRUSTED_REACH 0.6 /* of found attachments: how far the surface may lie from them, over how far apart the ends are */
@@ -343,8 +342,6 @@ static sn_status judge_cover(const grouping *g, ends *out, bool *bad, sn_error *
         ends_say(&out->choice, "%s: %.0f %% of the surface lies beyond them", name, 100.0 * cover.beyond);
     else if (cover.flat > MOST_FLAT)
         ends_say(&out->choice, "%s: over %.0f %% of the surface no way leads from one end to the other", name, 100.0 * cover.flat);
-    else if (cover.held < LEAST_HELD)
-        ends_say(&out->choice, "%s: they hold %.1f %% of the surface only", name, 100.0 * cover.held);
     else
         *bad = false;
     return SN_OK;

@@ -3,8 +3,9 @@
 
 #include <stdlib.h>
 
-#define FLAT_SLOPE 0.1 /* where the field rises along no edge by this share of what it rises on average between the ends no way leads on   \
-                        */
+#define FLAT_SLOPE                                                                                                                         \
+    0.1 /* where the field rises along no edge by this share of what it rises on average between the ends no way leads on                  \
+         */
 #define BEYOND_MARGIN 0.05 /* farther from the other end than all of this one, by this share of L */
 
 typedef struct cover_work {
@@ -88,20 +89,17 @@ static bool is_beyond(const cover_work *w, sn_index v) {
 }
 
 static ends_cover add_up(const cover_work *w) {
-    ends_cover c = {0.0, 0.0, 0.0};
+    ends_cover c = {0.0, 0.0};
     double all = 0.0;
     for (sn_index v = 0; v < w->surface->mesh->vertex_count; v++) {
         if (!isfinite(w->distance[0][v]) || !isfinite(w->distance[1][v])) continue; /* of another component */
         all += w->area[v];
-        if (w->held[v])
-            c.held += w->area[v];
-        else {
-            c.flat += is_flat(w, v) ? w->area[v] : 0.0;
-            c.beyond += is_beyond(w, v) ? w->area[v] : 0.0;
-        }
+        if (w->held[v]) continue;
+        c.flat += is_flat(w, v) ? w->area[v] : 0.0;
+        c.beyond += is_beyond(w, v) ? w->area[v] : 0.0;
     }
     double scale = all > 0.0 ? 1.0 / all : 0.0;
-    return (ends_cover){c.held * scale, c.flat * scale, c.beyond * scale};
+    return (ends_cover){c.flat * scale, c.beyond * scale};
 }
 
 sn_status ends_measure_cover(const ends_surface *surface, const ends *e, ends_cover *out, sn_error *error) {
