@@ -185,6 +185,7 @@ static void write_attachments(sn_json *json, const sn_muscle *muscle) {
         const sn_attachment *a = &muscle->attachments[i];
         sn_json_object(json, NULL);
         sn_json_text(json, "bone", a->bone);
+        if (a->end != SN_END_UNKNOWN) sn_json_text(json, "end", sn_attachment_end_names[a->end]);
         sn_json_text(json, "method", a->method);
         sn_json_integer(json, "vertices", a->count);
         sn_json_number(json, "confidence", mean(a->confidence, a->count));
@@ -242,6 +243,9 @@ static void write_area(sn_json *json, const outcome *o, const sn_attach_area *ar
     sn_json_bool(json, "leftOut", area->left_out);
     sn_json_bool(json, "reordered", area->reordered);
     sn_json_bool(json, "coarse", area->coarse);
+    if (area->end != SN_END_UNKNOWN) sn_json_text(json, "end", sn_attachment_end_names[area->end]);
+    sn_json_bool(json, "endDoubtful", area->end_doubtful);
+    if (!area->left_out) write_change(json, "lost", &area->lost);
     if (!area->left_out) sn_json_text(json, "kind", sn_area_kind_names[area->line ? SN_AREA_LINE : SN_AREA_BOUNDARY]);
     if (!area->left_out) sn_json_bool(json, "doubtful", area->doubtful);
     if (area->line) sn_json_number(json, "width", area->width);
@@ -303,7 +307,8 @@ static void say_results(const cli *c, const outcome *o) {
     const sn_muscle *muscle = o->muscle;
     for (sn_index i = 0; i < muscle->attachment_count && wants_attachments(); i++) {
         const sn_attachment *a = &muscle->attachments[i];
-        cli_say(c, "%s: %ld vertices by %s", a->bone, (long)a->count, a->method);
+        const char *end = a->end != SN_END_UNKNOWN ? sn_attachment_end_names[a->end] : NULL;
+        cli_say(c, "%s: %ld vertices by %s%s%s", a->bone, (long)a->count, a->method, end != NULL ? ", " : "", end != NULL ? end : "");
     }
     for (sn_index i = 0; i < o->report.pair_count; i++) say_pair(c, o, &o->report.pairs[i]);
     for (sn_index i = 0; i < o->report.area_count; i++) say_area(c, o, &o->report.areas[i]);
@@ -336,6 +341,29 @@ static void warn_of_boundary(const cli *c, const char *name, const sn_attach_are
                  name);
 }
 
+/* What pins and areas before it have of an area. */
+static void warn_of_overlap(cli *c, const outcome *o, const sn_attach_area *area) {
+    const char *name = area_name(o, area), *bone_name = o->landmarks.areas[area->area].bone;
+    char holder[160] = "pins";
+    int lost = (int)area->lost.vertices, all = (int)area->vertices;
+    if (lost == 0) return;
+    if (area->lost_to != SN_NONE) {
+        const sn_landmark_area *other = &o->landmarks.areas[area->lost_to];
+        snprintf(holder, sizeof holder, "area %.60s on bone %.60s", other->name != NULL ? other->name : "(no name)", other->bone);
+    }
+    if (lost == all)
+        cli_shortfall(c, "area %s on bone %s holds nothing: all of its %d vertices stay with %s, which comes first", name, bone_name, all,
+                      holder);
+    else
+        cli_warn(c, "area %s on bone %s: %d of its %d vertices stay with %s, which comes first", name, bone_name, lost, all, holder);
+}
+
+static void warn_of_end(const cli *c, const outcome *o, const sn_attach_area *area) {
+    if (area->end_doubtful)
+        cli_warn(c, "area %s on bone %s: its name is taken for no end of the muscle; where it is one, call it origin or insertion",
+                 area_name(o, area), o->landmarks.areas[area->area].bone);
+}
+
 static void warn_of_area(cli *c, const outcome *o, const sn_attach_area *area) {
     const char *name = area_name(o, area);
     double mm = 1e3 * o->muscle->meters_per_unit;
@@ -346,6 +374,8 @@ static void warn_of_area(cli *c, const outcome *o, const sn_attach_area *area) {
                       name, o->landmarks.areas[area->area].bone, (int)area->far + 1, area->farthest * mm, o->report.landmark_reach * mm);
         return;
     }
+    warn_of_overlap(c, o, area);
+    warn_of_end(c, o, area);
     if (area->line)
         warn_of_line(c, name, area, mm);
     else

@@ -38,17 +38,43 @@ static uint64_t mix(uint64_t hash, const void *data, size_t size) {
     return hash;
 }
 
-/* What is attached to which bone, at which end, and whether by hand, as a number. */
-static uint64_t held_by_bones(const sn_muscle *muscle) {
-    uint64_t hash = 0xcbf29ce484222325U;
-    for (sn_index i = 0; i < muscle->attachment_count; i++) {
+/* What an attachment adds to the number of its bone: the vertices, at which end, and whether by hand. */
+static uint64_t mix_attachment(uint64_t hash, const sn_attachment *a) {
+    hash = mix(hash, &a->end, sizeof a->end);
+    hash = mix(hash, a->vertices, (size_t)a->count * sizeof *a->vertices);
+    return a->reasons != NULL ? mix(hash, a->reasons, (size_t)a->count * sizeof *a->reasons) : hash;
+}
+
+static cli_held *find_held(cli_held *list, size_t count, const char *bone) {
+    for (size_t i = 0; i < count; i++)
+        if (strcmp(list[i].bone, bone) == 0) return &list[i];
+    return NULL;
+}
+
+static void free_held(cli_held *list, size_t count) {
+    for (size_t i = 0; i < count && list != NULL; i++) free(list[i].bone);
+    free(list);
+}
+
+/* What each bone holds, in the order of the document. */
+static sn_status list_held(const sn_muscle *muscle, cli_held **out, size_t *out_count, sn_error *error) {
+    size_t count = 0;
+    cli_held *list = SN_NEW(cli_held, muscle->attachment_count);
+    sn_status status = list != NULL ? SN_OK : sn_fail_memory(error, "the attachments");
+    for (sn_index i = 0; i < muscle->attachment_count && status == SN_OK; i++) {
         const sn_attachment *a = &muscle->attachments[i];
-        hash = mix(hash, a->bone, strlen(a->bone) + 1);
-        hash = mix(hash, &a->end, sizeof a->end);
-        hash = mix(hash, a->vertices, (size_t)a->count * sizeof *a->vertices);
-        if (a->reasons != NULL) hash = mix(hash, a->reasons, (size_t)a->count * sizeof *a->reasons);
+        cli_held *held = find_held(list, count, a->bone);
+        if (held == NULL) {
+            held = &list[count];
+            *held = (cli_held){.bone = sn_strdup(a->bone), .hash = 0xcbf29ce484222325U};
+            if (held->bone == NULL) status = sn_fail_memory(error, "the attachments");
+            count += held->bone != NULL;
+        }
+        held->hash = mix_attachment(held->hash, a);
     }
-    return hash;
+    *out = list;
+    *out_count = count;
+    return status;
 }
 
 sn_status cli_load(cli *c, cli_muscle *out, sn_error *error) {
@@ -60,8 +86,7 @@ sn_status cli_load(cli *c, cli_muscle *out, sn_error *error) {
     status = c->list ? cli_list_meshes(&blob, error) : sn_muscle_parse(&blob, &c->read, &out->muscle, &out->document, error);
     if (status != SN_OK && status != SN_STOPPED) sn_error_set_file(error, blob.name);
     sn_blob_free(&blob);
-    c->held_before = held_by_bones(&out->muscle);
-    return status;
+    return status == SN_OK ? list_held(&out->muscle, &out->held_before, &out->held_count, error) : status;
 }
 
 sn_status cli_check_space(const sn_muscle *muscle, sn_space space, const char *file, sn_error *error) {
@@ -73,6 +98,7 @@ sn_status cli_check_space(const sn_muscle *muscle, sn_space space, const char *f
 void cli_free(cli_muscle *muscle) {
     sn_document_free(muscle->document);
     sn_muscle_free(&muscle->muscle);
+    free_held(muscle->held_before, muscle->held_count);
     *muscle = (cli_muscle){0};
 }
 
@@ -258,14 +284,50 @@ static void join_later(unsigned bits, bool tools, char *text, size_t size) {
     }
 }
 
-static void note_stale(cli *c, const sn_muscle *muscle, unsigned changed) {
-    char sections[80], tools[80];
-    if (!(changed & SN_SECTION_ATTACHMENTS) || held_by_bones(muscle) == c->held_before) return;
-    c->stale = made_from_ends(muscle);
-    if (c->stale == 0) return;
+enum { NAMES = 160, CHANGES = 3 * NAMES + 8 };
+
+/* Adds a bone to "new: a, b" as long as there is room. */
+static void add_name(char text[NAMES], const char *how, const char *bone) {
+    size_t used = strlen(text);
+    int length = snprintf(text + used, NAMES - used, "%s%s", used == 0 ? how : ", ", bone);
+    if ((size_t)length >= NAMES - used) memcpy(text + NAMES - 5, ", ...", 5), text[NAMES - 1] = '\0';
+}
+
+/* "new: a; changed: b, c; gone: d": the bones that hold other vertices than before, or at another end. Empty where none does. */
+static void describe_changes(const cli_muscle *muscle, cli_held *now, size_t count, char text[CHANGES]) {
+    char parts[3][NAMES] = {"", "", ""};
+    for (size_t i = 0; i < count; i++) {
+        const cli_held *before = find_held(muscle->held_before, muscle->held_count, now[i].bone);
+        if (before == NULL)
+            add_name(parts[0], "new: ", now[i].bone);
+        else if (before->hash != now[i].hash)
+            add_name(parts[1], "changed: ", now[i].bone);
+    }
+    for (size_t i = 0; i < muscle->held_count; i++)
+        if (find_held(now, count, muscle->held_before[i].bone) == NULL) add_name(parts[2], "gone: ", muscle->held_before[i].bone);
+    const char *first = parts[0][0] != '\0' && (parts[1][0] != '\0' || parts[2][0] != '\0') ? "; " : "";
+    const char *second = parts[1][0] != '\0' && parts[2][0] != '\0' ? "; " : "";
+    snprintf(text, CHANGES, "%s%s%s%s%s", parts[0], first, parts[1], second, parts[2]);
+}
+
+static sn_status note_stale(cli *c, const cli_muscle *muscle, unsigned changed, sn_error *error) {
+    char sections[80], tools[80], changes[CHANGES];
+    cli_held *now = NULL;
+    size_t count = 0;
+    if (!(changed & SN_SECTION_ATTACHMENTS)) return SN_OK;
+    sn_status status = list_held(&muscle->muscle, &now, &count, error);
+    if (status == SN_OK) describe_changes(muscle, now, count, changes);
+    free_held(now, count);
+    if (status != SN_OK || changes[0] == '\0') return status;
+    c->stale = made_from_ends(&muscle->muscle);
+    if (c->stale == 0) return SN_OK;
     join_later(c->stale, false, sections, sizeof sections);
     join_later(c->stale, true, tools, sizeof tools);
-    cli_warn(c, "%s were made without these attachments, which are known now: run %s again", sections, tools);
+    if (muscle->held_count == 0)
+        cli_warn(c, "%s were made without these attachments, which are known now: run %s again", sections, tools);
+    else
+        cli_warn(c, "%s were made with other attachments (%s): run %s again", sections, changes, tools);
+    return SN_OK;
 }
 
 static void report_stale(sn_json *json, unsigned stale) {
@@ -293,8 +355,10 @@ sn_status cli_save(cli *c, const cli_muscle *muscle, unsigned changed, sn_error 
         sn_output_abort(output);
         return status;
     }
-    note_stale(c, &muscle->muscle, changed);
-    return sn_output_commit(output, error);
+    status = note_stale(c, muscle, changed, error);
+    if (status == SN_OK) return sn_output_commit(output, error);
+    sn_output_abort(output);
+    return status;
 }
 
 /* ---- report --------------------------------------------------------------------------------------------------------------------- */

@@ -111,8 +111,7 @@ typedef struct cli {
     cli_hash_function hash_files; /* set by a tool with CLI_FILES options, before cli_save */
     const void *hash_user;
     /* private */
-    uint64_t held_before; /* what cli_load found attached, as a number */
-    unsigned stale;       /* what cli_save found to be older than the attachments */
+    unsigned stale; /* what cli_save found to be older than the attachments */
     sn_output *trace_output;
     double started; /* monotonic seconds at cli_start */
     int given_count;
@@ -144,17 +143,26 @@ int cli_finish(cli *c, sn_status status, const sn_error *error);
 
 /* ---- the chain: one document in, one document out ------------------------------------------------------------------- */
 
+/* What one bone holds, as a number. */
+typedef struct cli_held {
+    char *bone;
+    uint64_t hash;
+} cli_held;
+
 /* A muscle document as a tool of the chain holds it. */
 typedef struct cli_muscle {
     sn_muscle muscle;
     sn_document *document;
+    size_t held_count;
+    cli_held *held_before; /* (held_count) what cli_load found attached */
 } cli_muscle;
 /* Read inputs.items[0] (document or bare mesh), keeping its hash for the history. Under --list: cli_list_meshes instead. */
 SN_MUST_CHECK sn_status cli_load(cli *c, cli_muscle *out, sn_error *error);
 /* Write the document to the output: the sections in `changed` from muscle, history appended. An output whose extension is a mesh
  * format's (.ply .vtp .obj .stl .off) gets the bare mesh; in .ply and .vtp with the sections painted on it (sn_muscle_paint). Attachments
  * that have changed leave the automatic roots, the structure and the fibres as they are, but these were made from other ends: a warning
- * says which tools to run again, and the report "stale" and "runAgain". */
+ * says which bones hold something new or other, or nothing any more, and which tools to run again, and the report "stale" and "runAgain".
+ */
 SN_MUST_CHECK sn_status cli_save(cli *c, const cli_muscle *muscle, unsigned changed, sn_error *error);
 /* Is a file that goes with it (NULL: none) in its space, as far as both are told? */
 SN_MUST_CHECK sn_status cli_check_space(const sn_muscle *muscle, sn_space space, const char *file, sn_error *error);

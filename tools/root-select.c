@@ -96,6 +96,7 @@ static void write_report(sn_json *json, const void *data) {
     if (isfinite(r->span)) sn_json_number(json, "span", r->span);
     if (r->ends.from != NULL) sn_json_bool(json, "right", r->right);
     if (r->ends.from != NULL) sn_json_bool(json, "section", r->section);
+    if (r->ends.from != NULL) sn_json_bool(json, "betweenTips", r->between_tips);
     sn_json_bool(json, "fallback", r->fallback);
 }
 
@@ -108,8 +109,10 @@ static void comment(const cli *c, const sn_roots_report *r) {
     if (r->genus > 0.0)
         cli_warn(c, "the surface has handles (genus %g): a ring need not separate it, and branches are not to be trusted", r->genus);
     if (r->count == 0) return;
-    if (ends != NULL && r->ends.source != SN_ENDS_SITES)
-        cli_warn(c, "the sites of %s lead to no ring near the middle: they lie side by side, or all along the muscle; took the tips", ends);
+    if (r->between_tips && ends != NULL)
+        cli_warn(c, "the sites of %s lead to no ring around the muscle: they lie side by side, or all along it; took the tips", ends);
+    if (r->between_tips && ends == NULL)
+        cli_warn(c, "the ring is between the tips; fiber-flow and fiber-fill go by the better known ends all the same");
     if (r->section) cli_say(c, "no contour between the ends has such a ring: took a section across the line between them");
     if (r->fallback)
         cli_warn(

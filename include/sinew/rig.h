@@ -143,12 +143,14 @@ typedef struct sn_roots_report {
     double genus;           /* of the surface; NaN where it is not closed */
     sn_index components;    /* of the surface; the automatic ring is on the one with most triangles */
     sn_ends_choice ends;    /* what the automatic selection took the ends from */
-    double span;   /* of the ring along the muscle: 0 = all of it is equally far from both ends, 1 = it reaches from one to the other;
-                    * NaN for manual selection */
-    bool right;    /* automatic: a closed ring that parts the surface in two and the ends from each other, spans a third or
-                    * less and lies a tenth of the way or more from both ends */
-    bool section;  /* automatic: across the straight line between the ends, as no contour of their field has a right ring */
-    bool fallback; /* automatic: nothing is right, and what came nearest was taken */
+    double span;       /* of the ring along the muscle: 0 = all of it is equally far from both ends, 1 = it reaches from one to the other;
+                        * NaN for manual selection */
+    bool right;        /* automatic: a closed ring that parts the surface in two and the best known ends from each other, spans a third or
+                        * less and lies a tenth of the way or more from both ends */
+    bool section;      /* automatic: across the straight line between the ends, as no contour of their field has a right ring */
+    bool between_tips; /* automatic: no ring parts the best known ends; one between the tips was looked for, though flow and fibres go by
+                        * those ends */
+    bool fallback;     /* automatic: nothing is right, and what came nearest was taken */
 } sn_roots_report;
 
 sn_roots_params sn_roots_defaults(void);
@@ -254,6 +256,10 @@ typedef struct sn_landmark_area {
     sn_vec3 *landmarks; /* (count) in the muscle's unit */
 } sn_landmark_area;
 void sn_landmark_areas_free(sn_landmark_area *areas, sn_index count);
+/* Which end an area of this name (nullable) is at: the one that one of its words names: origin, origins, insertion or insertions, in any
+ * case and place. Words are parted by anything but letters, and by a capital behind a small letter. UNKNOWN and *doubtful where it names
+ * both ends, denies one (no, non, not, without), or has a word that only resembles these (lib/rig/attach_name.c). */
+sn_attachment_end sn_area_end(const char *name, bool *doubtful);
 
 typedef struct sn_attach_params {
     sn_index bone_count;
@@ -323,6 +329,10 @@ typedef struct sn_attach_area {
     double width;      /* of the band that was asked for, document units; 0 of boundaries, and of lines that lie on the muscle */
     double mean_width; /* of the band that was taken: its area by its length; 0 of boundaries */
     double area_share; /* of the muscle's surface */
+    sn_attachment_end end; /* that its name says */
+    bool end_doubtful;     /* its name looks like an end's and is not taken for one */
+    sn_attach_change lost; /* of its patch, what stays with pins, and with areas given before on another bone or at another end */
+    sn_index lost_to;      /* the first of these areas, an index into the areas given; SN_NONE = pins only, or nothing is lost */
 } sn_attach_area;
 
 typedef struct sn_attachment_list {
@@ -343,9 +353,9 @@ typedef struct sn_attach_report {
 
 sn_attach_params sn_attach_defaults(void);
 /* A vertex within reach of several bones goes to the nearest (signed distance; ties to the bone given first). Bones with no vertex
- * are left out. Each attached vertex has a reason and a confidence: 1 for pins and areas; else by how deep in or how near the bone it
- * is, lower where another bone is about as near, and halved where the pair looks like a sliding tendon (lib/rig/attach.c).
- * Trace steps: landmark, geodesic, tour, patch; pair, bone. */
+ * are left out. A bone whose areas are at different ends has an attachment for each. Each attached vertex has a reason and a confidence: 1
+ * for pins and areas; else by how deep in or how near the bone it is, lower where another bone is about as near, and halved where the pair
+ * looks like a sliding tendon (lib/rig/attach.c). Trace steps: landmark, geodesic, tour, patch; pair, bone. */
 SN_MUST_CHECK sn_status sn_attach_detect(const sn_muscle *muscle, const sn_attach_params *params, sn_trace *trace, sn_attachment_list *out,
                                          sn_attach_report *report, sn_error *error);
 void sn_attach_report_free(sn_attach_report *report);

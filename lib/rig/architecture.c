@@ -8,8 +8,9 @@
 
 #include <stdlib.h>
 
-enum { STEPS = 4 };   /* places on each segment where a fibre is asked whether it is in tendon */
-#define END_SHARE 0.2 /* of a fibre's length: what shows its direction at an end */
+enum { STEPS = 4 };    /* places on each segment where a fibre is asked whether it is in tendon */
+#define END_SHARE 0.2  /* of a fibre's length: what shows its direction at an end */
+#define ROUNDING 1e-12 /* of a length: what adding it up in another order may change */
 
 const char *const sn_tendon_names[] = {"none", "thickness", "painted", "given", NULL};
 
@@ -252,7 +253,8 @@ static double share_in_tendon(const measuring *m) {
         all += m->lengths[i];
         belly += m->bellies[i];
     }
-    return fmin(fmax(1.0 - belly / all, 0.0), 1.0);
+    if (belly >= (1.0 - ROUNDING) * all) return 0.0;
+    return fmin(1.0 - belly / all, 1.0);
 }
 
 static void summarise(const measuring *m, sn_architecture *out) {

@@ -3,11 +3,9 @@
  */
 #include "attach_detection.h"
 
-#include <ctype.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <strings.h>
 
 enum { VERTICES_PER_CHUNK = 256 };
 
@@ -81,6 +79,7 @@ static sn_status allocate(detection *d, sn_error *error) {
     d->holders = SN_NEW(const char *, holders);
     d->has_area = SN_NEW(bool, holders);
     d->holder_of = SN_NEW(sn_index, vertices);
+    d->area_of = SN_NEW(sn_index, vertices);
     d->distance = SN_NEW(double, vertices);
     d->runner_up = SN_NEW(double, vertices);
     d->reason = SN_NEW(unsigned char, vertices);
@@ -91,8 +90,8 @@ static sn_status allocate(detection *d, sn_error *error) {
     d->along = SN_NEW(double, vertices);
     d->report->pairs = SN_NEW(sn_attach_pair, d->params->bone_count);
     d->report->areas = SN_NEW(sn_attach_area, d->params->area_count);
-    bool complete = d->holders && d->has_area && d->holder_of && d->distance && d->runner_up && d->reason && d->candidate && d->list &&
-                    d->chunk_nearest && d->vertex_area && d->along && d->report->pairs && d->report->areas;
+    bool complete = d->holders && d->has_area && d->holder_of && d->area_of && d->distance && d->runner_up && d->reason && d->candidate &&
+                    d->list && d->chunk_nearest && d->vertex_area && d->along && d->report->pairs && d->report->areas;
     return complete ? SN_OK : sn_fail_memory(error, "attachments");
 }
 
@@ -112,6 +111,7 @@ static sn_status set_up(detection *d, sn_error *error) {
     if (status != SN_OK) return status;
     for (sn_index v = 0; v < d->muscle->mesh.vertex_count; v++) {
         d->holder_of[v] = SN_NONE;
+        d->area_of[v] = SN_NONE;
         d->distance[v] = NAN;
         d->runner_up[v] = INFINITY;
     }
@@ -130,6 +130,7 @@ static void tear_down(detection *d) {
     free(d->holders);
     free(d->has_area);
     free(d->holder_of);
+    free(d->area_of);
     free(d->distance);
     free(d->runner_up);
     free(d->reason);
@@ -138,6 +139,7 @@ static void tear_down(detection *d) {
     free(d->chunk_nearest);
     free(d->vertex_area);
     free(d->along);
+    free(d->fiber_ends);
 }
 
 /* ---- pins and areas --------------------------------------------------------------------------------------------------------- */
@@ -161,16 +163,43 @@ static sn_status apply_pin(detection *d, const sn_attach_pin *pin, sn_error *err
     return SN_OK;
 }
 
+/* The end that the area is at which took a vertex; of others unknown. */
+static sn_attachment_end end_at(const detection *d, sn_index v) {
+    return d->area_of[v] == SN_NONE ? SN_END_UNKNOWN : d->report->areas[d->area_of[v]].end;
+}
+
+/* A vertex of an area that is given already: to the same bone at the same end by an area before, that changes nothing. */
+static void note_lost(const detection *d, sn_index v, sn_index holder, sn_attach_area *report) {
+    sn_index other = d->area_of[v];
+    if (other != SN_NONE && d->holder_of[v] == holder && end_at(d, v) == report->end) return;
+    report->lost.vertices++;
+    report->lost.area += d->vertex_area[v];
+    if (other != SN_NONE && (report->lost_to == SN_NONE || other < report->lost_to)) report->lost_to = other;
+}
+
+static void take_area(detection *d, sn_index number, const bool *inside, sn_attach_area *report) {
+    sn_index holder = find_holder(d, d->params->areas[number].bone);
+    for (sn_index v = 0; v < d->muscle->mesh.vertex_count; v++) {
+        if (!inside[v]) continue;
+        if (attach_is_given(d, v)) {
+            note_lost(d, v, holder, report);
+            continue;
+        }
+        attach_hold(d, v, holder, NAN, SN_REASON_AREA);
+        d->area_of[v] = number;
+    }
+}
+
 static sn_status apply_area(detection *d, const sn_area_ground *ground, sn_index number, bool *inside, sn_error *error) {
     const sn_landmark_area *area = &d->params->areas[number];
     sn_attach_area *report = &d->report->areas[number];
-    *report = (sn_attach_area){.area = number};
+    *report = (sn_attach_area){.area = number, .lost_to = SN_NONE};
+    report->end = sn_area_end(area->name, &report->end_doubtful);
     if (sn_trace_stopped(d->trace)) return SN_STOPPED;
     sn_status status = sn_area_patch(ground, area, d->trace, inside, report, error);
     if (status != SN_OK && status != SN_STOPPED) return status;
     d->report->area_count = number + 1;
-    for (sn_index v = 0; v < d->muscle->mesh.vertex_count; v++)
-        if (inside[v] && !attach_is_given(d, v)) attach_hold(d, v, find_holder(d, area->bone), NAN, SN_REASON_AREA);
+    take_area(d, number, inside, report);
     return status;
 }
 
@@ -404,12 +433,20 @@ static sn_status try_bones(detection *d, sn_error *error) {
 
 /* ---- results --------------------------------------------------------------------------------------------------------------------- */
 
-/* The methods that a holder's vertices came by, joined with '+'. */
-static void join_methods(const detection *d, sn_index holder, char *text, size_t size) {
+/* The vertices of one holder at one end: an attachment of its own. */
+typedef struct hold {
+    sn_index holder, count;
+    sn_attachment_end end;
+} hold;
+
+static bool is_of(const detection *d, const hold *h, sn_index v) { return d->holder_of[v] == h->holder && end_at(d, v) == h->end; }
+
+/* The methods that the vertices came by, joined with '+'. */
+static void join_methods(const detection *d, const hold *h, char *text, size_t size) {
     unsigned reasons = 0;
     size_t used = 0;
     for (sn_index v = 0; v < d->muscle->mesh.vertex_count; v++)
-        if (d->holder_of[v] == holder) reasons |= 1u << d->reason[v];
+        if (is_of(d, h, v)) reasons |= 1u << d->reason[v];
     for (int r = 1; r < SN_REASON_COUNT && used < size; r++)
         if (reasons & 1u << r)
             used += (size_t)snprintf(text + used, size - used, "%s%s", used > 0 ? "+" : "", sn_attach_reason_name((sn_attach_reason)r));
@@ -452,70 +489,57 @@ static bool is_sliding(const detection *d, sn_index holder) {
            d->report->pairs[holder].sliding; /* the pairs are in the order of the bones */
 }
 
-/* An area that is called "origin" or "insertion", with or without more behind that, says where it is. */
-static sn_attachment_end end_called(const char *name) {
-    for (int end = SN_END_ORIGIN; name != NULL && end <= SN_END_INSERTION; end++) {
-        const char *word = sn_attachment_end_names[end];
-        size_t length = strlen(word);
-        if (strncasecmp(name, word, length) == 0 && !isalpha((unsigned char)name[length])) return (sn_attachment_end)end;
+static void list_vertices(const detection *d, const hold *h, sn_attachment *out) {
+    for (sn_index v = 0; v < d->muscle->mesh.vertex_count; v++) {
+        if (!is_of(d, h, v)) continue;
+        out->vertices[out->count] = v;
+        out->reasons[out->count] = d->reason[v];
+        out->confidence[out->count++] = confidence_of(d, v, is_sliding(d, h->holder));
     }
-    return SN_END_UNKNOWN;
 }
 
-/* What the areas on a bone agree on. */
-static sn_attachment_end end_of(const detection *d, const char *bone) {
-    sn_attachment_end all = SN_END_UNKNOWN;
-    for (sn_index a = 0, seen = 0; a < d->report->area_count; a++) {
-        const sn_landmark_area *area = &d->params->areas[d->report->areas[a].area];
-        if (d->report->areas[a].left_out || strcmp(area->bone, bone) != 0) continue;
-        sn_attachment_end end = end_called(area->name);
-        if (seen++ > 0 && end != all) {
-            sn_log(SN_LOG_WARNING, "the areas on %s are not all called the same end of the muscle: which one it holds is left open", bone);
-            return SN_END_UNKNOWN;
-        }
-        all = end;
-    }
-    return all;
-}
-
-static sn_status fill_attachment(const detection *d, sn_index holder, sn_index count, sn_attachment *out, sn_error *error) {
+static sn_status fill_attachment(const detection *d, const hold *h, sn_attachment *out, sn_error *error) {
     char method[96] = "";
-    join_methods(d, holder, method, sizeof method);
-    out->bone = sn_strdup(d->holders[holder]);
-    out->end = end_of(d, d->holders[holder]);
+    join_methods(d, h, method, sizeof method);
+    out->bone = sn_strdup(d->holders[h->holder]);
+    out->end = h->end;
     out->method = sn_strdup(method);
-    out->vertices = SN_NEW(sn_index, count);
-    out->distances = SN_NEW(double, count);
-    out->reasons = SN_NEW(sn_index, count);
-    out->confidence = SN_NEW(double, count);
+    out->vertices = SN_NEW(sn_index, h->count);
+    out->distances = SN_NEW(double, h->count);
+    out->reasons = SN_NEW(sn_index, h->count);
+    out->confidence = SN_NEW(double, h->count);
     if (!out->bone || !out->method || !out->vertices || !out->distances || !out->reasons || !out->confidence)
         return sn_fail_memory(error, "attachments");
-    out->count = attach_held(d, holder, out->vertices);
-    for (sn_index i = 0; i < count; i++) {
-        out->reasons[i] = d->reason[out->vertices[i]];
-        out->confidence[i] = confidence_of(d, out->vertices[i], is_sliding(d, holder));
-    }
+    list_vertices(d, h, out);
     fill_distances(d, out);
     return SN_OK;
 }
 
-/* One attachment for each holder that holds anything. */
-static sn_status collect(const detection *d, sn_attachment_list *out, sn_error *error) {
-    sn_status status = SN_OK;
-    sn_attach_report *report = d->report;
-    sn_index *held = SN_NEW(sn_index, d->holder_count), made = 0;
-    sn_attachment *list = SN_NEW(sn_attachment, d->holder_count);
-    if (held == NULL || list == NULL) status = sn_fail_memory(error, "attachments");
-    for (sn_index v = 0; v < d->muscle->mesh.vertex_count && status == SN_OK; v++) {
+enum { ENDS = SN_END_INSERTION + 1 };
+
+static void count_vertices(const detection *d, hold *holds) {
+    for (sn_index i = 0; i < ENDS * d->holder_count; i++) holds[i] = (hold){i / ENDS, 0, (sn_attachment_end)(i % ENDS)};
+    for (sn_index v = 0; v < d->muscle->mesh.vertex_count; v++) {
         if (d->holder_of[v] == SN_NONE) continue;
-        held[d->holder_of[v]]++;
-        report->attached++;
+        holds[ENDS * d->holder_of[v] + (sn_index)end_at(d, v)].count++;
+        d->report->attached++;
     }
-    for (sn_index p = 0; p < report->pair_count && status == SN_OK; p++) report->pairs[p].vertices = held[report->pairs[p].bone];
-    for (sn_index h = 0; h < d->holder_count && status == SN_OK; h++) {
-        if (held[h] > 0) status = fill_attachment(d, h, held[h], &list[made++], error);
+    for (sn_index p = 0; p < d->report->pair_count; p++) {
+        sn_attach_pair *pair = &d->report->pairs[p];
+        for (int end = 0; end < ENDS; end++) pair->vertices += holds[ENDS * pair->bone + end].count;
     }
-    free(held);
+}
+
+/* One attachment for each holder that holds anything, and for each end that its areas tell. */
+static sn_status collect(const detection *d, sn_attachment_list *out, sn_error *error) {
+    hold *holds = SN_NEW(hold, ENDS * d->holder_count);
+    sn_attachment *list = SN_NEW(sn_attachment, ENDS * d->holder_count);
+    sn_index made = 0;
+    sn_status status = holds != NULL && list != NULL ? SN_OK : sn_fail_memory(error, "attachments");
+    if (status == SN_OK) count_vertices(d, holds);
+    for (sn_index i = 0; i < ENDS * d->holder_count && status == SN_OK; i++)
+        if (holds[i].count > 0) status = fill_attachment(d, &holds[i], &list[made++], error);
+    free(holds);
     if (status != SN_OK) {
         sn_attachments_free(list, made);
         return status;
@@ -531,6 +555,7 @@ static sn_status judge_holds(detection *d, sn_error *error) {
     sn_status status = any ? attach_find_along(d, error) : SN_OK;
     if (status == SN_OK && any && !raw) status = attach_make_patches(d, error);
     if (status == SN_OK && any) status = attach_find_sliding(d, !raw, error);
+    if (status == SN_OK && any && !raw) status = attach_let_runs_go(d, error);
     if (status == SN_OK && any && !raw && both) status = attach_take_tips(d, error);
     return status;
 }

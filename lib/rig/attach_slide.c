@@ -6,9 +6,46 @@
 
 #include <stdlib.h>
 
-enum { SLICES = 20 };
+enum { SLICES = GIRTH_SLICES };
+
+/* A fibre that ends within this share of the length of a patch ends at it. */
+static const double FIBER_MARGIN = 0.02;
 
 /* ---- the muscle from tip to tip ----------------------------------------------------------------------------------------- */
+
+/* How far along the vertex nearest to a point is. */
+static double along_at(const detection *d, sn_vec3 point) {
+    const sn_mesh *mesh = &d->muscle->mesh;
+    sn_index best = SN_NONE;
+    for (sn_index v = 0; v < mesh->vertex_count; v++) {
+        if (isnan(d->along[v])) continue;
+        if (best == SN_NONE || sn_distance(mesh->positions[v], point) < sn_distance(mesh->positions[best], point)) best = v;
+    }
+    return best == SN_NONE ? NAN : d->along[best];
+}
+
+static sn_status place_fibers(detection *d, sn_error *error) {
+    const sn_fibers *f = &d->muscle->fibers;
+    if (f->polyline_count == 0) return SN_OK;
+    if ((d->fiber_ends = SN_NEW(double, 2 * (size_t)f->polyline_count)) == NULL) return sn_fail_memory(error, "the ends of the fibres");
+    for (sn_index i = 0; i < f->polyline_count; i++) {
+        const sn_polyline *line = &f->polylines[i];
+        d->fiber_ends[2 * i] = line->count > 0 ? along_at(d, line->points[0]) : NAN;
+        d->fiber_ends[2 * i + 1] = line->count > 0 ? along_at(d, line->points[line->count - 1]) : NAN;
+    }
+    return SN_OK;
+}
+
+bool attach_fibers_pass(const detection *d, double low, double high) {
+    bool before = false, behind = false;
+    for (sn_index i = 0; d->fiber_ends != NULL && i < 2 * d->muscle->fibers.polyline_count; i++) {
+        double at = d->fiber_ends[i];
+        if (at >= low - FIBER_MARGIN && at <= high + FIBER_MARGIN) return false;
+        before = before || at < low;
+        behind = behind || at > high;
+    }
+    return before && behind;
+}
 
 sn_status attach_find_along(detection *d, sn_error *error) {
     const sn_mesh *mesh = &d->muscle->mesh;
@@ -25,20 +62,14 @@ sn_status attach_find_along(detection *d, sn_error *error) {
         for (sn_index v = 0; v < mesh->vertex_count; v++) d->along[v] = d->along[v] / (d->along[v] + other[v]);
     }
     free(other);
-    return status;
+    return status == SN_OK ? place_fibers(d, error) : status;
 }
-
-/* Surface area of each twentieth of the muscle, relative to the largest; and six times the largest: each triangle counts with its double
- * area at each of its corners. */
-typedef struct profile {
-    double girth[SLICES], largest;
-} profile;
 
 static int slice_of(double along) { return (int)fmin(along * SLICES, SLICES - 1); }
 
-static void measure_girth(const detection *d, profile *p) {
+void attach_measure_girth(const detection *d, girth_profile *p) {
     const sn_mesh *mesh = &d->muscle->mesh;
-    *p = (profile){.largest = 0.0};
+    *p = (girth_profile){.largest = 0.0};
     for (sn_index t = 0; t < mesh->triangle_count; t++) {
         const sn_index *v = mesh->triangles[t].v;
         double area = sn_norm(sn_area_vector(mesh->positions[v[0]], mesh->positions[v[1]], mesh->positions[v[2]]));
@@ -49,7 +80,7 @@ static void measure_girth(const detection *d, profile *p) {
     for (int i = 0; i < SLICES && p->largest > 0.0; i++) p->girth[i] /= p->largest;
 }
 
-static void place_pair(const detection *d, const profile *p, sn_attach_pair *pair) {
+static void place_pair(const detection *d, const girth_profile *p, sn_attach_pair *pair) {
     double position = 0.0, girth = 0.0;
     sn_index count = attach_held(d, pair->bone, d->list), placed = 0;
     for (sn_index i = 0; i < count; i++) {
@@ -86,6 +117,8 @@ static bool looks_sliding(const detection *d, const sn_attach_pair *pair) {
  * BEYOND of the length nearer to both tips. On the dog 18 of the 22 pairs that go by this are no attachments, where one of five is in all;
  * at a fifth it is 20 of 37. */
 static const double TENDON_GIRTH = 0.15, BEYOND = 0.05;
+/* The same where the document has fibres, and they pass the piece and end on both sides of it. */
+static const double PASSED_GIRTH = 0.3;
 /* The thickness at a piece is that of the surface joined to it within this share of the length beyond its ends. */
 static const double BAND_MARGIN = 0.02;
 
@@ -165,17 +198,19 @@ static bool is_passed(const piece_list *list, const piece *p) {
     return before && behind && other;
 }
 
-static void let_go(detection *d, const piece *p, const sn_index *number, sn_attach_pair *pair) {
+void attach_let_slide(detection *d, sn_index v, sn_attach_pair *pair) {
     pair->sliding = true;
-    for (sn_index v = 0; v < d->muscle->mesh.vertex_count; v++) {
-        if (number[v] != p->number) continue;
-        pair->slid.vertices++;
-        pair->slid.area += d->vertex_area[v];
-        d->holder_of[v] = SN_NONE;
-        d->reason[v] = 0;
-        d->distance[v] = NAN;
-        d->runner_up[v] = INFINITY;
-    }
+    pair->slid.vertices++;
+    pair->slid.area += d->vertex_area[v];
+    d->holder_of[v] = SN_NONE;
+    d->reason[v] = 0;
+    d->distance[v] = NAN;
+    d->runner_up[v] = INFINITY;
+}
+
+static void let_go(detection *d, const piece *p, const sn_index *number, sn_attach_pair *pair) {
+    for (sn_index v = 0; v < d->muscle->mesh.vertex_count; v++)
+        if (number[v] == p->number) attach_let_slide(d, v, pair);
 }
 
 static bool any_given(const detection *d, const piece *p, const sn_index *number) {
@@ -193,7 +228,8 @@ static sn_status let_go_of(detection *d, const piece_list *list, double largest,
         double girth = NAN;
         if (p->bone != pair->bone || !is_passed(list, p) || any_given(d, p, number)) continue;
         status = girth_at(d, p, number, largest, &girth, error);
-        if (status == SN_OK && girth < TENDON_GIRTH) let_go(d, p, number, pair);
+        double limit = attach_fibers_pass(d, p->low, p->high) ? PASSED_GIRTH : TENDON_GIRTH;
+        if (status == SN_OK && girth < limit) let_go(d, p, number, pair);
     }
     free(number);
     return status;
@@ -215,9 +251,9 @@ static sn_status let_pieces_go(detection *d, double largest, sn_error *error) {
 
 sn_status attach_find_sliding(detection *d, bool lets_go, sn_error *error) {
     sn_attach_report *r = d->report;
-    profile p;
+    girth_profile p;
     if (!(d->length > 0.0)) return SN_OK;
-    measure_girth(d, &p);
+    attach_measure_girth(d, &p);
     for (sn_index i = 0; i < r->pair_count; i++) place_pair(d, &p, &r->pairs[i]);
     if (lets_go) return let_pieces_go(d, p.largest, error);
     for (sn_index i = 0; i < r->pair_count; i++) r->pairs[i].sliding = looks_sliding(d, &r->pairs[i]);

@@ -4,9 +4,13 @@
 
 #include "ends.h"
 
+#define MOST_BEYOND 0.10  /* of the surface that lies beyond found attachments at most */
+#define MOST_FLAT 0.30    /* of the surface on which no way leads on between found attachments at most */
 #define TRUSTED_REACH 0.6 /* of found attachments: how far the surface may lie from them, over how far apart the ends are */
 #define MIDDLE 0.1        /* found attachments this near to the middle of the field lie along the belly: ends of neither side */
 #define FLAT 0.1          /* where the field rises by less than this share of its mean slope there is no way on: the tip of a head */
+#define HEAD 0.33         /* of found attachments: patches of at least this share of the bone's largest are heads like it */
+#define HEAD_VERTICES 6   /* and have as many vertices: the digitations of a serratus have 11 and more, speckles of contact 5 and fewer */
 #define CRUMB 0.1         /* of found attachments: smaller patches than this share of the bone's largest are left out */
 #define PIN_SHARE 0.01    /* a pin is a cap of this share of L at least: at a single vertex the field is singular */
 #define TIP_PATCH 0.05    /* around the point that is farthest from the one known end, as a share of L */
@@ -20,7 +24,8 @@ typedef struct patch {
     sn_index first, count; /* in the list */
     sn_index attachment;
     sn_ends_source source;
-    int side; /* 0 or 1; -1 = left out */
+    bool found; /* by contact or proximity */
+    int side;   /* 0 or 1; -1 = left out */
 } patch;
 
 typedef struct grouping {
@@ -28,6 +33,7 @@ typedef struct grouping {
     const sn_muscle *muscle;
     sn_index *holder;      /* (vertex_count) attachment; SN_NONE = none */
     unsigned char *source; /* (vertex_count) sn_ends_source of held vertices */
+    bool *found;           /* (vertex_count) of held vertices: by contact or proximity */
     unsigned char *seen;   /* (vertex_count) scratch */
     sn_index *list;        /* (vertex_count) vertices by patch */
     sn_index *sources;     /* (vertex_count) scratch */
@@ -35,6 +41,7 @@ typedef struct grouping {
     double *values;        /* (vertex_count) scratch */
     sn_grip *grips;        /* (attachment_count) */
     bool *trusted;         /* (attachment_count) */
+    bool told;             /* which end is which, by what attachments are called */
     size_t patch_capacity;
     sn_index patch_count;
     patch *patches; /* by their lowest vertex */
@@ -42,20 +49,23 @@ typedef struct grouping {
 
 /* ---- patches ------------------------------------------------------------------------------------------------------------------ */
 
-static sn_ends_source source_of(const sn_attachment *a, sn_index i) {
+static sn_ends_source reason_of(const sn_attachment *a, sn_index i) {
     if (a->reasons != NULL)
         return a->reasons[i] == SN_REASON_PIN ? SN_ENDS_PINS : a->reasons[i] == SN_REASON_AREA ? SN_ENDS_AREAS : SN_ENDS_ATTACHMENTS;
     if (a->method != NULL && strcmp(a->method, "area") == 0) return SN_ENDS_AREAS;
     return a->method != NULL && strcmp(a->method, "pin") == 0 ? SN_ENDS_PINS : SN_ENDS_ATTACHMENTS;
 }
 
+/* Where somebody has told at which end an attachment is, it is as well known as an area. */
 static void mark_held(grouping *g) {
     for (sn_index v = 0; v < g->surface->mesh->vertex_count; v++) g->holder[v] = SN_NONE;
     for (sn_index k = 0; k < g->muscle->attachment_count; k++) {
         const sn_attachment *a = &g->muscle->attachments[k];
         for (sn_index i = 0; i < a->count; i++) {
+            sn_ends_source reason = reason_of(a, i);
             g->holder[a->vertices[i]] = k;
-            g->source[a->vertices[i]] = (unsigned char)source_of(a, i);
+            g->found[a->vertices[i]] = reason == SN_ENDS_ATTACHMENTS;
+            g->source[a->vertices[i]] = (unsigned char)(a->end != SN_END_UNKNOWN ? SN_ENDS_AREAS : reason);
         }
     }
 }
@@ -83,7 +93,7 @@ static sn_status find_patches(grouping *g, sn_error *error) {
         if (!sn_grow((void **)&g->patches, &g->patch_capacity, (size_t)g->patch_count + 1, sizeof *g->patches))
             return sn_fail_memory(error, "the patches of the attachments");
         patch *p = &g->patches[g->patch_count++];
-        *p = (patch){first, flood(g, v, first), g->holder[v], (sn_ends_source)g->source[v], -1};
+        *p = (patch){first, flood(g, v, first), g->holder[v], (sn_ends_source)g->source[v], g->found[v], -1};
         first += p->count;
     }
     return SN_OK;
@@ -97,28 +107,37 @@ static bool found(const grouping *g, sn_index attachment) {
     return false;
 }
 
-/* Area and compactness of each bone's attachment. */
-static sn_status judge_found(grouping *g, sn_ends_choice *choice, sn_error *error) {
-    sn_status status = sn_muscle_grips(g->muscle, g->grips, error);
-    for (sn_index k = 0; k < g->muscle->attachment_count && !status; k++) {
-        const sn_attachment *a = &g->muscle->attachments[k];
-        const sn_grip *grip = &g->grips[k];
-        sn_grip_quality quality = sn_grip_judge(a, grip);
-        bool scattered = quality == SN_GRIP_SPECKLED || 2 * grip->largest < a->count;
-        g->trusted[k] = quality != SN_GRIP_SLIGHT && !scattered;
-        if (g->trusted[k] || !found(g, k)) continue;
-        if (quality == SN_GRIP_SLIGHT)
-            ends_say(choice, "%s holds less than 1 %% of its end", a->bone);
-        else
-            ends_say(choice, "%s holds %d scattered patches", a->bone, (int)grip->patches);
+/* Is the half of a bone's vertices or more in one patch, or in compact ones of like size, as those of several heads are? */
+static bool is_compact(const grouping *g, sn_index attachment) {
+    const sn_grip *grip = &g->grips[attachment];
+    sn_index all = g->muscle->attachments[attachment].count, heads = 0;
+    if (2 * grip->largest >= all) return true;
+    for (sn_index i = 0; i < g->patch_count; i++) {
+        const patch *p = &g->patches[i];
+        if (p->attachment == attachment && p->count >= HEAD_VERTICES && p->count >= HEAD * grip->largest) heads += p->count;
     }
-    return status;
+    return 2 * heads >= all;
 }
 
+/* Area and compactness of each bone's attachment. */
+static void judge_found(grouping *g, sn_ends_choice *choice) {
+    for (sn_index k = 0; k < g->muscle->attachment_count; k++) {
+        const sn_attachment *a = &g->muscle->attachments[k];
+        bool slight = sn_grip_judge(a, &g->grips[k]) == SN_GRIP_SLIGHT;
+        g->trusted[k] = !slight && is_compact(g, k);
+        if (g->trusted[k] || !found(g, k)) continue;
+        if (slight)
+            ends_say(choice, "%s holds less than 1 %% of its end", a->bone);
+        else
+            ends_say(choice, "%s holds %d scattered patches", a->bone, (int)g->grips[k].patches);
+    }
+}
+
+/* Of what was found, crumbs beside the bone's largest patch do not count. */
 static bool counts(const grouping *g, const patch *p, sn_ends_source least) {
     if (p->source < least) return false;
-    if (p->source > SN_ENDS_ATTACHMENTS) return true;
-    return g->trusted[p->attachment] && p->count >= CRUMB * g->grips[p->attachment].largest;
+    if (p->found && p->count < CRUMB * g->grips[p->attachment].largest) return false;
+    return p->source > SN_ENDS_ATTACHMENTS || g->trusted[p->attachment];
 }
 
 /* ---- two groups --------------------------------------------------------------------------------------------------------------- */
@@ -198,13 +217,14 @@ static sn_status field_between(grouping *g, sn_error *error) {
     return sn_harmonic_field(g->surface->mesh, g->surface->topology, &(sn_fixed_values){count, g->sources, g->values}, g->field, error);
 }
 
-/* The areas that are called origin or insertion are at that end: how many ends are told; *one: the end, where it is one only. */
+/* The attachments that are told to be origin or insertion are at that end: how many ends are told; *one: the end, where it is
+ * one only. */
 static int take_told_sides(grouping *g, int *one) {
     bool there[2] = {false, false};
     for (sn_index i = 0; i < g->patch_count; i++) {
         patch *p = &g->patches[i];
         sn_attachment_end end = g->muscle->attachments[p->attachment].end;
-        p->side = p->source != SN_ENDS_AREAS || end == SN_END_UNKNOWN ? -1 : end == SN_END_INSERTION;
+        p->side = end == SN_END_UNKNOWN || !counts(g, p, SN_ENDS_AREAS) ? -1 : end == SN_END_INSERTION;
         if (p->side >= 0) there[p->side] = true;
     }
     *one = there[1] && !there[0];
@@ -311,12 +331,37 @@ static sn_status grow_pins(grouping *g, ends *out, sn_error *error) {
     return SN_OK;
 }
 
-/* Both ends, of patches among which some of each have a side, `apart` from each other; told: by what the areas are called. */
-static sn_status take_both(grouping *g, sn_ends_source least, double apart, bool told, ends *out, sn_error *error) {
+/* Do found attachments leave so much of the muscle out that they are not its ends? Says why. */
+static sn_status judge_cover(const grouping *g, ends *out, bool *bad, sn_error *error) {
+    ends_cover cover = {0};
+    sn_status status = ends_measure_cover(g->surface, out, &cover, error);
+    const char *name = kinds[SN_ENDS_ATTACHMENTS];
+    *bad = true;
+    if (status) return status;
+    if (cover.beyond > MOST_BEYOND)
+        ends_say(&out->choice, "%s: %.0f %% of the surface lies beyond them", name, 100.0 * cover.beyond);
+    else if (cover.flat > MOST_FLAT)
+        ends_say(&out->choice, "%s: over %.0f %% of the surface no way leads from one end to the other", name, 100.0 * cover.flat);
+    else
+        *bad = false;
+    return SN_OK;
+}
+
+/* Both ends, of patches among which some of each have a side, `apart` from each other. */
+static sn_status take_both(grouping *g, sn_ends_source least, double apart, ends *out, bool *made, sn_error *error) {
+    bool bad = false;
     sn_status status = take_sides(g, least, apart, error);
     if (status) return status;
-    if (!told) order_sides(g);
+    if (!g->told) order_sides(g);
     write_ends(g, out);
+    if (least == SN_ENDS_ATTACHMENTS) status = judge_cover(g, out, &bad, error);
+    if (status) return status;
+    if (bad) {
+        out->count = 0;
+        memset(out->choice.patches, 0, sizeof out->choice.patches);
+        return SN_OK;
+    }
+    *made = true;
     ends_source(out, least, true, true);
     return grow_pins(g, out, error);
 }
@@ -364,8 +409,7 @@ static sn_status make_told(grouping *g, sn_ends_source least, int one, ends *out
         return SN_OK;
     }
     g->patches[other].side = 1 - one;
-    *made = true;
-    return take_both(g, least, apart, true, out, error);
+    return take_both(g, least, apart, out, made, error);
 }
 
 /* What was found on one bone alone is where the muscle lies on it: patches of a belly that runs along it are no two ends. */
@@ -385,8 +429,8 @@ static sn_status make_both(grouping *g, sn_ends_source least, ends *out, bool *m
     double apart = 0.0;
     bool both;
     int one, told = take_told_sides(g, &one);
-    *made = told == 2;
-    if (told == 2) return take_both(g, least, g->surface->shape->length, true, out, error);
+    g->told = told > 0;
+    if (told == 2) return take_both(g, least, g->surface->shape->length, out, made, error);
     if (told == 1) return make_told(g, least, one, out, made, error);
     sn_status status = find_pair(g, least, pair, &apart, error);
     if (status || pair[0] == SN_NONE) return status;
@@ -405,8 +449,7 @@ static sn_status make_both(grouping *g, sn_ends_source least, ends *out, bool *m
         return SN_OK;
     }
     for (int side = 0; side < 2; side++) g->patches[pair[side]].side = side;
-    *made = true;
-    return take_both(g, least, apart, false, out, error);
+    return take_both(g, least, apart, out, made, error);
 }
 
 /* The point farthest from all that is known is the other end. */
@@ -444,8 +487,8 @@ static sn_status make_ends(grouping *g, ends *out, bool *made, sn_error *error) 
     sn_status status = SN_OK;
     for (int least = SN_ENDS_AREAS; least >= SN_ENDS_ATTACHMENTS && !status && !*made; least--) {
         if (!any(g, (sn_ends_source)least)) continue;
-        if (least == SN_ENDS_ATTACHMENTS) status = judge_found(g, &out->choice, error);
-        if (!status) status = make_both(g, (sn_ends_source)least, out, made, error);
+        if (least == SN_ENDS_ATTACHMENTS) judge_found(g, &out->choice);
+        status = make_both(g, (sn_ends_source)least, out, made, error);
     }
     if (status) return status;
     out->choice.unused = out->choice.source < SN_ENDS_PINS && (any(g, SN_ENDS_AREAS) || any(g, SN_ENDS_PINS));
@@ -461,6 +504,7 @@ static bool grouping_alloc(grouping *g) {
     sn_index vertices = g->surface->mesh->vertex_count, attachments = g->muscle->attachment_count;
     g->holder = SN_NEW(sn_index, vertices);
     g->source = SN_NEW(unsigned char, vertices);
+    g->found = SN_NEW(bool, vertices);
     g->seen = SN_NEW(unsigned char, vertices);
     g->list = SN_NEW(sn_index, vertices);
     g->sources = SN_NEW(sn_index, vertices);
@@ -468,12 +512,13 @@ static bool grouping_alloc(grouping *g) {
     g->values = SN_NEW(double, vertices);
     g->grips = SN_NEW(sn_grip, attachments);
     g->trusted = SN_NEW(bool, attachments);
-    return g->holder && g->source && g->seen && g->list && g->sources && g->field && g->values && g->grips && g->trusted;
+    return g->holder && g->source && g->found && g->seen && g->list && g->sources && g->field && g->values && g->grips && g->trusted;
 }
 
 static void grouping_free(grouping *g) {
     free(g->holder);
     free(g->source);
+    free(g->found);
     free(g->seen);
     free(g->list);
     free(g->sources);
@@ -491,6 +536,7 @@ static sn_status from_attachments(const ends_surface *surface, const sn_muscle *
         mark_held(&g);
         status = find_patches(&g, error);
     }
+    if (!status) status = sn_muscle_grips(muscle, g.grips, error);
     if (!status) status = make_ends(&g, out, made, error);
     grouping_free(&g);
     return status;

@@ -45,8 +45,8 @@ static sn_status find_ends(selection *s, bool known, sn_error *error) {
     if (known) {
         status = ends_choose(&surface, s->muscle, s->params->site_count, s->params->sites, &s->ends, error);
     } else {
-        ends_say(&s->ends.choice, "%s: no right ring near the middle parts them", s->ends.choice.from);
-        s->ends.choice.unused = s->ends.choice.source >= SN_ENDS_PINS;
+        ends_say(&s->ends.choice, "%s: no ring around the muscle parts them", s->ends.choice.from);
+        s->ends.choice.unused = true;
         memset(s->ends.choice.patches, 0, sizeof s->ends.choice.patches);
         status = ends_from_tips(&surface, &s->ends, error);
     }
@@ -338,11 +338,6 @@ static sn_status right_ring(selection *s, bool known, sn_error *error) {
     return status;
 }
 
-/* Found attachments may lie side by side, or all along the muscle. */
-static bool is_mid_section(const selection *s) {
-    return s->count > 0 && sn_distance(vertex_mean(s->mesh, s->count, s->vertices), s->centroid) <= NEAR_CENTROID * s->tips.length;
-}
-
 /* Nothing is right: what comes nearest to it, between the tips. */
 static sn_status next_best(selection *s, sn_error *error) {
     static const demand any = {INFINITY, INFINITY, true, false};
@@ -352,9 +347,10 @@ static sn_status next_best(selection *s, sn_error *error) {
 
 static sn_status search_all(selection *s, sn_error *error) {
     sn_status status = right_ring(s, true, error);
-    if (!status && s->ends.choice.source >= SN_ENDS_ATTACHMENTS && !is_mid_section(s)) status = right_ring(s, false, error);
     s->report.right = !status && s->count > 0;
-    s->report.fallback = !s->report.right;
+    s->report.between_tips = !status && s->count == 0 && s->ends.choice.source >= SN_ENDS_ATTACHMENTS;
+    if (s->report.between_tips) status = right_ring(s, false, error);
+    s->report.fallback = !status && s->count == 0;
     if (!status && s->count == 0) status = next_best(s, error);
     if (!status && s->count > 0) s->report.span = span_of(s, s->count, s->vertices);
     return status;

@@ -209,6 +209,8 @@ ring() { # BONE AREA X0 X1 Y0 Y1 [ORDER]
     attach --landmarks d.tsv sheet.off -o d.json 2> err
     grep -q 'area most: it is 5[0-9] % of the muscle' err || grep -q 'area most: it is 4[0-9] % of the muscle' err
     ring ulna origin 10.5 12.5 2.5 3.5 >> a.tsv
+    [ "$(attach -q --landmarks a.tsv sheet.off | vertices ulna | tr '\n' ' ')" = "[104,105] [96,97,98,127,128,129] " ]
+    sed -i 's/origin/insertion 2/' a.tsv
     [ "$(attach -q --landmarks a.tsv sheet.off | vertices ulna)" = "[96,97,98,104,105,127,128,129]" ]
 }
 
@@ -630,4 +632,46 @@ END
     sed 's/"space": "RAS"/"space": "ARS"/' muscle.json > wrong.json
     run -1 "$BIN/attach-detect" wrong.json --bone a=none.ply
     [[ "$output" == *wrong.json*LPS*RAS* ]]
+}
+
+# real KIND: the muscles of a body whose names have KIND, each cleaned and beside all bones of that body: DIR/NAME.json, DIR/NAME.report
+real() {
+    set=$DATA/body-bp3d-low
+    [ -f "$set/manifest.tsv" ] || skip "no real anatomy at $set"
+    awk -F '\t' -v d="$set/meshes" '$2 == "bone" { print $3 "\t" d "/" $1 }' "$set/manifest.tsv" > bones.tsv
+    awk -F '\t' -v k="$1" '$2 == "muscle" && $3 ~ k { print $1 }' "$set/manifest.tsv" | while read -r file; do
+        "$BIN/mesh-clean" -q --repair full --units mm "$set/meshes/$file" -o clean.json
+        "$BIN/attach-detect" -q --bones bones.tsv --bone-units mm clean.json --report "${file%.obj}.report" -o "${file%.obj}.json"
+    done
+}
+# BONE PATTERN: how many vertices the bones of that name hold in a document; let go: how many of a report
+holds() { jq --arg b "$2" '[.attachments[] | select(.bone | test($b)) | .vertices[]] | length' "$1.json"; }
+slid() { jq --arg b "$2" '[.pairs[] | select(.bone | test($b)) | .slid.vertices // 0] | add' "$1.report"; }
+
+@test "the long head of a real biceps slides along its groove and ends on the scapula and the radius" {
+    real 'Long head of (left|right) biceps brachii'
+    for m in FJ443_Long_head_of_left_biceps_brachii FJ128_Long_head_of_right_biceps_brachii; do
+        [ "$(slid $m humerus)" -ge 10 ]
+        [ "$(holds $m humerus)" -lt "$(slid $m humerus)" ]
+        [ "$(holds $m scapula)" -gt 0 ]
+        [ "$(holds $m radius)" -gt 0 ]
+        # with fibres from tip to tip what is left of the humerus is known to be passed
+        "$BIN/root-select" -q $m.json | "$BIN/build-structure" -q | "$BIN/fiber-flow" -q | "$BIN/fiber-fill" -q -n 10 --tips > rigged.json
+        "$BIN/attach-detect" -q --bones bones.tsv --bone-units mm rigged.json -o again.json
+        [ "$(holds again humerus)" -eq 0 ]
+        [ "$(holds again scapula)" -gt 0 ]
+    done
+}
+
+@test "real radial extensors of the wrist slide on the radius and end on the metacarpals that their meshes reach" {
+    real 'extensor carpi radialis'
+    for m in FJ205_Right_extensor_carpi_radialis_brevis FJ262_Left_extensor_carpi_radialis_longus FJ799_Right_extensor_carpi_radialis_longus; do
+        [ "$(holds $m radius)" -eq 0 ]
+        [ "$(slid $m radius)" -ge 7 ]
+        [ "$(holds $m metacarpal)" -gt 0 ]
+        [ "$(holds $m humerus)" -gt 0 ]
+    done
+    # this mesh ends at the wrist: its radius keeps the end of the bed
+    [ "$(slid FJ601_Left_extensor_carpi_radialis_brevis radius)" -gt 0 ]
+    [ "$(holds FJ601_Left_extensor_carpi_radialis_brevis radius)" -gt 0 ]
 }

@@ -348,6 +348,79 @@ static void an_area_far_off_is_left_out_and_the_rest_is_done(void **state) {
     assert_refused(f, "area \"far\" on bone \"femur\": landmark 3 lies 40.3 mm off the muscle, and the limit is 10 mm");
 }
 
+/* ---- ends --------------------------------------------------------------------------------------------------------------------- */
+
+static void a_name_tells_the_end_by_one_of_its_words(void **state) {
+    (void)state;
+    static const char *const origins[] = {"origin", "Origin 1", "origins", "deep ORIGIN", "deepOrigin", "2_origin_b", "origin/deep"};
+    static const char *const insertions[] = {"insertion", "insertion_2", "deep insertion", "Insertions", "superficialInsertion3"};
+    static const char *const doubtful[] = {"orgin",     "original",      "inserton", "origin to insertion",
+                                           "no origin", "non-insertion", "orig.",    "insert"};
+    static const char *const others[] = {"", "area", "head", "linea aspera", "margin", "ridge"};
+    bool in_doubt;
+    for (size_t i = 0; i < sizeof origins / sizeof *origins; i++)
+        if (sn_area_end(origins[i], &in_doubt) != SN_END_ORIGIN || in_doubt) fail_msg("%s", origins[i]);
+    for (size_t i = 0; i < sizeof insertions / sizeof *insertions; i++)
+        if (sn_area_end(insertions[i], &in_doubt) != SN_END_INSERTION || in_doubt) fail_msg("%s", insertions[i]);
+    for (size_t i = 0; i < sizeof doubtful / sizeof *doubtful; i++)
+        if (sn_area_end(doubtful[i], &in_doubt) != SN_END_UNKNOWN || !in_doubt) fail_msg("%s", doubtful[i]);
+    for (size_t i = 0; i < sizeof others / sizeof *others; i++)
+        if (sn_area_end(others[i], &in_doubt) != SN_END_UNKNOWN || in_doubt) fail_msg("%s", others[i]);
+    assert_true(sn_area_end(NULL, &in_doubt) == SN_END_UNKNOWN && !in_doubt);
+}
+
+/* Both ends on one bone: an attachment for each, and one for an area that is at neither. */
+static void one_bone_may_hold_both_ends(void **state) {
+    fixture *f = *state;
+    sn_vec3 far[4], third[4];
+    for (int i = 0; i < 4; i++) far[i] = sn_add(rectangle[i], sn_v3(12, 0, 0)), third[i] = sn_add(rectangle[i], sn_v3(0, 8, 0));
+    add_area(f, "skull", "insertion", 4, rectangle);
+    add_area(f, "skull", "the origin", 4, far);
+    add_area(f, "skull", "ridge", 4, third);
+    assert_int_equal(detect(f, NULL), SN_OK);
+    assert_int_equal(f->attachments.count, 3);
+    for (int k = 0; k < 3; k++) assert_string_equal(f->attachments.items[k].bone, "skull");
+    assert_int_equal(f->attachments.items[0].end, SN_END_UNKNOWN);
+    assert_int_equal(f->attachments.items[1].end, SN_END_ORIGIN);
+    assert_int_equal(f->attachments.items[2].end, SN_END_INSERTION);
+    assert_rectangle(f, &f->attachments.items[0], 4.5, 12.5, 11.5, 17.5);
+    assert_rectangle(f, &f->attachments.items[1], 16.5, 24.5, 3.5, 9.5);
+    assert_rectangle(f, &f->attachments.items[2], 4.5, 12.5, 3.5, 9.5);
+    assert_true(f->report.areas[0].end == SN_END_INSERTION && f->report.areas[1].end == SN_END_ORIGIN);
+    f->muscle.attachment_count = f->attachments.count; /* the document takes both */
+    f->muscle.attachments = f->attachments.items;
+    assert_int_equal(sn_muscle_validate(&f->muscle, &f->error), SN_OK);
+    f->muscle.attachment_count = 0;
+    f->muscle.attachments = NULL;
+}
+
+/* What a later area loses to one before it, or to pins, is counted; areas of one bone at one end share what is common. */
+static void what_overlaps_is_told(void **state) {
+    fixture *f = *state;
+    sn_vec3 moved[4];
+    for (int i = 0; i < 4; i++) moved[i] = sn_add(rectangle[i], sn_v3(4, 0, 0));
+    add_area(f, "ulna", "insertion", 4, rectangle);
+    add_area(f, "radius", "insertion", 4, moved);
+    assert_int_equal(detect(f, NULL), SN_OK);
+    const sn_attach_area *a = f->report.areas;
+    assert_true(a[0].lost.vertices == 0 && a[0].lost_to == SN_NONE);
+    assert_true(a[1].vertices == 48 && a[1].lost.vertices == 24 && a[1].lost_to == 0); /* 8 x 6 vertices, half of them common */
+    assert_true(fabs(a[1].lost.area - 24.0) < 1e-9);
+    assert_int_equal(f->attachments.items[1].count, 24);
+    f->areas[1].bone = f->areas[0].bone;
+    assert_int_equal(detect(f, NULL), SN_OK);
+    assert_true(f->report.areas[1].lost.vertices == 0 && f->attachments.count == 1 && f->attachments.items[0].count == 72);
+    f->areas[1].name = "origin";
+    assert_int_equal(detect(f, NULL), SN_OK);
+    assert_true(f->report.areas[1].lost.vertices == 24 && f->attachments.count == 2);
+    f->params.area_count = 1;
+    sn_attach_pin pin = {.bone = "scapula", .selector = {.kind = SN_SELECT_BOX, .point = {4.5, 3.5, -1}, .other = {6.5, 9.5, 1}}};
+    f->params.pin_count = 1;
+    f->params.pins = &pin;
+    assert_int_equal(detect(f, NULL), SN_OK);
+    assert_true(f->report.areas[0].lost.vertices == 12 && f->report.areas[0].lost_to == SN_NONE);
+}
+
 /* ---- impossible areas -------------------------------------------------------------------------------------------------------------- */
 
 static void impossible_areas_are_refused_by_name(void **state) {
@@ -578,18 +651,33 @@ static void paths_are_nearly_straight(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        TEST(landmarks_enclose_their_patch),           TEST(the_sense_of_the_boundary_does_not_matter),
-        TEST(a_crossing_boundary_is_put_in_order),     TEST(a_bone_may_have_two_areas_and_the_first_area_wins),
-        TEST(the_patch_is_the_smaller_side),           TEST(a_patch_without_vertices_takes_the_nearest),
-        TEST(landmarks_in_a_row_are_a_band),           TEST(noisy_lines_are_lines),
-        TEST(closed_boundaries_are_no_lines),          TEST(three_landmarks_are_a_line_only_in_a_row),
-        TEST(a_straight_row_is_put_in_order),          TEST(doubtful_kinds_are_told_of),
-        TEST(a_band_on_a_coarse_mesh_says_so),         TEST(an_area_far_off_is_left_out_and_the_rest_is_done),
-        TEST(impossible_areas_are_refused_by_name),    TEST(a_boundary_over_two_components_does_not_close),
-        TEST(a_boundary_around_a_handle_is_refused),   TEST(a_bone_that_is_not_there_is_refused),
-        TEST(every_step_of_an_area_can_be_stopped_at), TEST(a_listed_bone_needs_its_share_of_the_area),
-        TEST(a_bone_between_the_vertices_is_found),    TEST(voxels_hold_the_cells_of_the_surface),
-        TEST(confidence_follows_depth_and_margin),     TEST(paths_are_nearly_straight),
+        TEST(landmarks_enclose_their_patch),
+        TEST(a_name_tells_the_end_by_one_of_its_words),
+        TEST(one_bone_may_hold_both_ends),
+        TEST(what_overlaps_is_told),
+        TEST(the_sense_of_the_boundary_does_not_matter),
+        TEST(a_crossing_boundary_is_put_in_order),
+        TEST(a_bone_may_have_two_areas_and_the_first_area_wins),
+        TEST(the_patch_is_the_smaller_side),
+        TEST(a_patch_without_vertices_takes_the_nearest),
+        TEST(landmarks_in_a_row_are_a_band),
+        TEST(noisy_lines_are_lines),
+        TEST(closed_boundaries_are_no_lines),
+        TEST(three_landmarks_are_a_line_only_in_a_row),
+        TEST(a_straight_row_is_put_in_order),
+        TEST(doubtful_kinds_are_told_of),
+        TEST(a_band_on_a_coarse_mesh_says_so),
+        TEST(an_area_far_off_is_left_out_and_the_rest_is_done),
+        TEST(impossible_areas_are_refused_by_name),
+        TEST(a_boundary_over_two_components_does_not_close),
+        TEST(a_boundary_around_a_handle_is_refused),
+        TEST(a_bone_that_is_not_there_is_refused),
+        TEST(every_step_of_an_area_can_be_stopped_at),
+        TEST(a_listed_bone_needs_its_share_of_the_area),
+        TEST(a_bone_between_the_vertices_is_found),
+        TEST(voxels_hold_the_cells_of_the_surface),
+        TEST(confidence_follows_depth_and_margin),
+        TEST(paths_are_nearly_straight),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

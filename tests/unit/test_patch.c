@@ -259,6 +259,59 @@ static void of_one_bone_the_end_stays_and_the_groove_goes(void **state) {
     for (sn_index i = 0; i < end->count; i++) assert_true(f->muscle.mesh.positions[end->vertices[i]].z < 10);
 }
 
+/* A bed along the tendon that begins at the very tip, with nothing held beyond: the bone that the tendon runs on to takes the tip; without
+ * one the bed keeps its end, as long as it is wide. A bed along the belly stays. */
+static void a_tendon_slides_in_its_bed_and_ends_on_the_next_bone(void **state) {
+    fixture *f = *state;
+    for (int density = 1; density <= 3; density++)
+        for (int beyond = 0; beyond < 2; beyond++) {
+            make_arm(f, density, 0.5);
+            sn_mesh_free(&f->meshes[1]);
+            f->meshes[1] = make_groove(0.5, 90);
+            sn_mesh_free(&f->meshes[0]);
+            f->meshes[0] = box(sn_v3(-20, -20, -60), sn_v3(20, 20, beyond ? -1.2 : -40));
+            f->muscle.mesh.positions[f->muscle.mesh.vertex_count - 2].z = -1.1; /* the tip, 0.1 mm from the bone beyond */
+            detect(f, true);
+            const sn_attachment *bed = held_by(f, "humerus");
+            assert_non_null(bed);
+            double farthest = 0.0;
+            for (sn_index i = 0; i < bed->count; i++) farthest = fmax(farthest, f->muscle.mesh.positions[bed->vertices[i]].z);
+            assert_true(farthest > 80);
+            detect(f, false);
+            bed = held_by(f, "humerus");
+            assert_true(f->report.pairs[1].sliding && f->report.pairs[1].slid.vertices > 20);
+            assert_int_equal(f->report.pairs[0].tip, beyond);
+            if (beyond) {
+                assert_null(bed);
+                assert_non_null(held_by(f, "scapula"));
+            } else {
+                assert_non_null(bed);
+                for (sn_index i = 0; i < bed->count; i++) assert_true(f->muscle.mesh.positions[bed->vertices[i]].z < 30);
+            }
+            assert_false(f->report.pairs[2].sliding);
+        }
+}
+
+/* A bone beside the slope from tendon to belly, between bones at both ends: with fibres from tip to tip, which pass it, it is let go, with
+ * fibres that end at it, it stays; so it does without fibres. */
+static void fibres_tell_where_a_muscle_passes(void **state) {
+    fixture *f = *state;
+    for (int fibers = 0; fibers < 3; fibers++) {
+        make_arm(f, 3, 35);
+        sn_mesh_free(&f->meshes[1]);
+        f->meshes[1] = box(sn_v3(-20, -40, 98), sn_v3(20, -2.0, 108));
+        sn_vec3 passing[2] = {{0, 0, 1}, {0, 0, 299}}, ending[2] = {{0, -3, 103}, {0, 0, 299}};
+        sn_polyline lines[2] = {{.count = 2, .points = passing}, {.count = 2, .points = fibers == 2 ? ending : passing}};
+        f->muscle.fibers.polyline_count = fibers == 0 ? 0 : 2;
+        f->muscle.fibers.polylines = lines;
+        detect(f, false);
+        bool held = held_by(f, "humerus") != NULL, sliding = f->report.pairs[1].sliding;
+        f->muscle.fibers = (sn_fibers){0};
+        assert_int_equal(held, fibers != 1);
+        assert_int_equal(sliding, fibers == 1);
+    }
+}
+
 /* A bone along the belly, and a groove that nothing is held beyond, are attachments for all that is known. */
 static void a_belly_on_a_bone_does_not_slide(void **state) {
     fixture *f = *state;
@@ -347,6 +400,8 @@ int main(void) {
         TEST(two_areas_stay_two),
         TEST(a_tendon_slides_in_its_groove_and_attaches_at_its_end),
         TEST(of_one_bone_the_end_stays_and_the_groove_goes),
+        TEST(a_tendon_slides_in_its_bed_and_ends_on_the_next_bone),
+        TEST(fibres_tell_where_a_muscle_passes),
         TEST(a_belly_on_a_bone_does_not_slide),
         TEST(pins_do_not_slide),
         TEST(a_tip_that_touches_nothing_is_taken_by_the_bone_it_runs_to),

@@ -158,6 +158,79 @@ static void found_attachments_must_be_trusted(void **state) {
     }
 }
 
+/* Vertices of a spindle's rings [first, last) and of every sector but each `gap`th, held by contact. */
+static sn_attachment touch(const char *bone, sn_index sectors, sn_index first, sn_index last, sn_index gap) {
+    sn_attachment a = {.bone = sn_strdup(bone), .method = sn_strdup("contact"), .vertices = SN_NEW(sn_index, sectors * (last - first))};
+    for (sn_index v = 0; v < sectors * (last - first); v++)
+        if (gap == 0 || v % sectors % gap != 0) a.vertices[a.count++] = 1 + first * sectors + v;
+    return a;
+}
+
+/* One bone holds an end by three heads of like size: they are trusted, as specks of the same number of vertices are not. */
+static void heads_of_like_size_are_trusted(void **state) {
+    (void)state;
+    enum { RINGS = 60, SECTORS = 24 };
+    for (int specks = 0; specks < 2; specks++) {
+        sn_muscle m = {.meters_per_unit = 1, .mesh = spindle(RINGS, SECTORS, 0.2, 0.03), .has_attachments = true, .attachment_count = 2};
+        m.attachments = SN_NEW(sn_attachment, 2);
+        m.attachments[0] = touch("rib", SECTORS, 3, 6, specks ? 2 : 8);
+        m.attachments[1] = touch("scapula", SECTORS, RINGS - 5, RINGS - 1, 0);
+        sn_roots_report report;
+        sn_roots roots = automatic(&m, &report);
+        assert_int_equal(report.ends.source, specks ? SN_ENDS_TIPS : SN_ENDS_ATTACHMENTS);
+        if (!specks) assert_true(report.ends.patches[0] == 3 && report.ends.patches[1] == 1 && report.right);
+        if (specks) assert_non_null(strstr(report.ends.why, "scattered"));
+        sn_roots_free(&roots);
+        sn_muscle_free(&m);
+    }
+}
+
+/* Contact around the muscle at both ends of a stretch: the ends as long as little of the muscle lies beyond them, and why not is said. */
+static void attachments_that_leave_much_beyond_them_are_no_ends(void **state) {
+    (void)state;
+    enum { RINGS = 60, SECTORS = 24 };
+    for (sn_index from = 2; from <= 18; from += 8) {
+        sn_muscle m = {.meters_per_unit = 1, .mesh = spindle(RINGS, SECTORS, 0.2, 0.03), .has_attachments = true, .attachment_count = 2};
+        m.attachments = SN_NEW(sn_attachment, 2);
+        m.attachments[0] = touch("a", SECTORS, from, from + 3, 0);
+        m.attachments[1] = touch("b", SECTORS, RINGS - 4, RINGS - 1, 0);
+        sn_roots_report report;
+        sn_roots roots = automatic(&m, &report);
+        assert_int_equal(report.ends.source, from < 18 ? SN_ENDS_ATTACHMENTS : SN_ENDS_TIPS);
+        if (from == 18) assert_non_null(strstr(report.ends.why, "beyond them"));
+        assert_true(report.right && !report.between_tips);
+        sn_roots_free(&roots);
+        sn_muscle_free(&m);
+    }
+}
+
+/* The end that a document tells of contact is obeyed: the insertion may come first, and trust is not asked for. */
+static void a_told_end_of_contact_is_obeyed(void **state) {
+    (void)state;
+    enum { RINGS = 60, SECTORS = 24 };
+    for (int told = 0; told < 3; told++) { /* the far end of three is the origin; and, of both, the insertion */
+        sn_muscle m = {.meters_per_unit = 1, .mesh = spindle(RINGS, SECTORS, 0.2, 0.03), .has_attachments = true, .attachment_count = 2};
+        m.attachments = SN_NEW(sn_attachment, 2);
+        m.attachments[0] = touch("a", SECTORS, told == 2 ? 20 : 2, told == 2 ? 23 : 5, 0);
+        m.attachments[1] = touch("b", SECTORS, RINGS - 6, RINGS - 1, 0);
+        m.attachments[1].end = SN_END_ORIGIN;
+        if (told > 0) m.attachments[0].end = SN_END_INSERTION;
+        sn_roots_report report;
+        sn_roots roots = automatic(&m, &report);
+        assert_int_equal(report.ends.source, told > 0 ? SN_ENDS_AREAS : SN_ENDS_ATTACHMENTS);
+        assert_true(report.ends.known[0] && report.ends.known[1] && report.right);
+        sn_roots_free(&roots);
+        sn_flow_params fp = sn_flow_defaults();
+        sn_flow_report flow;
+        sn_fibers fibers;
+        fp.field = SN_FIELD_HARMONIC;
+        assert_int_equal(sn_flow_fibers(&m, &fp, NULL, &fibers, &flow, NULL), SN_OK);
+        assert_true(fibers.directions[1 + 30 * SECTORS].z < -0.5); /* from the origin on */
+        sn_fibers_free(&fibers);
+        sn_muscle_free(&m);
+    }
+}
+
 /* Contact at the tips of both prongs, and of a tendon that passes the same bone further down: the prongs are one end, the stem's foot is
  * the other, and what passes is neither; whichever bone comes first. */
 static void heads_on_one_bone_are_one_end(void **state) {
@@ -351,6 +424,9 @@ int main(void) {
         cmocka_unit_test(attachments_are_the_ends_where_they_are_at_both),
         cmocka_unit_test(attachments_at_one_end_leave_the_other_to_its_tip),
         cmocka_unit_test(found_attachments_must_be_trusted),
+        cmocka_unit_test(heads_of_like_size_are_trusted),
+        cmocka_unit_test(attachments_that_leave_much_beyond_them_are_no_ends),
+        cmocka_unit_test(a_told_end_of_contact_is_obeyed),
         cmocka_unit_test(areas_are_the_ends_that_they_are_called),
         cmocka_unit_test(heads_on_one_bone_are_one_end),
         cmocka_unit_test(a_hoop_is_reported_as_one),
