@@ -5,7 +5,8 @@
 #include "tree.h"
 
 enum { LEVELS_A_SEGMENT = 5, LEAST_LEVELS = 31 };
-#define ON_SURFACE 1e-9 /* of the box diagonal: nearer than that is not outside */
+#define MUCH_TURNING (120.0 * SN_PI / 180.0) /* of a fibre from end to end: from then on slices by flux are tried */
+#define ON_SURFACE 1e-9                      /* of the box diagonal: nearer than that is not outside */
 
 typedef struct filling {
     const sn_muscle *muscle;
@@ -18,6 +19,7 @@ typedef struct filling {
     double *z;          /* (fibers x (segments + 1)) */
     double diagonal, mean_edge;
     bool closed;
+    bool flux;           /* slices by the field's flux on a finer surface */
     sn_status *statuses; /* (chunks of the loop at hand) */
 } filling;
 
@@ -399,22 +401,39 @@ static sn_status find_areas(filling *f, const fill_ends *ends, sn_error *error) 
     return made ? SN_OK : sn_fail_memory(error, "the attachment areas");
 }
 
-/* The field from the ends, and its levels. */
-static sn_status slice_muscle(filling *f, const sn_topology *topology, sn_trace *trace, sn_fill_report *report, sn_error *error) {
-    const sn_mesh *mesh = &f->muscle->mesh;
-    fill_ends ends = {0};
-    double *u = SN_NEW(double, mesh->vertex_count);
-    sn_status status = u ? fill_find_ends(f->muscle, topology, f->params, trace, &ends, error) : sn_fail_memory(error, "the fibres");
-    if (!status) status = sn_harmonic_field(mesh, topology, &(sn_fixed_values){ends.count, ends.vertices, ends.values}, u, error);
-    const fill_field field = {mesh, topology, u};
-    if (!status) status = fill_levels_build(&field, levels_wanted(f->params), f->params->turn, trace, &f->levels, error);
-    if (!status && f->params->bend_count > 0) status = fill_bend_measure(&field, f->params, &f->bend, &report->bend_farthest, error);
-    report->ends = ends.kind;
-    report->chosen = ends.choice;
-    report->leaves = ends.leaves;
-    if (!status && is_spread(f->params, ends.kind)) status = find_areas(f, &ends, error);
-    fill_ends_free(&ends);
+/* The field between fixed values, and its levels. */
+static sn_status cut_field(filling *f, const fill_field *field, double *u, const fill_fixed *fixed, sn_trace *trace, sn_fill_report *report,
+                           sn_error *error) {
+    const sn_fixed_values values = {fixed->count, fixed->vertices, fixed->values};
+    sn_status status = sn_harmonic_field(field->mesh, field->topology, &values, u, error);
+    const fill_levels_params params = {levels_wanted(f->params), f->params->turn, f->flux};
+    if (!status) status = fill_levels_build(field, &params, trace, &f->levels, error);
+    if (!status && f->params->bend_count > 0) status = fill_bend_measure(field, f->params, &f->bend, &report->bend_farthest, error);
+    return status;
+}
+
+static sn_status slice_between(filling *f, const sn_topology *topology, const fill_ends *ends, sn_trace *trace, sn_fill_report *report,
+                               sn_error *error) {
+    sn_mesh finer = {0};
+    sn_topology around = {0};
+    fill_fixed fixed = {ends->count, SN_NEW(sn_index, ends->count), SN_NEW(double, ends->count)};
+    double *u = NULL;
+    sn_status status = fixed.vertices && fixed.values ? SN_OK : sn_fail_memory(error, "the fibres");
+    for (sn_index i = 0; i < ends->count && !status; i++) {
+        fixed.vertices[i] = ends->vertices[i];
+        fixed.values[i] = ends->values[i];
+    }
+    if (!status && f->flux) status = fill_refine(&f->muscle->mesh, topology, &fixed, &finer, &around, error);
+    bool is_finer = finer.triangle_count > 0;
+    const sn_mesh *mesh = is_finer ? &finer : &f->muscle->mesh;
+    if (!status && !(u = SN_NEW(double, mesh->vertex_count))) status = sn_fail_memory(error, "the fibres");
+    const fill_field field = {mesh, is_finer ? &around : topology, u};
+    if (!status) status = cut_field(f, &field, u, &fixed, trace, report, error);
+    free(fixed.vertices);
+    free(fixed.values);
     free(u);
+    sn_topology_free(&around);
+    sn_mesh_free(&finer);
     return status;
 }
 
@@ -475,12 +494,75 @@ static sn_status hand_over(filling *f, sn_fibers *out, sn_error *error) {
     return SN_OK;
 }
 
-static sn_status fill(filling *f, const sn_topology *topology, sn_trace *trace, sn_fibers *out, sn_fill_report *report, sn_error *error) {
-    sn_status status = slice_muscle(f, topology, trace, report, error);
+/* Slices between the ends, and fibres through them. */
+static sn_status lay_fibers(filling *f, const sn_topology *topology, const fill_ends *ends, sn_trace *trace, sn_fill_report *report,
+                            sn_error *error) {
+    sn_status status = slice_between(f, topology, ends, trace, report, error);
+    if (!status && is_spread(f->params, ends->kind)) status = find_areas(f, ends, error);
     if (!status) status = filling_alloc(f, error);
     if (!status) status = map_slices(f, error);
     if (!status && f->bend.count > 0) status = fill_bend_find(&f->levels, f->params, f->diagonal, &f->bend, error);
     if (!status) status = f->areas.mesh ? lead_between_areas(f, report, error) : lead_from_seeds(f, report, error);
+    return status;
+}
+
+/* ---- fibres that turn aside ---------------------------------------------------------------------------------------------------- */
+
+/* How much the fibres turn from end to end on average, radians; infinite where one is missing. */
+static double mean_turning(const filling *f) {
+    double sum = 0.0;
+    for (sn_index i = 0; i < f->params->fibers; i++) {
+        const sn_polyline *line = &f->lines[i];
+        if (line->count == 0) return INFINITY;
+        for (sn_index k = 1; k + 1 < line->count; k++) {
+            sn_vec3 a = sn_sub(line->points[k], line->points[k - 1]), b = sn_sub(line->points[k + 1], line->points[k]);
+            sum += sn_quick_atan2(sn_norm(sn_cross(a, b)), sn_dot(a, b));
+        }
+    }
+    return sum / (double)f->params->fibers;
+}
+
+static void take_other(filling *f, filling *other, const sn_fill_report *of_other, sn_fill_report *report) {
+    filling kept = *f;
+    *f = *other;
+    *other = kept;
+    report->leaf_loops = of_other->leaf_loops;
+    report->leaves_reached = of_other->leaves_reached;
+    report->bend_farthest = of_other->bend_farthest;
+    report->flux = true;
+}
+
+/* Slices by length make fibres turn aside where a part of the muscle without an end of its own widens them; by flux they pass it. What
+ * turns less is kept; where the surface is rough for its size that is the former. */
+static sn_status try_flux(filling *f, const sn_topology *topology, const fill_ends *ends, sn_fill_report *report, sn_error *error) {
+    filling other = {.muscle = f->muscle, .params = f->params, .diagonal = f->diagonal, .mean_edge = f->mean_edge, .closed = f->closed};
+    sn_fill_report its = {0};
+    sn_error failure = {0};
+    other.flux = true;
+    sn_status status = lay_fibers(&other, topology, ends, NULL, &its, &failure);
+    int64_t reached = (int64_t)its.leaves_reached * report->leaf_loops, now = (int64_t)report->leaves_reached * its.leaf_loops;
+    if (!status && reached >= now && mean_turning(&other) < mean_turning(f)) take_other(f, &other, &its, report);
+    filling_free(&other);
+    if (status != SN_ERROR_MEMORY) return SN_OK; /* the others are good */
+    *error = failure;
+    return status;
+}
+
+static sn_status fill_between(filling *f, const sn_topology *topology, const fill_ends *ends, sn_trace *trace, sn_fill_report *report,
+                              sn_error *error) {
+    sn_status status = lay_fibers(f, topology, ends, trace, report, error);
+    if (status || report->spread || mean_turning(f) < MUCH_TURNING) return status;
+    return try_flux(f, topology, ends, report, error);
+}
+
+static sn_status fill(filling *f, const sn_topology *topology, sn_trace *trace, sn_fibers *out, sn_fill_report *report, sn_error *error) {
+    fill_ends ends = {0};
+    sn_status status = fill_find_ends(f->muscle, topology, f->params, trace, &ends, error);
+    report->ends = ends.kind;
+    report->chosen = ends.choice;
+    report->leaves = ends.leaves;
+    if (!status) status = fill_between(f, topology, &ends, trace, report, error);
+    fill_ends_free(&ends);
     if (status) return status;
     status = keep_inside(f, trace, report, error);
     if (status && status != SN_STOPPED) return status;
@@ -488,6 +570,7 @@ static sn_status fill(filling *f, const sn_topology *topology, sn_trace *trace, 
     if (!status) status = measured;
     summarise(f, report);
     sn_status handed = hand_over(f, out, error);
+    if (!handed) handed = fill_judge(&f->muscle->mesh, topology, out, report, error);
     return handed ? handed : status;
 }
 
