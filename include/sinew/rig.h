@@ -472,8 +472,9 @@ typedef struct sn_fill_report {
     double spacing;       /* mean, of the fibres: root of the volume over their length in all; 0 where there is no volume */
     double empty;         /* share of the volume farther than SN_FILL_FAR spacings from every fibre (lib/rig/fill_judge.c) */
     double greatest_bend; /* of a fibre: its length over the distance of its ends */
-    double muscle_bend;   /* the same of the muscle: the way along its surface between its two far ends; 0 where no fibre is bent much */
-    sn_index bent;        /* fibres whose bend is over SN_FILL_BENT, and so many times that of the muscle */
+    double muscle_bend; /* of the muscle: the way along its surface between its two far ends over the diagonal of its box; 0 where no fibre
+                         * is bent much */
+    sn_index bent;      /* fibres whose bend is over SN_FILL_BENT, and so many times that of the muscle */
 } sn_fill_report;
 
 sn_fill_params sn_fill_defaults(void);

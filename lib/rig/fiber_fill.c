@@ -6,6 +6,7 @@
 
 enum { LEVELS_A_SEGMENT = 5, LEAST_LEVELS = 31 };
 #define MUCH_TURNING (120.0 * SN_PI / 180.0) /* of a fibre from end to end: from then on slices by flux are tried */
+#define LESS_TURNING 0.95                    /* of what it was: so much less is better */
 #define ON_SURFACE 1e-9                      /* of the box diagonal: nearer than that is not outside */
 
 typedef struct filling {
@@ -541,7 +542,7 @@ static sn_status try_flux(filling *f, const sn_topology *topology, const fill_en
     other.flux = true;
     sn_status status = lay_fibers(&other, topology, ends, NULL, &its, &failure);
     int64_t reached = (int64_t)its.leaves_reached * report->leaf_loops, now = (int64_t)report->leaves_reached * its.leaf_loops;
-    if (!status && reached >= now && mean_turning(&other) < mean_turning(f)) take_other(f, &other, &its, report);
+    if (!status && reached >= now && mean_turning(&other) < LESS_TURNING * mean_turning(f)) take_other(f, &other, &its, report);
     filling_free(&other);
     if (status != SN_ERROR_MEMORY) return SN_OK; /* the others are good */
     *error = failure;

@@ -235,7 +235,7 @@ static sn_status measure_muscle(const sn_mesh *mesh, const sn_topology *topology
     tips far;
     sn_status status = survey_surface(mesh, topology, &survey, error);
     if (!status) status = find_tips(mesh, topology, survey.main_vertex, NULL, &far, error);
-    if (!status) *bend = bend_of(far.length, sn_distance(mesh->positions[far.end[0]], mesh->positions[far.end[1]]));
+    if (!status) *bend = far.length / sn_box_diagonal(sn_mesh_box(mesh));
     return status;
 }
 
