@@ -387,9 +387,32 @@ static void mark_members(filling *f, const fill_ends *ends, const char *attached
     }
 }
 
+/* Fibres lead from origin to insertion within one piece of the surface: areas of a piece that has one end alone get none. has (triangles x
+ * 2) and piece (triangles) are scratch. */
+static void leave_one_ended(filling *f, const sn_topology *topology, sn_index *piece, bool (*has)[2]) {
+    const sn_mesh *mesh = &f->muscle->mesh;
+    (void)sn_mesh_components(mesh, topology, piece);
+    for (sn_index t = 0; t < mesh->triangle_count; t++)
+        for (int c = 0; c < 3; c++)
+            for (int k = 0; k < 2; k++) has[piece[t]][k] |= f->areas.member[k][mesh->triangles[t].v[c]];
+    for (sn_index t = 0; t < mesh->triangle_count; t++)
+        for (int c = 0; c < 3 && !(has[piece[t]][0] && has[piece[t]][1]); c++)
+            f->areas.member[0][mesh->triangles[t].v[c]] = f->areas.member[1][mesh->triangles[t].v[c]] = 0;
+}
+
+static sn_status keep_two_ended(filling *f, const sn_topology *topology, sn_error *error) {
+    sn_index *piece = SN_NEW(sn_index, f->muscle->mesh.triangle_count);
+    bool(*has)[2] = sn_alloc((size_t)f->muscle->mesh.triangle_count, sizeof *has);
+    bool made = piece && has;
+    if (made) leave_one_ended(f, topology, piece, has);
+    free(piece);
+    free(has);
+    return made ? SN_OK : sn_fail_memory(error, "the attachment areas");
+}
+
 /* What of the attachments serves as ends. Where a head without one ends at its tip no fibre goes there; an end without any is what stands
  * for it. */
-static sn_status find_areas(filling *f, const fill_ends *ends, sn_error *error) {
+static sn_status find_areas(filling *f, const sn_topology *topology, const fill_ends *ends, sn_error *error) {
     const sn_muscle *m = f->muscle;
     char *attached = SN_NEW(char, m->mesh.vertex_count);
     f->areas.mesh = &m->mesh;
@@ -399,7 +422,7 @@ static sn_status find_areas(filling *f, const fill_ends *ends, sn_error *error) 
         for (sn_index k = 0; k < m->attachments[i].count; k++) attached[m->attachments[i].vertices[k]] = 1;
     if (made) mark_members(f, ends, attached);
     free(attached);
-    return made ? SN_OK : sn_fail_memory(error, "the attachment areas");
+    return made ? keep_two_ended(f, topology, error) : sn_fail_memory(error, "the attachment areas");
 }
 
 /* The field between fixed values, and its levels. */
@@ -499,7 +522,7 @@ static sn_status hand_over(filling *f, sn_fibers *out, sn_error *error) {
 static sn_status lay_fibers(filling *f, const sn_topology *topology, const fill_ends *ends, sn_trace *trace, sn_fill_report *report,
                             sn_error *error) {
     sn_status status = slice_between(f, topology, ends, trace, report, error);
-    if (!status && is_spread(f->params, ends->kind)) status = find_areas(f, ends, error);
+    if (!status && is_spread(f->params, ends->kind)) status = find_areas(f, topology, ends, error);
     if (!status) status = filling_alloc(f, error);
     if (!status) status = map_slices(f, error);
     if (!status && f->bend.count > 0) status = fill_bend_find(&f->levels, f->params, f->diagonal, &f->bend, error);
@@ -583,7 +606,6 @@ sn_status sn_fill_fibers(const sn_muscle *muscle, const sn_fill_params *params, 
     *report = (sn_fill_report){0};
     sn_status status = check_params(params, error);
     if (!status) status = sn_mesh_validate(&muscle->mesh, error);
-    if (!status && sn_trace_stopped(trace)) return SN_STOPPED;
     if (!status) status = sn_topology_build(&muscle->mesh, &topology, error);
     if (status) return status;
     f.diagonal = sn_box_diagonal(sn_mesh_box(&muscle->mesh));
@@ -591,7 +613,7 @@ sn_status sn_fill_fibers(const sn_muscle *muscle, const sn_fill_params *params, 
     f.closed = true;
     for (sn_index e = 0; e < topology.edge_count; e++) f.closed &= topology.edges[e].triangle_count == 2;
     report->closed = f.closed;
-    status = fill(&f, &topology, trace, out, report, error);
+    status = sn_trace_stopped(trace) ? SN_STOPPED : fill(&f, &topology, trace, out, report, error);
     filling_free(&f);
     sn_topology_free(&topology);
     return status;
