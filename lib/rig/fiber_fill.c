@@ -6,6 +6,7 @@
 
 enum { LEVELS_A_SEGMENT = 5, LEAST_LEVELS = 31 };
 #define MUCH_TURNING (120.0 * SN_PI / 180.0) /* of a fibre from end to end: from then on slices by flux are tried */
+#define LEAST_SHARE 0.8                      /* of the fibres that an end of the muscle had: heads keep about what their areas give them */
 #define LESS_TURNING 0.95                    /* of what it was: so much less is better */
 #define ON_SURFACE 1e-9                      /* of the box diagonal: nearer than that is not outside */
 
@@ -546,6 +547,26 @@ static double mean_turning(const filling *f) {
     return sum / (double)f->params->fibers;
 }
 
+/* Fibres at the end of the muscle that has the fewest. */
+static sn_status count_fewest(const filling *f, sn_index *fewest, sn_error *error) {
+    const fill_levels *l = &f->levels;
+    const sn_index ends[2] = {0, l->level_count - 1};
+    sn_index *count = SN_NEW(sn_index, l->loop_count);
+    if (!count) return sn_fail_memory(error, "the fibres");
+    for (sn_index i = 0; i < f->params->fibers; i++)
+        for (int k = 0; k < 2; k++) {
+            fill_uv at = f->seeds[i];
+            sn_index loop = fill_carry(l, ends[k], at, &at);
+            if (loop != SN_NONE) count[loop]++;
+        }
+    *fewest = f->params->fibers;
+    for (int k = 0; k < 2; k++)
+        for (sn_index i = l->first[ends[k]]; i < l->first[ends[k] + 1]; i++)
+            if (l->loops[i].reached && count[i] < *fewest) *fewest = count[i];
+    free(count);
+    return SN_OK;
+}
+
 static void take_other(filling *f, filling *other, const sn_fill_report *of_other, sn_fill_report *report) {
     filling kept = *f;
     *f = *other;
@@ -564,8 +585,11 @@ static sn_status try_flux(filling *f, const sn_topology *topology, const fill_en
     sn_error failure = {0};
     other.flux = true;
     sn_status status = lay_fibers(&other, topology, ends, NULL, &its, &failure);
-    int64_t reached = (int64_t)its.leaves_reached * report->leaf_loops, now = (int64_t)report->leaves_reached * its.leaf_loops;
-    if (!status && reached >= now && mean_turning(&other) < LESS_TURNING * mean_turning(f)) take_other(f, &other, &its, report);
+    sn_index fewest[2] = {0, 0};
+    if (!status) status = count_fewest(f, &fewest[0], &failure);
+    if (!status) status = count_fewest(&other, &fewest[1], &failure);
+    bool shared = fewest[1] >= LEAST_SHARE * fewest[0] && its.leaf_loops == report->leaf_loops;
+    if (!status && shared && mean_turning(&other) < LESS_TURNING * mean_turning(f)) take_other(f, &other, &its, report);
     filling_free(&other);
     if (status != SN_ERROR_MEMORY) return SN_OK; /* the others are good */
     *error = failure;

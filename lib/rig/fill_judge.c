@@ -21,9 +21,9 @@ typedef struct crossing {
 
 typedef struct lattice {
     const sn_mesh *mesh;
-    sn_vec3 low;   /* of the box */
-    double width;  /* from column to column */
-    double inside; /* length of all columns' parts that are inside */
+    sn_vec3 low;     /* of the box */
+    double width[2]; /* from column to column, across and along */
+    double inside;   /* length of all columns' parts that are inside */
     sn_index across, along;
     sn_index *first; /* (across x along + 1) crossings of each column */
     crossing *crossings;
@@ -31,19 +31,22 @@ typedef struct lattice {
 
 /* ---- the lattice ----------------------------------------------------------------------------------------------------------------- */
 
-static sn_index columns_in(double extent, double width) { return 1 + (sn_index)fmin(extent / width, MOST_COLUMNS); }
+static sn_index columns_in(double extent, double width) { return (sn_index)fmin(fmax(floor(extent / width + 0.5), 1.0), MOST_COLUMNS); }
 
+/* Columns stand in the middles of cells that fill the box. */
 static void lay_lattice(lattice *l, double volume) {
     sn_box box = sn_mesh_box(l->mesh);
     sn_vec3 size = sn_sub(box.high, box.low);
+    double width = fmax(cbrt(volume / POINTS), sqrt(size.x * size.y / MOST_COLUMNS));
     l->low = box.low;
-    l->width = fmax(cbrt(volume / POINTS), sqrt(size.x * size.y / MOST_COLUMNS));
-    l->across = columns_in(size.x, l->width);
-    l->along = columns_in(size.y, l->width);
+    l->across = columns_in(size.x, width);
+    l->along = columns_in(size.y, width);
+    l->width[0] = size.x / l->across;
+    l->width[1] = size.y / l->along;
 }
 
 static sn_vec3 column_at(const lattice *l, sn_index x, sn_index y) {
-    return sn_v3(l->low.x + ((double)x + 0.5) * l->width, l->low.y + ((double)y + 0.5) * l->width, 0.0);
+    return sn_v3(l->low.x + ((double)x + 0.5) * l->width[0], l->low.y + ((double)y + 0.5) * l->width[1], 0.0);
 }
 
 /* Columns from the first at or above `low` to the last at or below `high`; out[0] > out[1] where there is none. */
@@ -65,8 +68,8 @@ static void cross_triangle(lattice *l, sn_index t, sn_index *at) {
     const sn_vec3 *v = l->mesh->positions, p[3] = {v[triangle.v[0]], v[triangle.v[1]], v[triangle.v[2]]};
     sn_vec3 low = sn_min3(p[0], sn_min3(p[1], p[2])), high = sn_max3(p[0], sn_max3(p[1], p[2]));
     sn_index xs[2], ys[2];
-    column_range(l->low.x, l->width, l->across, low.x, high.x, xs);
-    column_range(l->low.y, l->width, l->along, low.y, high.y, ys);
+    column_range(l->low.x, l->width[0], l->across, low.x, high.x, xs);
+    column_range(l->low.y, l->width[1], l->along, low.y, high.y, ys);
     for (sn_index y = ys[0]; y <= ys[1]; y++)
         for (sn_index x = xs[0]; x <= xs[1]; x++) {
             sn_vec3 q = column_at(l, x, y);
@@ -213,7 +216,7 @@ static sn_status measure_empty(const sn_mesh *mesh, const sn_fibers *fibers, sn_
     sn_status status = cut_columns(&l, error);
     if (!status) visit_columns(&l, add_length, &l.inside);
     if (l.inside > 0.0) {
-        report->spacing = l.width * sqrt(l.inside / length);
+        report->spacing = sqrt(l.width[0] * l.width[1] * l.inside / length);
         status = count_far(&l, fibers, report, error);
     }
     free(l.first);
