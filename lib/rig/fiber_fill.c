@@ -7,6 +7,7 @@
 enum { LEVELS_A_SEGMENT = 5, LEAST_LEVELS = 31 };
 #define MUCH_TURNING (120.0 * SN_PI / 180.0) /* of a fibre from end to end: from then on slices by flux are tried */
 #define LEAST_SHARE 0.8                      /* of the fibres that an end of the muscle had: heads keep about what their areas give them */
+#define FEW_FIBERS 0.04                      /* of all: so many fewer do not count */
 #define LESS_TURNING 0.95                    /* of what it was: so much less is better */
 #define ON_SURFACE 1e-9                      /* of the box diagonal: nearer than that is not outside */
 
@@ -588,7 +589,8 @@ static sn_status try_flux(filling *f, const sn_topology *topology, const fill_en
     sn_index fewest[2] = {0, 0};
     if (!status) status = count_fewest(f, &fewest[0], &failure);
     if (!status) status = count_fewest(&other, &fewest[1], &failure);
-    bool shared = fewest[1] >= LEAST_SHARE * fewest[0] && its.leaf_loops == report->leaf_loops;
+    int64_t reached = (int64_t)its.leaves_reached * report->leaf_loops, before = (int64_t)report->leaves_reached * its.leaf_loops;
+    bool shared = reached >= before && fewest[1] + FEW_FIBERS * f->params->fibers >= LEAST_SHARE * fewest[0];
     if (!status && shared && mean_turning(&other) < LESS_TURNING * mean_turning(f)) take_other(f, &other, &its, report);
     filling_free(&other);
     if (status != SN_ERROR_MEMORY) return SN_OK; /* the others are good */

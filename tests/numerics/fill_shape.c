@@ -7,7 +7,8 @@
  *   fill_shape FILE...            these surfaces, or muscle documents with the ends that they have
  *
  * Those of `aside` have parts without an end of their own, at which fibres turned aside and back: 54 of 100 by more than 120 degrees in the
- * diaphragm, 44 in the gluteus minimus, 31 in the longissimus cervicis.
+ * diaphragm, 44 in the gluteus minimus, 23 in the serratus ventralis. In the longissimus cervicis 31 still do: passing them by would leave
+ * one of its heads too few fibres.
  */
 #include <stdio.h>
 #include <stdlib.h>
@@ -162,7 +163,7 @@ static void process_sets(const char *data, bool all) {
     if (!all) return;
     verdict(leg.muscles == 38 && dog.muscles == 253, "38 and 253 muscles");
     verdict(leg.back == 0, "no fibre of a leg turns back");
-    verdict(dog.back <= 250, "250 of the dog's 25,300 fibres turn back, of muscles that fork towards both ends");
+    verdict(dog.back <= 300, "300 of the dog's 25,300 fibres turn back; 406 did");
     verdict(dog.turn <= 120.0 * dog.muscles && leg.turn <= 120.0 * leg.muscles, "fibres turn by no more than 120 degrees on average");
 }
 
