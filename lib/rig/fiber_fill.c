@@ -427,13 +427,10 @@ static sn_status find_areas(filling *f, const sn_topology *topology, const fill_
     return made ? keep_two_ended(f, topology, error) : sn_fail_memory(error, "the attachment areas");
 }
 
-/* The field between fixed values, and its levels. */
-static sn_status cut_field(filling *f, const fill_field *field, double *u, const fill_fixed *fixed, sn_trace *trace, sn_fill_report *report,
-                           sn_error *error) {
-    const sn_fixed_values values = {fixed->count, fixed->vertices, fixed->values};
-    sn_status status = sn_harmonic_field(field->mesh, field->topology, &values, u, error);
+/* The levels of the field. */
+static sn_status cut_field(filling *f, const fill_field *field, sn_trace *trace, sn_fill_report *report, sn_error *error) {
     const fill_levels_params params = {levels_wanted(f->params), f->params->turn, f->flux};
-    if (!status) status = fill_levels_build(field, &params, trace, &f->levels, error);
+    sn_status status = fill_levels_build(field, &params, trace, &f->levels, error);
     if (!status && f->params->bend_count > 0) status = fill_bend_measure(field, f->params, &f->bend, &report->bend_farthest, error);
     return status;
 }
@@ -454,7 +451,9 @@ static sn_status slice_between(filling *f, const sn_topology *topology, const fi
     const sn_mesh *mesh = is_finer ? &finer : &f->muscle->mesh;
     if (!status && !(u = SN_NEW(double, mesh->vertex_count))) status = sn_fail_memory(error, "the fibres");
     const fill_field field = {mesh, is_finer ? &around : topology, u};
-    if (!status) status = cut_field(f, &field, u, &fixed, trace, report, error);
+    const sn_fixed_values values = {fixed.count, fixed.vertices, fixed.values};
+    if (!status) status = sn_harmonic_field(mesh, field.topology, &values, u, error);
+    if (!status) status = cut_field(f, &field, trace, report, error);
     free(fixed.vertices);
     free(fixed.values);
     free(u);

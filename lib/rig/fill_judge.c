@@ -8,6 +8,7 @@
 #include <stdlib.h>
 
 #include "fill.h"
+#include "sinew/exact.h"
 #include "tips.h"
 #include "tree.h"
 
@@ -37,7 +38,7 @@ static sn_index columns_in(double extent, double width) { return (sn_index)fmin(
 static void lay_lattice(lattice *l, double volume) {
     sn_box box = sn_mesh_box(l->mesh);
     sn_vec3 size = sn_sub(box.high, box.low);
-    double width = fmax(cbrt(volume / POINTS), sqrt(size.x * size.y / MOST_COLUMNS));
+    double width = fmax(sn_pow(volume / POINTS, 1.0 / 3.0), sqrt(size.x * size.y / MOST_COLUMNS));
     l->low = box.low;
     l->across = columns_in(size.x, width);
     l->along = columns_in(size.y, width);

@@ -113,11 +113,9 @@ static int process(const char *path, sums *t) {
 /* ---- sets ------------------------------------------------------------------------------------------------------------------------ */
 
 static const char *const aside[] = {"MUSCdiaphragma.stl",
-                                    "MUSCm.longissimus_cervicis_R.stl",
-                                    "MUSCm.tranversus_abdominis_R.stl",
-                                    "MUSCMm.thoracis_serratus_ventr_L.stl",
-                                    "VHF_Left_Muscle_GluteusMinimus_smooth.ply",
-                                    "VHF_Left_Muscle_ObturatorInternus_smooth.ply"};
+
+                                    "MUSCm.tranversus_abdominis_R.stl", "MUSCMm.thoracis_serratus_ventr_L.stl",
+                                    "VHF_Left_Muscle_GluteusMinimus_smooth.ply", "VHF_Left_Muscle_ObturatorInternus_smooth.ply"};
 
 static bool is_aside(const char *name) {
     for (size_t i = 0; i < sizeof aside / sizeof *aside; i++)
