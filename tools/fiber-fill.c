@@ -7,7 +7,8 @@
 #include "sinew/rig.h"
 
 #define DEGREES (180.0 / SN_PI)
-#define ANGLE_OFF 2.0 /* degrees off --angle that are worth a warning */
+#define MOST_EMPTY 0.1 /* share of the volume far from every fibre beyond which the muscle is not filled */
+#define ANGLE_OFF 2.0  /* degrees off --angle that are worth a warning */
 
 static sn_fill_params params;
 static int64_t fibers = -1, segments = -1, smooth = -1;
@@ -122,6 +123,11 @@ static void write_report(sn_json *json, const void *data) {
     sn_json_number(json, "greatestPennationDegrees", r->greatest_pennation * DEGREES);
     sn_json_number(json, "sectionArea", r->area);
     sn_json_number(json, "density", r->density);
+    sn_json_text(json, "slices", r->flux ? "flux" : "length");
+    sn_json_number(json, "spacing", r->spacing);
+    sn_json_number(json, "emptyShare", r->empty);
+    sn_json_number(json, "lengthOverChord", r->greatest_bend);
+    sn_json_integer(json, "bentFibers", r->bent);
     if (params.bend_count > 0) {
         sn_json_object(json, "bend");
         sn_json_integer(json, "superficialFibers", params.bend_count);
@@ -133,6 +139,25 @@ static void write_report(sn_json *json, const void *data) {
     write_each(json, o->fibers);
 }
 
+/* A template of one's own may leave out what it likes. */
+static void comment_filling(cli *c, const sn_fill_report *r) {
+    static const char *const text =
+        "%.0f %% of the muscle is farther than %g mean spacings (of %.3g) from every fibre: the ends from which "
+        "they run, %s, leave it aside; --ends or areas by attach-detect --landmarks say better ones";
+    const char *from = r->chosen.from != NULL ? r->chosen.from : "nowhere";
+    if (r->empty > MOST_EMPTY && params.template != SN_FILL_USER)
+        cli_shortfall(c, text, 100.0 * r->empty, SN_FILL_FAR, r->spacing, from);
+    else if (r->empty > MOST_EMPTY)
+        cli_warn(c, "%.0f %% of the muscle is farther than %g mean spacings (of %.3g) from every fibre", 100.0 * r->empty, SN_FILL_FAR,
+                 r->spacing);
+    if (r->bent > 0)
+        cli_warn(
+            c,
+            "%d of %d fibres bend more than the muscle does: one is %.1f times as long as its ends are apart; do the ends, %s, lie where "
+            "fibres begin and end?",
+            r->bent, r->fibers, r->greatest_bend, from);
+}
+
 static void comment(cli *c, const sn_fill_report *r, bool stopped) {
     cli_say(c, "%d fibres from %s, %d slices on %d levels; mean length %.4g, pennation %.1f degrees; %d of %d vertices were outside",
             r->fibers, r->chosen.from != NULL ? r->chosen.from : "nowhere", r->loops, r->levels, r->mean_length,
@@ -142,6 +167,7 @@ static void comment(cli *c, const sn_fill_report *r, bool stopped) {
     if (stopped) return;
     if (r->fibers < params.fibers) cli_shortfall(c, "only %d of %d fibres found their way between the ends", r->fibers, params.fibers);
     if (r->outside_after > 0 && params.pull) cli_shortfall(c, "%d fibre vertices stay outside the volume", r->outside_after);
+    comment_filling(c, r);
     if (r->spread && r->leaves_reached < r->leaf_loops)
         cli_warn(c, "%d of %d ends of the muscle get no fibre: no attachment area lies there, or one too small for a fibre",
                  r->leaf_loops - r->leaves_reached, r->leaf_loops);

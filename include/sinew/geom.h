@@ -141,6 +141,9 @@ typedef struct sn_fixed_values {
     const double *values;     /* (count) finite */
 } sn_fixed_values;
 
+/* The weight of an edge in the cotangent Laplacian: w = (cot alpha + cot beta) / 2 over the angles opposite to it, kept within 1e-3 and
+ * 1e3. What flows along an edge (i, j) of a field u is w (u_i - u_j). */
+double sn_edge_weight(const sn_mesh *mesh, const sn_edge *edge);
 /* Harmonic field u (vertex_count) with u = value at the fixed vertices: cotangent Laplacian, weights clamped below at 1e-3.
  * Vertices of components without a fixed vertex get NaN. */
 SN_MUST_CHECK sn_status sn_harmonic_field(const sn_mesh *mesh, const sn_topology *topology, const sn_fixed_values *fixed, double *u,

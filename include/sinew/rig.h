@@ -425,6 +425,11 @@ typedef enum sn_fill_map { SN_FILL_HARMONIC, SN_FILL_MEAN_VALUE } sn_fill_map;
 /* Where fibres end: attachments on at least two bones, vertices that the caller names, or the tips of the structure or the surface. */
 typedef enum sn_fill_ends_kind { SN_FILL_ENDS_ATTACHMENTS, SN_FILL_ENDS_GIVEN, SN_FILL_ENDS_TIPS } sn_fill_ends_kind;
 
+/* From a fibre, in mean spacings: beyond that the volume is empty. */
+#define SN_FILL_FAR 5.0
+/* Length over the distance of its ends, against that of the muscle: from then on a fibre bends much. */
+#define SN_FILL_BENT 1.5
+
 /* A Bezier curve of any degree in the unit square x [0,1]; z runs from the origins to the insertions. */
 typedef struct sn_fill_curve {
     sn_index count;
@@ -473,6 +478,13 @@ typedef struct sn_fill_report {
     sn_index leaves_reached;                   /* ends of branches of slices where at least one fibre ends */
     sn_index leaf_loops;                       /* ends of branches of slices */
     double bend_farthest;                      /* that a point of bend_lines lay from the surface */
+    bool flux;            /* slices are laid by the field's flux: by the length of their rims fibres turned more (lib/rig/fill_rim.c) */
+    double spacing;       /* mean, of the fibres: root of the volume over their length in all; 0 where there is no volume */
+    double empty;         /* share of the volume farther than SN_FILL_FAR spacings from every fibre (lib/rig/fill_judge.c) */
+    double greatest_bend; /* of a fibre: its length over the distance of its ends */
+    double muscle_bend; /* of the muscle: the way along its surface between its two far ends over the diagonal of its box; 0 where no fibre
+                         * is bent much */
+    sn_index bent;      /* fibres whose bend is over SN_FILL_BENT, and so many times that of the muscle */
 } sn_fill_report;
 
 sn_fill_params sn_fill_defaults(void);

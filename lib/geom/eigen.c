@@ -6,7 +6,6 @@
  */
 #include <stdlib.h>
 
-#include "field.h"
 #include "sinew/geom.h"
 #include "sinew/sparse.h"
 

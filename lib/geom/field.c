@@ -1,7 +1,6 @@
 /* field.c -- harmonic fields on a surface by the cotangent Laplacian. */
 #include <stdlib.h>
 
-#include "field.h"
 #include "sinew/geom.h"
 #include "sinew/sparse.h"
 

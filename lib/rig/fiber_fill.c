@@ -5,7 +5,11 @@
 #include "tree.h"
 
 enum { LEVELS_A_SEGMENT = 5, LEAST_LEVELS = 31 };
-#define ON_SURFACE 1e-9 /* of the box diagonal: nearer than that is not outside */
+#define MUCH_TURNING (120.0 * SN_PI / 180.0) /* of a fibre from end to end: from then on slices by flux are tried */
+#define LEAST_SHARE 0.8                      /* of the fibres that an end of the muscle had: heads keep about what their areas give them */
+#define FEW_FIBERS 0.04                      /* of all: so many fewer do not count */
+#define LESS_TURNING 0.95                    /* of what it was: so much less is better */
+#define ON_SURFACE 1e-9                      /* of the box diagonal: nearer than that is not outside */
 
 typedef struct filling {
     const sn_muscle *muscle;
@@ -18,6 +22,7 @@ typedef struct filling {
     double *z;          /* (fibers x (segments + 1)) */
     double diagonal, mean_edge;
     bool closed;
+    bool flux;           /* slices by the field's flux on a finer surface */
     sn_status *statuses; /* (chunks of the loop at hand) */
 } filling;
 
@@ -384,9 +389,32 @@ static void mark_members(filling *f, const fill_ends *ends, const char *attached
     }
 }
 
+/* Fibres lead from origin to insertion within one piece of the surface: areas of a piece that has one end alone get none. has (triangles x
+ * 2) and piece (triangles) are scratch. */
+static void leave_one_ended(filling *f, const sn_topology *topology, sn_index *piece, bool (*has)[2]) {
+    const sn_mesh *mesh = &f->muscle->mesh;
+    (void)sn_mesh_components(mesh, topology, piece);
+    for (sn_index t = 0; t < mesh->triangle_count; t++)
+        for (int c = 0; c < 3; c++)
+            for (int k = 0; k < 2; k++) has[piece[t]][k] |= f->areas.member[k][mesh->triangles[t].v[c]];
+    for (sn_index t = 0; t < mesh->triangle_count; t++)
+        for (int c = 0; c < 3 && !(has[piece[t]][0] && has[piece[t]][1]); c++)
+            f->areas.member[0][mesh->triangles[t].v[c]] = f->areas.member[1][mesh->triangles[t].v[c]] = 0;
+}
+
+static sn_status keep_two_ended(filling *f, const sn_topology *topology, sn_error *error) {
+    sn_index *piece = SN_NEW(sn_index, f->muscle->mesh.triangle_count);
+    bool(*has)[2] = sn_alloc((size_t)f->muscle->mesh.triangle_count, sizeof *has);
+    bool made = piece && has;
+    if (made) leave_one_ended(f, topology, piece, has);
+    free(piece);
+    free(has);
+    return made ? SN_OK : sn_fail_memory(error, "the attachment areas");
+}
+
 /* What of the attachments serves as ends. Where a head without one ends at its tip no fibre goes there; an end without any is what stands
  * for it. */
-static sn_status find_areas(filling *f, const fill_ends *ends, sn_error *error) {
+static sn_status find_areas(filling *f, const sn_topology *topology, const fill_ends *ends, sn_error *error) {
     const sn_muscle *m = f->muscle;
     char *attached = SN_NEW(char, m->mesh.vertex_count);
     f->areas.mesh = &m->mesh;
@@ -396,25 +424,41 @@ static sn_status find_areas(filling *f, const fill_ends *ends, sn_error *error) 
         for (sn_index k = 0; k < m->attachments[i].count; k++) attached[m->attachments[i].vertices[k]] = 1;
     if (made) mark_members(f, ends, attached);
     free(attached);
-    return made ? SN_OK : sn_fail_memory(error, "the attachment areas");
+    return made ? keep_two_ended(f, topology, error) : sn_fail_memory(error, "the attachment areas");
 }
 
-/* The field from the ends, and its levels. */
-static sn_status slice_muscle(filling *f, const sn_topology *topology, sn_trace *trace, sn_fill_report *report, sn_error *error) {
-    const sn_mesh *mesh = &f->muscle->mesh;
-    fill_ends ends = {0};
-    double *u = SN_NEW(double, mesh->vertex_count);
-    sn_status status = u ? fill_find_ends(f->muscle, topology, f->params, trace, &ends, error) : sn_fail_memory(error, "the fibres");
-    if (!status) status = sn_harmonic_field(mesh, topology, &(sn_fixed_values){ends.count, ends.vertices, ends.values}, u, error);
-    const fill_field field = {mesh, topology, u};
-    if (!status) status = fill_levels_build(&field, levels_wanted(f->params), f->params->turn, trace, &f->levels, error);
-    if (!status && f->params->bend_count > 0) status = fill_bend_measure(&field, f->params, &f->bend, &report->bend_farthest, error);
-    report->ends = ends.kind;
-    report->chosen = ends.choice;
-    report->leaves = ends.leaves;
-    if (!status && is_spread(f->params, ends.kind)) status = find_areas(f, &ends, error);
-    fill_ends_free(&ends);
+/* The levels of the field. */
+static sn_status cut_field(filling *f, const fill_field *field, sn_trace *trace, sn_fill_report *report, sn_error *error) {
+    const fill_levels_params params = {levels_wanted(f->params), f->params->turn, f->flux};
+    sn_status status = fill_levels_build(field, &params, trace, &f->levels, error);
+    if (!status && f->params->bend_count > 0) status = fill_bend_measure(field, f->params, &f->bend, &report->bend_farthest, error);
+    return status;
+}
+
+static sn_status slice_between(filling *f, const sn_topology *topology, const fill_ends *ends, sn_trace *trace, sn_fill_report *report,
+                               sn_error *error) {
+    sn_mesh finer = {0};
+    sn_topology around = {0};
+    fill_fixed fixed = {ends->count, SN_NEW(sn_index, ends->count), SN_NEW(double, ends->count)};
+    double *u = NULL;
+    sn_status status = fixed.vertices && fixed.values ? SN_OK : sn_fail_memory(error, "the fibres");
+    for (sn_index i = 0; i < ends->count && !status; i++) {
+        fixed.vertices[i] = ends->vertices[i];
+        fixed.values[i] = ends->values[i];
+    }
+    if (!status && f->flux) status = fill_refine(&f->muscle->mesh, topology, &fixed, &finer, &around, error);
+    bool is_finer = finer.triangle_count > 0;
+    const sn_mesh *mesh = is_finer ? &finer : &f->muscle->mesh;
+    if (!status && !(u = SN_NEW(double, mesh->vertex_count))) status = sn_fail_memory(error, "the fibres");
+    const fill_field field = {mesh, is_finer ? &around : topology, u};
+    const sn_fixed_values values = {fixed.count, fixed.vertices, fixed.values};
+    if (!status) status = sn_harmonic_field(mesh, field.topology, &values, u, error);
+    if (!status) status = cut_field(f, &field, trace, report, error);
+    free(fixed.vertices);
+    free(fixed.values);
     free(u);
+    sn_topology_free(&around);
+    sn_mesh_free(&finer);
     return status;
 }
 
@@ -475,12 +519,99 @@ static sn_status hand_over(filling *f, sn_fibers *out, sn_error *error) {
     return SN_OK;
 }
 
-static sn_status fill(filling *f, const sn_topology *topology, sn_trace *trace, sn_fibers *out, sn_fill_report *report, sn_error *error) {
-    sn_status status = slice_muscle(f, topology, trace, report, error);
+/* Slices between the ends, and fibres through them. */
+static sn_status lay_fibers(filling *f, const sn_topology *topology, const fill_ends *ends, sn_trace *trace, sn_fill_report *report,
+                            sn_error *error) {
+    sn_status status = slice_between(f, topology, ends, trace, report, error);
+    if (!status && is_spread(f->params, ends->kind)) status = find_areas(f, topology, ends, error);
     if (!status) status = filling_alloc(f, error);
     if (!status) status = map_slices(f, error);
     if (!status && f->bend.count > 0) status = fill_bend_find(&f->levels, f->params, f->diagonal, &f->bend, error);
     if (!status) status = f->areas.mesh ? lead_between_areas(f, report, error) : lead_from_seeds(f, report, error);
+    return status;
+}
+
+/* ---- fibres that turn aside ---------------------------------------------------------------------------------------------------- */
+
+/* How much the fibres turn from end to end on average, radians; infinite where one is missing. */
+static double mean_turning(const filling *f) {
+    double sum = 0.0;
+    for (sn_index i = 0; i < f->params->fibers; i++) {
+        const sn_polyline *line = &f->lines[i];
+        if (line->count == 0) return INFINITY;
+        for (sn_index k = 1; k + 1 < line->count; k++) {
+            sn_vec3 a = sn_sub(line->points[k], line->points[k - 1]), b = sn_sub(line->points[k + 1], line->points[k]);
+            sum += sn_quick_atan2(sn_norm(sn_cross(a, b)), sn_dot(a, b));
+        }
+    }
+    return sum / (double)f->params->fibers;
+}
+
+/* Fibres at the end of the muscle that has the fewest. */
+static sn_status count_fewest(const filling *f, sn_index *fewest, sn_error *error) {
+    const fill_levels *l = &f->levels;
+    const sn_index ends[2] = {0, l->level_count - 1};
+    sn_index *count = SN_NEW(sn_index, l->loop_count);
+    if (!count) return sn_fail_memory(error, "the fibres");
+    for (sn_index i = 0; i < f->params->fibers; i++)
+        for (int k = 0; k < 2; k++) {
+            fill_uv at = f->seeds[i];
+            sn_index loop = fill_carry(l, ends[k], at, &at);
+            if (loop != SN_NONE) count[loop]++;
+        }
+    *fewest = f->params->fibers;
+    for (int k = 0; k < 2; k++)
+        for (sn_index i = l->first[ends[k]]; i < l->first[ends[k] + 1]; i++)
+            if (l->loops[i].reached && count[i] < *fewest) *fewest = count[i];
+    free(count);
+    return SN_OK;
+}
+
+static void take_other(filling *f, filling *other, const sn_fill_report *of_other, sn_fill_report *report) {
+    filling kept = *f;
+    *f = *other;
+    *other = kept;
+    report->leaf_loops = of_other->leaf_loops;
+    report->leaves_reached = of_other->leaves_reached;
+    report->bend_farthest = of_other->bend_farthest;
+    report->flux = true;
+}
+
+/* Slices by length make fibres turn aside where a part of the muscle without an end of its own widens them; by flux they pass it. What
+ * turns less is kept; where the surface is rough for its size that is the former. */
+static sn_status try_flux(filling *f, const sn_topology *topology, const fill_ends *ends, sn_fill_report *report, sn_error *error) {
+    filling other = {.muscle = f->muscle, .params = f->params, .diagonal = f->diagonal, .mean_edge = f->mean_edge, .closed = f->closed};
+    sn_fill_report its = {0};
+    sn_error failure = {0};
+    other.flux = true;
+    sn_status status = lay_fibers(&other, topology, ends, NULL, &its, &failure);
+    sn_index fewest[2] = {0, 0};
+    if (!status) status = count_fewest(f, &fewest[0], &failure);
+    if (!status) status = count_fewest(&other, &fewest[1], &failure);
+    int64_t reached = (int64_t)its.leaves_reached * report->leaf_loops, before = (int64_t)report->leaves_reached * its.leaf_loops;
+    bool shared = reached >= before && fewest[1] + FEW_FIBERS * f->params->fibers >= LEAST_SHARE * fewest[0];
+    if (!status && shared && mean_turning(&other) < LESS_TURNING * mean_turning(f)) take_other(f, &other, &its, report);
+    filling_free(&other);
+    if (status != SN_ERROR_MEMORY) return SN_OK; /* the others are good */
+    *error = failure;
+    return status;
+}
+
+static sn_status fill_between(filling *f, const sn_topology *topology, const fill_ends *ends, sn_trace *trace, sn_fill_report *report,
+                              sn_error *error) {
+    sn_status status = lay_fibers(f, topology, ends, trace, report, error);
+    if (status || report->spread || mean_turning(f) < MUCH_TURNING) return status;
+    return try_flux(f, topology, ends, report, error);
+}
+
+static sn_status fill(filling *f, const sn_topology *topology, sn_trace *trace, sn_fibers *out, sn_fill_report *report, sn_error *error) {
+    fill_ends ends = {0};
+    sn_status status = fill_find_ends(f->muscle, topology, f->params, trace, &ends, error);
+    report->ends = ends.kind;
+    report->chosen = ends.choice;
+    report->leaves = ends.leaves;
+    if (!status) status = fill_between(f, topology, &ends, trace, report, error);
+    fill_ends_free(&ends);
     if (status) return status;
     status = keep_inside(f, trace, report, error);
     if (status && status != SN_STOPPED) return status;
@@ -488,6 +619,7 @@ static sn_status fill(filling *f, const sn_topology *topology, sn_trace *trace, 
     if (!status) status = measured;
     summarise(f, report);
     sn_status handed = hand_over(f, out, error);
+    if (!handed) handed = fill_judge(&f->muscle->mesh, topology, out, report, error);
     return handed ? handed : status;
 }
 
@@ -499,7 +631,6 @@ sn_status sn_fill_fibers(const sn_muscle *muscle, const sn_fill_params *params, 
     *report = (sn_fill_report){0};
     sn_status status = check_params(params, error);
     if (!status) status = sn_mesh_validate(&muscle->mesh, error);
-    if (!status && sn_trace_stopped(trace)) return SN_STOPPED;
     if (!status) status = sn_topology_build(&muscle->mesh, &topology, error);
     if (status) return status;
     f.diagonal = sn_box_diagonal(sn_mesh_box(&muscle->mesh));
@@ -507,7 +638,7 @@ sn_status sn_fill_fibers(const sn_muscle *muscle, const sn_fill_params *params, 
     f.closed = true;
     for (sn_index e = 0; e < topology.edge_count; e++) f.closed &= topology.edges[e].triangle_count == 2;
     report->closed = f.closed;
-    status = fill(&f, &topology, trace, out, report, error);
+    status = sn_trace_stopped(trace) ? SN_STOPPED : fill(&f, &topology, trace, out, report, error);
     filling_free(&f);
     sn_topology_free(&topology);
     return status;

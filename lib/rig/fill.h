@@ -28,6 +28,21 @@ SN_MUST_CHECK sn_status fill_find_ends(const sn_muscle *muscle, const sn_topolog
                                        fill_ends *out, sn_error *error);
 void fill_ends_free(fill_ends *ends);
 
+/* ---- a finer surface (fill_refine.c) ------------------------------------------------------------------------------------------- */
+
+/* Values that a field has at some vertices; a vertex is listed once. */
+typedef struct fill_fixed {
+    sn_index count;
+    sn_index *vertices; /* (count) */
+    double *values;     /* (count) 0 or 1 */
+} fill_fixed;
+
+/* The surface with each triangle in four, again and again until there are enough of them; its first vertices are those of `mesh`. fixed
+ * grows by the middles between ends of one value. *out, *out_topology: empty where `mesh` has enough; the caller's to free, also on
+ * failure. */
+SN_MUST_CHECK sn_status fill_refine(const sn_mesh *mesh, const sn_topology *topology, fill_fixed *fixed, sn_mesh *out,
+                                    sn_topology *out_topology, sn_error *error);
+
 /* ---- slices (fill_slice.c) ------------------------------------------------------------------------------------------------ */
 
 /* A point of the unit square. */
@@ -96,7 +111,13 @@ typedef struct fill_field {
     const double *u; /* (vertex_count) 0 at the origin, 1 at the insertion */
 } fill_field;
 
-SN_MUST_CHECK sn_status fill_levels_build(const fill_field *field, sn_index level_count, double turn, sn_trace *trace, fill_levels *out,
+typedef struct fill_levels_params {
+    sn_index count; /* of the levels */
+    double turn;    /* of the square about the line of action, radians */
+    bool flux;      /* rims at equal steps of the field's flux through their loops, not of these loops' length */
+} fill_levels_params;
+
+SN_MUST_CHECK sn_status fill_levels_build(const fill_field *field, const fill_levels_params *params, sn_trace *trace, fill_levels *out,
                                           sn_error *error);
 /* The loop of `level` and the place in its square of what is at `at` of the trunk; SN_NONE where the slices end before. Where loops split
  * the way of `guide` is taken, `at` kept within its share: a fibre that moves across does not change over to another head. */
@@ -203,6 +224,12 @@ typedef struct fill_leading {
 } fill_leading;
 
 SN_MUST_CHECK sn_status fill_lead_paths(const fill_leading *lead, sn_error *error);
+
+/* ---- how well they fill (fill_judge.c) ----------------------------------------------------------------------------------------- */
+
+/* Sets spacing, empty, greatest_bend, muscle_bend and bent of the report; the fibres have their lengths. */
+SN_MUST_CHECK sn_status fill_judge(const sn_mesh *mesh, const sn_topology *topology, const sn_fibers *fibers, sn_fill_report *report,
+                                   sn_error *error);
 
 /* ---- fibres (fiber_fill.c) ------------------------------------------------------------------------------------------------------- */
 

@@ -217,15 +217,14 @@ static sn_status levels_alloc(fill_levels *l, sn_index count, sn_error *error) {
     return l->u && l->z && l->centre && l->first ? SN_OK : sn_fail_memory(error, "the levels of the fibres");
 }
 
-sn_status fill_levels_build(const fill_field *field, sn_index level_count, double turn, sn_trace *trace, fill_levels *out,
-                            sn_error *error) {
-    cutting c = {.mesh = field->mesh, .topology = field->topology, .u = field->u, .out = out};
-    sn_status status = levels_alloc(out, level_count, error);
-    if (!status) status = choose_levels(field->mesh, field->u, level_count, out->u, error);
+sn_status fill_levels_build(const fill_field *field, const fill_levels_params *params, sn_trace *trace, fill_levels *out, sn_error *error) {
+    cutting c = {.mesh = field->mesh, .topology = field->topology, .u = field->u, .out = out, .by_flux = params->flux};
+    sn_status status = levels_alloc(out, params->count, error);
+    if (!status) status = choose_levels(field->mesh, field->u, params->count, out->u, error);
     if (!status) status = cut_levels(&c, trace, error);
     if (!status && (out->trunk = choose_trunk(out)) == SN_NONE)
         status = sn_fail(error, SN_ERROR_INPUT, "no level between the ends cuts the surface in a loop; clean the surface first");
-    if (!status) status = cutting_link(&c, turn, trace, error);
+    if (!status) status = cutting_link(&c, params->turn, trace, error);
     if (!status) status = measure(out, error);
     cutting_free(&c);
     if (status) fill_levels_free(out);

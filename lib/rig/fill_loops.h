@@ -18,6 +18,7 @@ typedef struct cutting {
     sn_index *edges;   /* (point_count) */
     sn_vec3 *points;   /* (point_count) */
     sn_index point_count;
+    bool by_flux; /* rims lie at equal steps of the field's flux through their loops, not of these loops' length */
     size_t loop_capacity, curve_capacity, edge_capacity, point_capacity;
 } cutting;
 

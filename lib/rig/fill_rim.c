@@ -1,23 +1,51 @@
-/* fill_rim.c -- the boundary of the square laid around a loop. */
+/*
+ * fill_rim.c -- the boundary of the square laid around a loop, by its length or by the field's flux through it.
+ *
+ * Flux is the integral of |grad u| along the loop. What flows through a level flows through the next one, so that points at equal steps of
+ * flux follow the field. A part of the muscle without an end of its own, into which a loop runs and out again where its level passes by,
+ * has hardly any flux but much length: by length all fibres turn aside there, each by its share, and back on the levels behind.
+ */
 #include <stdlib.h>
 
 #include "fill_loops.h"
 
-enum { DENSE = 256 }; /* places where the rim is tried to begin */
+#define LENGTH_PART 0.2 /* by flux: what a loop's length counts for against it */
+enum { DENSE = 256 };   /* places where the rim is tried to begin */
 
-/* A closed curve by arc length. */
+/* A closed curve by length or by flux. */
 typedef struct curve {
     sn_index count;
     const sn_vec3 *points;
     double *way; /* (count + 1) */
 } curve;
 
+/* What flows through a cut edge: the discrete field's own flux, of which each vertex passes on as much as it gets. */
+static double flux_through(const cutting *c, sn_index edge) {
+    const sn_edge *e = &c->topology->edges[edge];
+    return sn_edge_weight(c->mesh, e) * fabs(c->u[e->v[1]] - c->u[e->v[0]]);
+}
+
+/* The flux of each step, by its two edges, and for a part its length. */
+static void weigh_steps(const cutting *c, const sn_index *edges, curve *k) {
+    double length = 0.0, flux = 0.0;
+    for (sn_index i = 0; i < k->count; i++) {
+        length += k->way[i + 1];
+        flux += flux_through(c, edges[i]);
+    }
+    if (!(flux > 0.0) || !(length > 0.0)) return;
+    double part = LENGTH_PART * flux / length;
+    for (sn_index i = 0; i < k->count; i++)
+        k->way[i + 1] = part * k->way[i + 1] + 0.5 * (flux_through(c, edges[i]) + flux_through(c, edges[(i + 1) % k->count]));
+}
+
 static bool curve_create(const cutting *c, sn_index loop, curve *out) {
-    *out = (curve){.count = c->curves[loop].count, .points = c->points + c->curves[loop].first};
-    out->way = SN_NEW(double, out->count + 1);
-    for (sn_index i = 0; out->way && i < out->count; i++)
-        out->way[i + 1] = out->way[i] + sn_distance(out->points[i], out->points[(i + 1) % out->count]);
-    return out->way != NULL;
+    const cut_curve *cut = &c->curves[loop];
+    *out = (curve){.count = cut->count, .points = c->points + cut->first, .way = SN_NEW(double, cut->count + 1)};
+    if (!out->way) return false;
+    for (sn_index i = 0; i < out->count; i++) out->way[i + 1] = sn_distance(out->points[i], out->points[(i + 1) % out->count]);
+    if (c->by_flux) weigh_steps(c, c->edges + cut->first, out);
+    for (sn_index i = 0; i < out->count; i++) out->way[i + 1] += out->way[i];
+    return true;
 }
 
 static sn_vec3 curve_at(const curve *k, double s) {

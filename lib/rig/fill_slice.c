@@ -11,7 +11,8 @@
 #include "triangulate.h"
 
 enum { MOST_INNER = 256 };
-#define LEAST_WEIGHT 1e-3 /* of an edge: cotangents may be negative beside the rim */
+#define LEAST_SPACING 1e-3 /* of inner points, against the perimeter */
+#define LEAST_WEIGHT 1e-3  /* of an edge: cotangents may be negative beside the rim */
 
 void fill_square_rim(int wide, fill_uv out[RIM]) {
     int high = RIM / 2 - wide, k = 0;
@@ -46,13 +47,14 @@ static double polygon_area(const polygon_point points[RIM]) {
     return 0.5 * sum;
 }
 
-/* Distance of inner points: three across the thickness, but no finer than the rim asks for and no more than there is room for. */
+/* Distance of inner points: three across the thickness, but no finer than the rim asks for and no more than there is room for. A rim whose
+ * sides cover each other has no area to speak of, and a box of any size. */
 static double inner_spacing(const polygon_point points[RIM]) {
     double perimeter = 0.0, area = fmax(polygon_area(points), 0.0);
     for (int k = 0; k < RIM; k++) perimeter += sn_length2(points[(k + 1) % RIM].x - points[k].x, points[(k + 1) % RIM].y - points[k].y);
     if (!(perimeter > 0.0)) return 0.0;
     double thickness = 2.0 * area / perimeter;
-    return fmax(fmin(1.6 * perimeter / RIM, 0.6 * thickness), sqrt(area / (0.8 * MOST_INNER)));
+    return fmax(fmax(fmin(1.6 * perimeter / RIM, 0.6 * thickness), sqrt(area / (0.8 * MOST_INNER))), LEAST_SPACING * perimeter);
 }
 
 /* ---- the harmonic map ------------------------------------------------------------------------------------------------------- */

@@ -86,6 +86,10 @@ SN_MUST_CHECK sn_status tree_as_structure(const tree *t, sn_structure *out, sn_e
 /* Room for `samples` of a structure over `vertices`, all vertices unconnected. */
 SN_MUST_CHECK sn_status structure_alloc(sn_index samples, sn_index vertices, sn_structure *out, sn_error *error);
 
+/* +1 or -1 where the triangle lies over or under q, seen along z, and faces up or down; else 0. Neighbours agree on which of them has a
+ * point of their common edge. lib/rig/windings.c */
+int triangle_over(const sn_mesh *mesh, sn_triangle t, sn_vec3 q);
+
 /* How often the closed surface winds around each point: 1 inside, 0 outside. lib/rig/windings.c */
 SN_MUST_CHECK sn_status count_windings(const sn_mesh *mesh, sn_index count, const sn_vec3 *points, int *winding, sn_error *error);
 

@@ -41,14 +41,19 @@ static bool is_left(const sn_mesh *mesh, sn_index a, sn_index b, sn_vec3 q) {
     return left != swap;
 }
 
-/* +1 or -1 where the triangle lies above q and faces up or down, else 0. */
-static int covers(const sn_mesh *mesh, sn_triangle t, sn_vec3 q) {
+int triangle_over(const sn_mesh *mesh, sn_triangle t, sn_vec3 q) {
     bool left = is_left(mesh, t.v[0], t.v[1], q);
     if (is_left(mesh, t.v[1], t.v[2], q) != left || is_left(mesh, t.v[2], t.v[0], q) != left) return 0;
+    return left ? 1 : -1;
+}
+
+/* +1 or -1 where the triangle lies above q and faces up or down, else 0. */
+static int covers(const sn_mesh *mesh, sn_triangle t, sn_vec3 q) {
+    int facing = triangle_over(mesh, t, q);
+    if (facing == 0) return 0;
     sn_vec3 a = mesh->positions[t.v[0]];
     sn_vec3 normal = sn_area_vector(a, mesh->positions[t.v[1]], mesh->positions[t.v[2]]);
-    bool above = left ? sn_dot(normal, sn_sub(q, a)) < 0.0 : sn_dot(normal, sn_sub(q, a)) > 0.0;
-    return above ? (left ? 1 : -1) : 0;
+    return facing * sn_dot(normal, sn_sub(q, a)) < 0.0 ? facing : 0;
 }
 
 static void count_triangle(const sn_mesh *mesh, sn_triangle t, const query *queries, sn_index count, const sn_vec3 *points, int *winding) {

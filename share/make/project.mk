@@ -124,11 +124,12 @@ off-equals-absent: programs examples
 	tests/off-equals-absent $(B)/bin $(B)/examples
 
 # every row of the study of rig generation, on every muscle (check runs a short form)
-anatomy: $(B)/tests/numerics/anatomy_rig $(B)/tests/numerics/attach_rules $(B)/tests/numerics/fill_anatomy $(B)/tests/numerics/fill_areas
+anatomy: $(B)/tests/numerics/anatomy_rig $(B)/tests/numerics/attach_rules $(B)/tests/numerics/fill_anatomy $(B)/tests/numerics/fill_areas $(B)/tests/numerics/fill_shape
 	DATA=$(DATA) $(B)/tests/numerics/anatomy_rig --all
 	DATA=$(DATA) $(B)/tests/numerics/attach_rules --all
 	DATA=$(DATA) $(B)/tests/numerics/fill_anatomy all
 	DATA=$(DATA) $(B)/tests/numerics/fill_areas all
+	DATA=$(DATA) $(B)/tests/numerics/fill_shape all
 .PHONY: anatomy
 
 # ---- demo ---------------------------------------------------------------------------------------------------------------------

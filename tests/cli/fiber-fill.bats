@@ -406,6 +406,66 @@ spindle() {
     [ "$(jq '[.fibers.polylines[].points | [range(2; length; 3) as $i | .[$i]] | select([range(1; length) as $i | .[$i] - .[$i - 1]] | max > 1)] | length' spindle.json)" -eq 0 ]
 }
 
+@test "a muscle that fibres leave empty falls short; so does none that they fill" {
+    spindle > empty.obj
+    "$BIN/fiber-fill" --units mm --report full.json empty.obj 2> err > full.muscle.json
+    [ ! -s err ]
+    awk -v e="$(value full.json emptyShare)" -v v="$(value full.json volume)" -v l="$(value full.json lengthMean)" -v s="$(value full.json spacing)" \
+        'BEGIN { exit !(e < 0.02 && s / sqrt(v / l / 100) > 0.98 && s / sqrt(v / l / 100) < 1.02) }'
+    # ends at a third of its length: the rest is empty
+    echo '{"format": "sinew-fiber-ends", "version": 1, "origin": [0, 3, 7, 11], "insertion": ['"$(seq -s, 192 207)"']}' > third.json
+    code=0
+    "$BIN/fiber-fill" --units mm --ends third.json --report r.json empty.obj 2> err > third.muscle.json || code=$?
+    [ "$code" -eq 3 ]
+    grep -q '% of the muscle is farther than 5 mean spacings' err
+    awk -v e="$(value r.json emptyShare)" 'BEGIN { exit !(e > 0.4 && e < 0.75) }'
+    [ "$(jq '.fibers.polylines | length' third.muscle.json)" -eq 100 ]
+    # a template of one's own may leave out what it likes
+    echo '{"format": "sinew-fiber-template", "version": 1, "curves": [{"points": [0.5,0.5,0, 0.5,0.5,0.2]}]}' > part.json
+    "$BIN/fiber-fill" --units mm --template-file part.json empty.obj 2> err > /dev/null
+    grep -q 'warning: .*farther than 5 mean spacings' err
+    cmp <("$BIN/fiber-fill" -q --threads 1 --units mm --ends third.json --report - -o /dev/null empty.obj 2> /dev/null | grep emptyShare) \
+        <("$BIN/fiber-fill" -q --threads 3 --units mm --ends third.json --report - -o /dev/null empty.obj 2> /dev/null | grep emptyShare)
+}
+
+@test "fibres from an end back to an end beside it get a warning" {
+    spindle > back.obj
+    echo '{"format": "sinew-fiber-ends", "version": 1, "origin": [0, 1, 15], "insertion": [7, 8, 9]}' > beside.json
+    "$BIN/fiber-fill" --units mm --ends beside.json --report r.json back.obj 2> err > /dev/null
+    grep -q 'bend more than the muscle does' err
+    [ "$(value r.json bentFibers)" -gt 0 ]
+    awk -v b="$(value r.json lengthOverChord)" 'BEGIN { exit !(b > 1.5) }'
+}
+
+# A sheet of 200 x 100 x 4 along x with a spur of 20 x 80 on one of its long sides, and two ends as wide as it is.
+spurred() {
+    awk 'function id(s, i, j) { if (!((s, i, j) in n)) { n[s, i, j] = ++c; print "v", 4 * i, 4 * j, 4 * s }; return n[s, i, j] }
+        function is(i, j) { return i >= 0 && i < 50 && j >= 0 && (j < 25 || (j < 45 && i >= 22 && i < 28)) }
+        function wall(i, j, k, l) { print "f", id(0,i,j), id(0,k,l), id(1,k,l); print "f", id(0,i,j), id(1,k,l), id(1,i,j) }
+        BEGIN {
+            for (i = 0; i < 50; i++) for (j = 0; j < 45; j++) if (is(i, j)) {
+                print "f", id(0,i,j), id(0,i+1,j+1), id(0,i+1,j); print "f", id(0,i,j), id(0,i,j+1), id(0,i+1,j+1)
+                print "f", id(1,i,j), id(1,i+1,j), id(1,i+1,j+1); print "f", id(1,i,j), id(1,i+1,j+1), id(1,i,j+1)
+                if (!is(i, j - 1)) wall(i, j, i + 1, j)
+                if (!is(i + 1, j)) wall(i + 1, j, i + 1, j + 1)
+                if (!is(i, j + 1)) wall(i + 1, j + 1, i, j + 1)
+                if (!is(i - 1, j)) wall(i, j + 1, i, j)
+            }
+        }'
+}
+
+@test "fibres pass a spur without an end of its own" {
+    spurred > spur.obj
+    "$BIN/mesh-clean" -q --units mm spur.obj -o spur.json
+    awk '$1 == "v" { if ($2 == 0) a = a (a == "" ? "" : ", ") n + 0; if ($2 == 200) b = b (b == "" ? "" : ", ") n + 0; n++ }
+        END { printf "{\"format\": \"sinew-fiber-ends\", \"version\": 1, \"origin\": [%s], \"insertion\": [%s]}\n", a, b }' spur.obj > sides.json
+    "$BIN/fiber-fill" --units mm -n 60 --ends sides.json --report r.json spur.obj -o spur.muscle.json
+    [ "$(value r.json slices)" = '"flux"' ]
+    # none goes into it by a quarter of its length: by the rims' lengths a fifth of them go farther, up to 64 of 80
+    [ "$(jq '[.fibers.polylines[].points | [range(1; length; 3) as $i | .[$i]] | select(max > 120)] | length' spur.muscle.json)" -eq 0 ]
+    awk -v m="$(value r.json meanLength)" -v e="$(value r.json emptyShare)" 'BEGIN { exit !(m > 198 && m < 205 && e > 0.03 && e < 0.1) }'
+}
+
 @test "ward-table: rigs of a leg against measured fibre lengths" {
     [ -d "$DATA/leg-vhf" ] || skip "no real anatomy at $DATA"
     "$BATS_TEST_DIRNAME/../ward-table" "$BIN" "$DATA" ward gracilis tibialis_anterior > table.out

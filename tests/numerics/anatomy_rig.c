@@ -11,15 +11,15 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "dog_sites.h"
 #include "sinew/io.h"
 #include "sinew/rig.h"
 
 #define DEGREES (180.0 / SN_PI)
-#define COMPACT 0.25 /* sites of an end lie within this share of the distance of the ends from their mean */
 
 #define NEAR 0.05 /* every sample of the rig of four times the triangles lies this near, as a share of L, to the rig itself */
 
-enum { DENSITIES = 4, SHORT_STEP = 13, MAX_SITES = 64 };
+enum { DENSITIES = 4, SHORT_STEP = 13 };
 
 /* Mean angle between two flows in degrees: over the surface by area, and over the vertices, which crowd at the tips. */
 typedef struct difference {
@@ -145,56 +145,6 @@ static void compare_densities(const char *path, const sn_muscle *whole, sn_index
 
 /* ---- sites -------------------------------------------------------------------------------------------------------------------- */
 
-typedef struct site_list {
-    sn_index count;
-    sn_end_site sites[MAX_SITES];
-} site_list;
-
-/* Column `index` of a line of tab-separated values. */
-static const char *column(const char *line, int index) {
-    while (index-- > 0 && line) {
-        line = strchr(line, '\t');
-        if (line) line++;
-    }
-    return line;
-}
-
-static void find_sites(const sn_blob *table, const char *file, site_list *out) {
-    size_t length = strlen(file);
-    out->count = 0;
-    for (const char *line = table->data; line && *line; line = strchr(line, '\n'), line += line != NULL) {
-        const char *name = column(line, 6), *end = line + strcspn(line, "\n"), *point = column(line, 2);
-        if (!name || name >= end || strncmp(name, file, length) != 0 || name[length] != '\t' || out->count == MAX_SITES) continue;
-        double p[3];
-        bool good = true;
-        for (int i = 0; i < 3; i++) good = good && sn_scan_number(point, end, &point, &p[i]) && point++ < end;
-        if (good) out->sites[out->count++].point = sn_v3(p[0], p[1], p[2]);
-    }
-}
-
-/* Two groups, around the two sites that lie farthest apart; true where both are compact. */
-static bool group_sites(site_list *list) {
-    sn_index a = 0, b = 0;
-    for (sn_index i = 0; i < list->count; i++)
-        for (sn_index j = i + 1; j < list->count; j++)
-            if (sn_distance(list->sites[i].point, list->sites[j].point) > sn_distance(list->sites[a].point, list->sites[b].point)) {
-                a = i;
-                b = j;
-            }
-    if (a == b) return false;
-    sn_vec3 first = list->sites[a].point, last = list->sites[b].point, mean[2] = {{0, 0, 0}, {0, 0, 0}};
-    double count[2] = {0, 0}, spread = 0.0;
-    for (sn_index i = 0; i < list->count; i++) {
-        sn_end_site *s = &list->sites[i];
-        s->end = sn_distance(s->point, last) < sn_distance(s->point, first);
-        mean[s->end] = sn_add(mean[s->end], s->point);
-        count[s->end] += 1.0;
-    }
-    for (int end = 0; end < 2; end++) mean[end] = sn_scale(mean[end], 1.0 / count[end]);
-    for (sn_index i = 0; i < list->count; i++) spread = fmax(spread, sn_distance(list->sites[i].point, mean[list->sites[i].end]));
-    return spread <= COMPACT * sn_distance(mean[0], mean[1]);
-}
-
 static difference compare_flows(const sn_mesh *mesh, const sn_fibers *a, const sn_fibers *b) {
     double *angle = SN_NEW(double, mesh->vertex_count), sum = 0.0, area = 0.0;
     difference d = {0, 0};
@@ -235,8 +185,10 @@ static void compare_with_sites(const sn_muscle *m, const site_list *sites, const
     sn_flow_params params = sn_flow_defaults(), tips = params, literal = params;
     sn_fibers truth = {0};
     sn_error error = {0};
+    sn_end_site known[MOST_SITES];
+    for (sn_index i = 0; i < sites->count; i++) known[i] = (sn_end_site){.point = sites->points[i], .end = sites->end[i]};
     params.site_count = sites->count;
-    params.sites = sites->sites;
+    params.sites = known;
     if (sn_flow_fibers(m, &params, NULL, &truth, NULL, &error)) {
         printf("  %s\n", error.text); /* sites that are not this muscle's */
         return;

@@ -16,14 +16,14 @@
 #include <string.h>
 #include <time.h>
 
+#include "dog_sites.h"
 #include "sinew/io.h"
 #include "sinew/rig.h"
 
-#define COMPACT 0.25   /* sites of an end lie within this share of the distance of the ends from their mean */
 #define PATCH 0.05     /* of L */
 #define SITE_REACH 0.1 /* of L: sites farther from the surface are another muscle's */
 
-enum { FIBERS = 49, EVERY = 8, MAX_SITES = 64, MOST_AREAS = 4 };
+enum { FIBERS = 49, EVERY = 8, MOST_AREAS = 4 };
 
 static bool before;
 static const char *out_folder;
@@ -439,56 +439,6 @@ static void process_shape(const shape *which, int scale, totals *t) {
 }
 
 /* ---- the dog ---------------------------------------------------------------------------------------------------------------------- */
-
-typedef struct site_list {
-    sn_index count, far[2]; /* far: the two farthest apart */
-    sn_vec3 points[MAX_SITES];
-} site_list;
-
-/* Column `index` of a line of tab-separated values. */
-static const char *column(const char *line, int index) {
-    while (index-- > 0 && line) {
-        line = strchr(line, '\t');
-        if (line) line++;
-    }
-    return line;
-}
-
-static void find_sites(const sn_blob *table, const char *file, site_list *out) {
-    size_t length = strlen(file);
-    out->count = 0;
-    for (const char *line = table->data; line && *line; line = strchr(line, '\n'), line += line != NULL) {
-        const char *name = column(line, 6), *end = line + strcspn(line, "\n"), *point = column(line, 2);
-        if (!name || name >= end || strncmp(name, file, length) != 0 || name[length] != '\t' || out->count == MAX_SITES) continue;
-        double p[3];
-        bool good = true;
-        for (int i = 0; i < 3; i++) good = good && sn_scan_number(point, end, &point, &p[i]) && point++ < end;
-        if (good) out->points[out->count++] = sn_v3(p[0], p[1], p[2]);
-    }
-}
-
-/* The two farthest apart; true where the others lie compactly around them. */
-static bool group_sites(site_list *l) {
-    l->far[0] = l->far[1] = 0;
-    for (sn_index i = 0; i < l->count; i++)
-        for (sn_index j = i + 1; j < l->count; j++)
-            if (sn_distance(l->points[i], l->points[j]) > sn_distance(l->points[l->far[0]], l->points[l->far[1]])) {
-                l->far[0] = i;
-                l->far[1] = j;
-            }
-    if (l->far[0] == l->far[1]) return false;
-    sn_vec3 mean[2] = {{0, 0, 0}, {0, 0, 0}};
-    double count[2] = {0, 0}, spread = 0.0;
-    int end[MAX_SITES];
-    for (sn_index i = 0; i < l->count; i++) {
-        end[i] = sn_distance(l->points[i], l->points[l->far[1]]) < sn_distance(l->points[i], l->points[l->far[0]]);
-        mean[end[i]] = sn_add(mean[end[i]], l->points[i]);
-        count[end[i]] += 1.0;
-    }
-    for (int e = 0; e < 2; e++) mean[e] = sn_scale(mean[e], 1.0 / count[e]);
-    for (sn_index i = 0; i < l->count; i++) spread = fmax(spread, sn_distance(l->points[i], mean[end[i]]));
-    return spread <= COMPACT * sn_distance(mean[0], mean[1]);
-}
 
 static sn_index nearest_vertex(const sn_mesh *mesh, sn_vec3 p) {
     sn_index best = 0;

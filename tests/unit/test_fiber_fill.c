@@ -663,6 +663,63 @@ static void test_sobol(void **state) {
     assert_int_equal(sn_sobol(41, 1, points, NULL), SN_ERROR_USAGE);
 }
 
+/* Fibres that fill a bar leave nothing empty; those that end at a quarter of it leave what is farther than five spacings beyond. */
+static void test_what_is_left_empty(void **state) {
+    (void)state;
+    const sn_index around = 2 * (WIDE + DEEP), ring = LONG / 4;
+    sn_mesh mesh = bar();
+    sn_index *lists, *low = SN_NEW(sn_index, around);
+    sn_fill_params params = bar_params(&lists);
+    sn_fill_report report;
+    sn_fibers fibers = filled(&mesh, &params, &report);
+    assert_true(report.empty == 0.0);
+    assert_near(report.spacing, sqrt(WIDTH * DEPTH / 100.0 / 0.992), 0.02);
+    assert_true(report.greatest_bend < 1.01);
+    assert_true(report.bent == 0 && !report.flux);
+    sn_fibers_free(&fibers);
+    for (sn_index k = 0; k < around; k++) low[k] = bar_vertex(ring, k);
+    params.insertion = low;
+    params.insertion_count = around;
+    fibers = filled(&mesh, &params, &report);
+    assert_near(report.spacing, sqrt(WIDTH * DEPTH * 4.0 / 100.0 / 0.992), 0.05);
+    assert_near(report.empty, 0.75 - SN_FILL_FAR * report.spacing / LENGTH, 0.01);
+    sn_fibers_free(&fibers);
+    free(low);
+    free(lists);
+    sn_mesh_free(&mesh);
+}
+
+/* From one half of a face to its other half: fibres bend back, the bar does not. */
+static void test_fibres_that_bend_back(void **state) {
+    (void)state;
+    const sn_index around = 2 * (WIDE + DEEP);
+    sn_mesh mesh = bar();
+    sn_index *sides = SN_NEW(sn_index, 2 * around), counts[2] = {0, 0};
+    for (sn_index k = 0; k < around; k++) {
+        sn_index v = bar_vertex(0, k);
+        double x = mesh.positions[v].x;
+        if (x < 0.3 * WIDTH) sides[counts[0]++] = v;
+        if (x > 0.7 * WIDTH) sides[around + counts[1]++] = v;
+    }
+    sn_fill_params params = sn_fill_defaults();
+    sn_fill_report report;
+    params.origin = sides;
+    params.insertion = sides + around;
+    params.origin_count = counts[0];
+    params.insertion_count = counts[1];
+    sn_fibers fibers = filled(&mesh, &params, &report);
+    sn_index bent = 0;
+    for (sn_index i = 0; i < fibers.polyline_count; i++) {
+        const sn_polyline *line = &fibers.polylines[i];
+        bent += line->length > SN_FILL_BENT * report.muscle_bend * sn_distance(line->points[0], line->points[line->count - 1]);
+    }
+    assert_true(report.muscle_bend > 1.0 && report.muscle_bend < 1.2);
+    assert_true(bent > 0 && report.bent == bent);
+    sn_fibers_free(&fibers);
+    free(sides);
+    sn_mesh_free(&mesh);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_parallel_fibres_are_straight),
@@ -686,6 +743,8 @@ int main(void) {
         cmocka_unit_test(test_concave_sections),
         cmocka_unit_test(test_impossible_requests),
         cmocka_unit_test(test_sobol),
+        cmocka_unit_test(test_what_is_left_empty),
+        cmocka_unit_test(test_fibres_that_bend_back),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
