@@ -6,14 +6,15 @@
 #   dog.sh [-d DEGREES] [-p STEP] [-R RATE] DOG OUT [JOINT-OPTION ...]
 #
 # DOG is the folder of dog.xml, attachments.tsv and meshes/; the hip goes to DEGREES (90) of flexion by STEP (2) a frame, RATE (10) frames a
-# second. JOINT-OPTIONs are those of joint.sh. The scene is OUT/hip.scene.json, the coordinate hip_L_extend, in which flexion is negative.
+# second. JOINT-OPTIONs are those of joint.sh; before them it has -e 3mm -s *.stiffness.volume=16000 (volumes four times as stiff
+# as by default, which keeps them within 1 %). The scene is OUT/hip.scene.json, the coordinate hip_L_extend, in which flexion is negative.
 set -eu
 LC_ALL=C
 export LC_ALL
 here=$(cd "$(dirname "$0")" && pwd)
 step=2 rate=10 degrees=90
 usage() {
-    sed -n '2,9s/^#\( \|$\)//p' "$0"
+    sed -n '2,10s/^#\( \|$\)//p' "$0"
     exit "$1"
 }
 while getopts d:p:R:h option; do
@@ -54,7 +55,7 @@ awk -F '\t' '
         end = bone == "Femoris_L" ? "insertion" : "origin"
         printf "%s\t%s\t%s\t%s\t%s\t%s\n", muscle, bone, end (n[muscle, end]++ ? " " n[muscle, end] : ""), $3, $4, $5
     }' "$out/muscles.tsv" "$dog/attachments.tsv" > "$out/sites.tsv"
-"$here/joint.sh" -n hip -j Femoris_L=upper_leg_L "$@" "$out" "$out/muscles.tsv" "$out/sites.tsv" "$out/near" "$out/hip.motion.json"
+"$here/joint.sh" -n hip -e 3mm -j Femoris_L=upper_leg_L -s "*.stiffness.volume=16000" "$@" "$out" "$out/muscles.tsv" "$out/sites.tsv" "$out/near" "$out/hip.motion.json"
 # the hinge of the papers' recipes: "BONE point axis degrees-a-frame", flexion positive
 awk -v step="$step" '
     /"name": *"upper_leg_L"/ { on = 1 }

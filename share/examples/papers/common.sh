@@ -90,6 +90,7 @@ of_hip() {
 }
 
 given=$#
+if [ -n "${recipe_bones:-}" ]; then given=0; fi # its arguments are bones
 surface=${1:-}
 [ -z "$muscle" ] || [ "$given" -eq 0 ] || { say "either -m MUSCLE or a surface of your own" >&2; exit 2; }
 if [ -n "$muscle" ]; then
@@ -100,7 +101,7 @@ if [ -n "$muscle" ]; then
 elif [ "$given" -gt 0 ]; then
     shift
     [ -n "$joint" ] || { say "a muscle of your own needs -j \"BONE x,y,z ax,ay,az DEGREES\"" >&2; exit 2; }
-else
+elif [ -z "${recipe_bones:-}" ]; then
     set -- --bone "scapula=$out/arm/scapula.ply" --bone "radius=$out/arm/radius.ply"
     joint=${joint:-${swing:-radius 0,0,0.3 0,-1,0 1}}
 fi
@@ -151,10 +152,11 @@ fine() {
 rig() {
     name=$1 most=$2
     shift 2
-    decimate=''
+    decimate='' source=$surface
+    [ "$most" -ne 0 ] || [ -z "$muscle" ] || source=$hip/surfaces/$muscle.ply
     [ "$most" -eq 0 ] || decimate="$(fine "$most") --triangles $most"
     # shellcheck disable=SC2086
-    mesh-clean -q $decimate ${unit:+--units $unit} --report "$out/$name.clean.json" "$surface" |
+    mesh-clean -q $decimate ${unit:+--units $unit} --report "$out/$name.clean.json" "$source" |
         attach-detect -q "$@" | root-select -q | build-structure -q |
         fiber-flow -q --field tree -o "$out/$name.muscle.json" # the papers' directions follow the structure
 }
@@ -186,6 +188,16 @@ member() { sed -n 's/.*"'"$1"'":\([^,}]*\).*/\1/p'; }
 wild() {
     rms=$(tail -n 1 "$1" | sed -n 's/.*"mesh":{"rms":\([^,}]*\).*/\1/p')
     awk -v x="$rms" 'BEGIN { exit x ~ /^[0-9]/ && x + 0 < 10 }'
+}
+
+# focus_on: options of rig-view that aim at the muscle of a scene; the hip from where its bones hide least
+focus_on() {
+    [ -z "$contact$muscle" ] && return 0
+    for scene in contact mean-edge 0.5mm 1mm areas collision areas-ignore default muscle; do
+        [ ! -e "$out/$scene.scene.json" ] || echo "--focus $scene"
+    done
+    echo "--zoom 0.75"
+    case $muscle in gluteus*) echo "--camera 150:10" ;; iliacus | psoas*) echo "--camera 150:-20" ;; ?*) echo "--camera 60:0" ;; esac
 }
 
 # chart NAME: OUT/NAME.tsv by NAME.gp as OUT/NAME.svg and OUT/NAME.png

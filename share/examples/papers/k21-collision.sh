@@ -5,7 +5,7 @@
 # time of a step, how much deeper than at rest a vertex gets into a bone, and how the edges fare.
 # Without SURFACE: the peroneus longus of the leg in $DATA, between fibula and tibia, which turn by a degree a frame about the ankle, and the
 # foot, which stands; or where that is not to be had, the triceps of the generated arm at the bending elbow.
-# Usage: k21-collision.sh [-o OUT] [-t TRIANGLES] [-f FRAMES] [-i ITERATIONS] [-u UNIT] [-j JOINT] [-b BONES] [SURFACE ATTACH-OPTION...]
+# Usage: k21-collision.sh [-o OUT] [-t TRIANGLES] [-f FRAMES] [-i ITERATIONS] [-c] [-m MUSCLE | [-u UNIT] [-j JOINT] [-b BONES] SURFACE ATTACH-OPTION...]
 swing='ulna 0,0,0 0,-1,0 4'
 # shellcheck source=common.sh
 . "$(dirname "$0")/common.sh"
