@@ -20,12 +20,12 @@ sites() { printf 'bone\tarea\tx\ty\tz\n'; printf '%s\n' "$@"; }
     [ "$(grep -c origin areas.tsv)" -eq 16 ]
     [ "$(grep -c insertion areas.tsv)" -eq 16 ]
     grep -q '^areas: origin on humerus: radius' said
-    # straight ways are no longer than those along the surface, and the line goes around: twice the radius across, half way round
+    # straight ways are no longer than those along the surface; around the belly's site opposite points are far apart (the insertion's is at a tip)
     awk -F '\t' 'FNR == 1 { file++ } file == 1 { sub(/.*radius /, ""); r[++n] = $0; next }
         { k = $2 == "origin" ? 1 : 2; i = ++c[k]; x[k, i] = $3; y[k, i] = $4; z[k, i] = $5 }
         END { for (k = 1; k <= 2; k++) for (i = 1; i <= 8; i++) { j = i + 8
             d = sqrt((x[k, i] - x[k, j])^2 + (y[k, i] - y[k, j])^2 + (z[k, i] - z[k, j])^2)
-            if (!(d <= 2.05 * r[k] && d > 0.4 * r[k])) { print k, i, d, r[k]; exit 1 } } }' said areas.tsv
+            if (!(d <= 2.05 * r[k] && (k == 2 || d > 0.4 * r[k]))) { print k, i, d, r[k]; exit 1 } } }' said areas.tsv
     # an area of attach-detect from them holds vertices within the radius, and none beyond
     attach-detect -q --method area --landmarks areas.tsv biceps.ply -o rig.muscle.json
     /usr/bin/python3 - << 'END'
@@ -120,13 +120,13 @@ column = {n: [float(r[i]) for r in lengths[1:]] for i, n in enumerate(lengths[0]
 def fibres(m): return [column[f"{m}.{i}"] for i in range(1, 101)]
 for m in extensors: # every fibre is longer at 90 degrees
     assert all(f[45] > f[0] for f in fibres(m)), m
-# flexors: every fibre of iliacus is shorter; of psoas the mean. Both are shortest on the way, then grow, by less than 10 and 5 %: the lesser
-# trochanter turns past the line from hip to origin, and the muscle goes around the brim of the pelvis
+# flexors shrink, up to 56 and 38 degrees; then they grow, the exception: by less than 10 % (every fibre of iliacus is still shorter at 90 degrees
+# than at 0) and 5 % (psoas is as long as at 0 again). The lesser trochanter has turned past the line from the hip to where they come from
 assert all(f[45] < f[0] for f in fibres("iliacus"))
 for m, least, most, rise in (("iliacus", 50, 75, 0.10), ("psoas_major", 30, 60, 0.05)):
     mean = [sum(f[i] for f in fibres(m)) / 100 for i in range(46)]
     low = min(range(46), key=lambda i: mean[i])
-    assert mean[45] < mean[0] and least <= q[low] <= most and mean[45] < (1 + rise) * mean[low], (m, mean[0], mean[low], q[low], mean[45])
+    assert mean[45] < 1.01 * mean[0] and least <= q[low] <= most and mean[low] < 0.98 * mean[0] and mean[45] < (1 + rise) * mean[low], (m, mean[0], mean[low], q[low], mean[45])
     assert all(b < a for a, b in zip(mean[:low], mean[1:low + 1])), m
 # the adductor longus runs across, at the height of the joint: a flexor, then an extensor; nothing is gained or lost by more than 10 %
 mean = [sum(f[i] for f in fibres("adductor_longus")) / 100 for i in range(46)]

@@ -36,7 +36,8 @@ $1 == "time" { read_names(); named = NF; next }
 NF != named { fail("line " NR " has " NF " fields instead of " named) }
 {
     rows++
-    angle[rows] = sign * scale * $x
+    angle[rows] = sign * scale * $x + 0
+    if (angle[rows] == 0) angle[rows] = 0 # no -0
     for (i = 2; i <= NF; i++) l[rows, i] = 1000 * $i
 }
 # Sweeps: runs of rows in which the angle goes one way; where it stands still there is none.

@@ -106,8 +106,10 @@ elif [ -z "${recipe_bones:-}" ]; then
     joint=${joint:-${swing:-radius 0,0,0.3 0,-1,0 1}}
 fi
 # what lets bones be obstacles, beside scheme or solver
+fields="--contact --grid-cache ${FIELDS:-$out/fields}"
+[ -z "$muscle" ] || fields="$fields --grid-cell 1mm" # one for all recipes, and small enough
 obstacles=''
-[ -z "$contact" ] || obstacles="--contact --grid-cache ${FIELDS:-$out/fields}"
+[ -z "$contact" ] || obstacles=$fields
 voxels='--voxels total:2097152' # the paper's n_max
 
 # frames_to DEGREES: the frame at which the joint has turned by so many; bones "$@": the options among them that name bones

@@ -5,7 +5,7 @@
 # shellcheck source=common.sh
 . "$(dirname "$0")/common.sh"
 frames=${frames:-20} iterations=${iterations:-3}
-obstacles="--contact --grid-cache ${FIELDS:-$out/fields}"
+obstacles=$fields
 [ "$given" -gt 0 ] || generate "${triangles:-4000}"
 rig muscle "$([ "$given" -gt 0 ] && echo "${triangles:-0}" || echo 0)" "$@"
 scene muscle "$frames" '' "$@"

@@ -5,7 +5,7 @@
 # shellcheck source=common.sh
 . "$(dirname "$0")/common.sh"
 frames=${frames:-$(frames_to 40)} iterations=${iterations:-5}
-obstacles="--contact --grid-cache ${FIELDS:-$out/fields}"
+obstacles=$fields
 [ "$given" -gt 0 ] || generate "${triangles:-4000}"
 n=$([ "$given" -gt 0 ] && echo "${triangles:-0}" || echo 0)
 touching=$(bones_of "$@")
