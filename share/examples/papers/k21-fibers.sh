@@ -18,7 +18,7 @@ number() { awk -F '[:,]' -v n="\"$1\"" '{ gsub(/ /, "", $1) } $1 == n { print $2
 } > "$out/$recipe.tsv"
 awk -F '\t' 'NR > 1 && NF == 7 && $3 + 0 > 0 && $4 + 0 > 0 && $7 + 0 > 0 { ok = 1 } END { exit !ok }' "$out/$recipe.tsv" || { say "the report has no figures" >&2; exit 1; }
 rm -f "$out/ms" "$out/fill.json"
-rig-view "$out/filled.muscle.json" --size 700x420 --show fibers --title "${muscle:-$(basename "${surface%.*}")}: 100 fibres of 15 segments" -q -o "$out/$recipe.png"
+rig-view "$out/filled.muscle.json" --size 700x420 --show surface,fibers --title "${muscle:-$(basename "${surface%.*}")}: 100 fibres of 15 segments" -q -o "$out/$recipe.png"
 say "$out/$recipe.png, $out/$recipe.tsv"
 claim "fig. 6: decomposition of ${muscle:-$(basename "${surface%.*}")} ($(awk -F '\t' 'NR > 1 { print $2 }' "$out/$recipe.tsv") triangles) into 100 fibres, ms" "< 50" "$(awk -F '\t' 'NR > 1 { printf "%.0f", $7 }' "$out/$recipe.tsv")" "the same"
 awk -F '\t' -v r="$recipe" 'NR > 1 { printf "%s: %s, %d triangles: %d fibres of %s to %s mm in %.0f ms\n", r, $1, $2, $3, $5, $6, $7 }' "$out/$recipe.tsv"

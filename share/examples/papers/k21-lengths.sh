@@ -34,7 +34,7 @@ run() { # KIND OPTION...
         { least = 1e9; most = sum = blend = 0
           for (k = 1; k <= n; k++) { v = 1000 * $own[k]; if (NR == 2) first[k] = v; last[k] = v; sum += v; if (v < least) least = v; if (v > most) most = v }
           for (k = 1; k <= b; k++) blend += 1000 * $other[k]
-          line[NR] = kind "\t" $x "\t" least "\t" sum / n "\t" most "\t" blend / b }
+          line[NR] = kind "\t" sprintf("%.6g", $x) "\t" least "\t" sum / n "\t" most "\t" blend / b }
         END { for (k = 1; k <= n; k++) grew += last[k] > first[k]; for (i = 2; i <= NR; i++) print line[i] "\t" grew "\t" n }' "$out/$kind.lengths.tsv" >> "$out/$recipe.tsv"
 }
 printf 'scheme\tdegrees\tleast_mm\tmean_mm\tgreatest_mm\tblend_mean_mm\tgrew_over_all\tfibres\n' > "$out/$recipe.tsv"

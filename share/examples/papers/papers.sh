@@ -83,11 +83,11 @@ recipe k21-fibers-gluteus-superficialis 'fig. 6' '100 fibres in gluteus superfic
 recipe k21-fibers-gluteus-medius 'fig. 6' '100 fibres in gluteus medius' k21-fibers -m gluteus_medius -t 10622
 recipe k21-fibers-iliacus 'fig. 6' '100 fibres in iliacus' k21-fibers -m iliacus -t 13858
 recipe k21-fibers-adductor 'fig. 6' '100 fibres in adductor magnus' k21-fibers -m adductor_magnus -t 17124
-recipe k21-displacement 'fig. 7' 'mean displacement in each iteration' k21-displacement -m adductor_magnus -t 17124 -f 45
-recipe k21-time 'table 1' 'time of a step by iterations, at three resolutions' k21-time -m adductor_magnus
-recipe k21-anisotropy 'fig. 8' 'anisotropy off and on, 1 to 100 iterations, at 40 degrees' k21-anisotropy -m adductor_magnus -t 17124
+recipe k21-displacement 'fig. 7' 'mean displacement in each iteration' k21-displacement -m adductor_magnus -t 17124
+recipe k21-time 'table 1' 'time of a step by iterations, at three resolutions' k21-time -m adductor_magnus -f 1
+recipe k21-anisotropy 'fig. 8' 'anisotropy off and on, 1 to 100 iterations, at 40 degrees' k21-anisotropy -m adductor_magnus
 recipe k21-resolutions 'fig. 9' '17124, 3000 and 1000 triangles at 40 degrees' k21-resolutions -m adductor_magnus
-recipe k21-variants 'fig. 10' 'iliacus at 40 degrees: points by collision, by areas, bones that hit ignored; the default' k21-variants -m iliacus -t 13858
+recipe k21-variants 'fig. 10' 'iliacus at 40 degrees: points by collision, by areas, bones that hit ignored; the default' k21-variants -m iliacus
 recipe k21-volume-iliacus 'fig. 11' 'volume of iliacus over the flexion' k21-volume -m iliacus
 recipe k21-volume-gluteus-superficialis 'fig. 11' 'volume of gluteus superficialis' k21-volume -m $major
 recipe k21-volume-gluteus-medius 'fig. 11' 'volume of gluteus medius' k21-volume -m gluteus_medius
@@ -96,10 +96,10 @@ recipe k21-lengths-gluteus-superficialis 'figs 12, 15' 'fibre lengths of gluteus
 recipe k21-lengths-gluteus-medius 'figs 13, 15' 'fibre lengths of gluteus medius, and of the blend' k21-lengths -m gluteus_medius
 recipe k21-lengths-iliacus 'figs 14, 15' 'fibre lengths of iliacus, and of the blend' k21-lengths -m iliacus
 recipe k21-lengths-adductor '-' 'fibre lengths of adductor magnus, and of the blend' k21-lengths -m adductor_magnus
-recipe k21-rates-gluteus-superficialis 'table 2' 'steps a second of gluteus superficialis' k21-rates -m $major -t 19752
-recipe k21-rates-adductor 'table 2' 'steps a second of adductor magnus' k21-rates -m adductor_magnus -t 17124
-recipe k21-rates-iliacus 'table 2' 'steps a second of iliacus' k21-rates -m iliacus -t 13858
-recipe k21-rates-gluteus-medius 'table 2' 'steps a second of gluteus medius' k21-rates -m gluteus_medius -t 10622
+recipe k21-rates-gluteus-superficialis 'table 2' 'steps a second of gluteus superficialis' k21-rates -m $major -t 19752 -f 6
+recipe k21-rates-adductor 'table 2' 'steps a second of adductor magnus' k21-rates -m adductor_magnus -t 17124 -f 6
+recipe k21-rates-iliacus 'table 2' 'steps a second of iliacus' k21-rates -m iliacus -t 13858 -f 6
+recipe k21-rates-gluteus-medius 'table 2' 'steps a second of gluteus medius' k21-rates -m gluteus_medius -t 10622 -f 6
 recipe k21-collision 'section 3.2' 'voxels of several sizes and distance fields, at an ankle' k21-collision
 make hip-sweep 'beyond' 'seven muscles of the hip there and back: moment arms of every fibre' hip_sweep
 make ankle-sweep 'beyond' 'soleus, tibialis anterior and peroneus longus about the ankle' ankle_sweep
