@@ -1,6 +1,7 @@
 # Moment arms of fibres: -dl/dq of every fibre in a table of lengths (simulate --lengths, .tsv or .sto) over a coordinate of it, for each sweep
 # of the coordinate by itself. Each fibre's lengths are smoothed within its sweep by l' = (l- + 4 l + l+) / 6, five times, ends kept (Kohout and
-# Cervenka 2021, 4.4); the slope is that between the rows before and after, so that a sweep's first and last row have none.
+# Cervenka 2021, 4.4); the slope is that between the rows before and after, so that a sweep's first and last row have none; nor have rows about
+# which the angle goes less than half of what it goes in the mean (the ends of a motion that starts and stops softly).
 #
 #   awk -f arms.awk -v over=hip_L_extend.rad [-v sign=-1] [-v summary=FILE] lengths.tsv > arms.tsv
 #
@@ -60,12 +61,14 @@ function smooth(i, a, b,    round, r, before, here) {
 # The mean arm of a muscle in sweep s at an angle, between the rows about it; "" = it has none there.
 function arm_at(m, s, q,    r, t) {
     for (r = first[s] + 1; r < last[s] - 1; r++) {
+        if (!((m, s, r) in mean_arm) || !((m, s, r + 1) in mean_arm)) continue
         if ((angle[r] - q) * (angle[r + 1] - q) > 0 || angle[r] == angle[r + 1]) continue
         t = (q - angle[r]) / (angle[r + 1] - angle[r])
         return (1 - t) * mean_arm[m, s, r] + t * mean_arm[m, s, r + 1]
     }
     return ""
 }
+function slow(s, r) { return abs(angle[r + 1] - angle[r - 1]) < abs(angle[last[s]] - angle[first[s]]) / (last[s] - first[s]) }
 function sweep_arms(m, s,    r, k, i, v, n) {
     n = count[m]
     # a row that two sweeps share is an end of both, which smoothing keeps
@@ -74,7 +77,7 @@ function sweep_arms(m, s,    r, k, i, v, n) {
         sum = lengths = 0; least = 1e30; most = -1e30
         for (k = 1; k <= n; k++) lengths += l[r, column[m, k]]
         mean_length[m, r] = lengths / n
-        if (r == first[s] || r == last[s]) continue
+        if (r == first[s] || r == last[s] || slow(s, r)) continue
         for (k = 1; k <= n; k++) {
             i = column[m, k]
             v = -(l[r + 1, i] - l[r - 1, i]) / (angle[r + 1] - angle[r - 1]) * 57.29577951308232
@@ -88,6 +91,7 @@ function summarize(m,    s, r, k, a, b, lo, hi, low1, high1, worst, at, n, squar
     lo = low1 = 1e30; hi = high1 = -1e30
     for (s = 1; s <= 2 && s <= sweeps; s++)
         for (r = first[s] + 1; r < last[s]; r++) {
+            if (!((m, s, r) in mean_arm)) continue
             a = mean_arm[m, s, r]
             if (a < lo) lo = a
             if (a > hi) hi = a
@@ -95,7 +99,7 @@ function summarize(m,    s, r, k, a, b, lo, hi, low1, high1, worst, at, n, squar
         }
     worst = at = away = "nan"
     for (r = first[2] + 1; sweeps > 1 && r < last[2]; r++) {
-        b = arm_at(m, 1, angle[r])
+        b = (m, 2, r) in mean_arm ? arm_at(m, 1, angle[r]) : ""
         if (b == "") continue
         a = abs(mean_arm[m, 2, r] - b); n++; squares += a * a
         if (n == 1 || a > worst) { worst = a; at = angle[r] }

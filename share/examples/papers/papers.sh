@@ -84,7 +84,7 @@ recipe k21-fibers-gluteus-medius 'fig. 6' '100 fibres in gluteus medius' k21-fib
 recipe k21-fibers-iliacus 'fig. 6' '100 fibres in iliacus' k21-fibers -m iliacus -t 13858
 recipe k21-fibers-adductor 'fig. 6' '100 fibres in adductor magnus' k21-fibers -m adductor_magnus -t 17124
 recipe k21-displacement 'fig. 7' 'mean displacement in each iteration' k21-displacement -m adductor_magnus -t 17124
-recipe k21-time 'table 1' 'time of a step by iterations, at three resolutions' k21-time -m adductor_magnus -f 1
+recipe k21-time 'table 1' 'time of a step by iterations, at three resolutions' k21-time -m adductor_magnus
 recipe k21-anisotropy 'fig. 8' 'anisotropy off and on, 1 to 100 iterations, at 40 degrees' k21-anisotropy -m adductor_magnus
 recipe k21-resolutions 'fig. 9' '17124, 3000 and 1000 triangles at 40 degrees' k21-resolutions -m adductor_magnus
 recipe k21-variants 'fig. 10' 'iliacus at 40 degrees: points by collision, by areas, bones that hit ignored; the default' k21-variants -m iliacus
