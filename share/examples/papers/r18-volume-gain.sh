@@ -45,3 +45,5 @@ for scheme in romeo guarded; do
 done
 chart "$recipe"
 awk -F '\t' -v r="$recipe" 'NR > 1 { printf "%s: %4s: volume %.4f under romeo, %.4f by default\n", r, $1, $2, $4 }' "$out/$recipe.tsv"
+at() { awk -F '\t' -v c="$1" 'NR > 1 { x = x (n++ ? "; " : "") sprintf("%.4f", $c) } END { print x }' "$out/$recipe.tsv"; }
+claim "R18, figs 7, 17: volume over that at rest for a gain of none; 1.0; 1.3; 1.5; 2.0 (romeo, not kohout)" "pictures" "$(at 2) (romeo)" "$(at 4) (guarded)"
