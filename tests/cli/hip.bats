@@ -83,6 +83,46 @@ END
     run -1 awk -f "$HIP/arms.awk" -v over=k.angle still.tsv
 }
 
+@test "a joint of one's own: landmarks as they are, a site beside them; areas on one bone alone are refused" {
+    "$EXAMPLES/arm/arm" --out arm -t 1000 > /dev/null
+    mkdir bones
+    cp arm/scapula.ply arm/radius.ply bones/
+    printf 'biceps\t%s\n' "$PWD/arm/biceps.ply" > muscles.tsv
+    # landmarks around the lower end, from a first run; a site at the upper
+    mesh-clean -q arm/biceps.ply -o b.ply
+    printf 'radius\tinsertion\t0.015\t-0.005\t-0.03\n' > site.tsv
+    "$EXAMPLES/hip/areas" b.ply site.tsv 5% > ring.tsv
+    { sed 's/^/biceps\t/' ring.tsv; printf 'biceps\tscapula\torigin\t0.02\t0\t0.2\n'; } > landmarks.tsv
+    cat > m.motion.json << 'END'
+{"format": "sinew-motion", "version": 1, "metersPerUnit": 1, "rate": 24, "joints": [{"name": "elbow", "type": "hinge", "point": [0, 0, 0], "axis": [0, -1, 0],
+ "keys": [[0, 0], [0.5, 20], [1, 0]], "interpolation": "linear"}]}
+END
+    "$HIP/joint.sh" -e 0 -f 10 -n mine -j radius=elbow -s 'b*.density=1000' out muscles.tsv landmarks.tsv bones m.motion.json > said
+    grep -q '^joint.sh: biceps: origin on scapula: radius' said
+    ! grep -q 'insertion on radius' said
+    cmp <(sort ring.tsv) <(grep insertion out/areas/biceps.tsv | sort)
+    /usr/bin/python3 -c '
+import json
+s = json.load(open("out/mine.scene.json")); assert s["contact"] is True and s["muscles"][0]["density"] == 1000, s
+assert {b["name"]: b.get("joint") for b in s["bones"]} == {"radius": "elbow", "scapula": None}, s["bones"]
+m = json.load(open("out/rigs/biceps.muscle.json")); assert {a["bone"]: a["end"] for a in m["attachments"]} == {"radius": "insertion", "scapula": "origin"}
+assert len(m["fibers"]["polylines"]) == 10'
+    "$HIP/sweep.sh" -o there out/mine.scene.json elbow.angle > said
+    [ "$(wc -l < there/sweep.tsv)" -eq 2 ]
+    head -c 5 there/arms.svg | grep -q '<'
+    run -1 "$HIP/sweep.sh" -o there out/mine.scene.json knee.angle
+    [[ "$output" == *"there is no column knee.angle"* ]]
+    sed '/scapula/d' landmarks.tsv > one.tsv
+    run -1 "$HIP/joint.sh" -e 0 out muscles.tsv one.tsv bones m.motion.json
+    [[ "$output" == *"one bone alone"* ]]
+    printf 'triceps\t%s\n' "$PWD/arm/triceps.ply" > muscles.tsv
+    run -1 "$HIP/joint.sh" -e 0 out muscles.tsv landmarks.tsv bones m.motion.json
+    [[ "$output" == *"triceps has no landmarks"* ]]
+    run -2 "$HIP/joint.sh" out
+    run -1 "$HIP/dog.sh" nowhere out
+    [[ "$output" == *"no dog.xml"* ]]
+}
+
 @test "flexion goes there and back in whole steps" {
     awk -f "$HIP/flexion.awk" -v coordinate=c -v to=-90 > f.sto
     awk '/^time/ { on = 1; next } on { v[n++] = $2 } END { exit !(n == 91 && v[0] == 0 && v[45] == -90 && v[90] == 0 && v[1] == -2 && v[46] == -88) }' f.sto

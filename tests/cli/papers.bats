@@ -269,6 +269,26 @@ END
     [[ "$output" == *"the hip has adductor_longus"* ]]
 }
 
+@test "all of them into one folder: index, table, what was not run, and what failed" {
+    [ -f "$DATA/dog-dmcontrol/dog.xml" ] && [ -d "$DATA/leg-vhf/meshes" ] || skip "no dog-dmcontrol and leg-vhf in DATA"
+    [ "${CONFIG:-release}" = release ] || return 0
+    ONLY='k21-volume-iliacus' "$RECIPES/papers.sh" "$DATA" out > said
+    tail -n 1 said | grep -q 'out/index.html: 30 experiments, 1 lines in the table, [0-9]* s, [0-9]* s with what was kept'
+    [ "$(grep -c '<h3' out/index.html)" -eq 30 ]
+    [ "$(grep -c '^<p>Not run.</p>' out/index.html)" -eq 29 ]
+    picture out/k21-volume-iliacus/k21-volume.png
+    grep -q 'img src="k21-volume-iliacus/k21-volume.png"' out/index.html
+    awk -F '\t' 'NR == 2 { exit !(NF == 5 && $1 ~ /^fig. 11/ && $5 == "k21-volume-iliacus") }' out/table.tsv
+    # kept; and one that fails is told, in the index too, and with status 1
+    mkdir fake
+    printf '#!/bin/sh\necho no picture today >&2\nexit 1\n' > fake/rig-view
+    chmod +x fake/rig-view
+    ONLY='k21-stages' PATH=$PWD/fake:$PATH run -1 "$RECIPES/papers.sh" -k "$DATA" out
+    [[ "$output" == *"k21-stages (fig. 2):"*"status 1: no picture today"* ]]
+    grep -q 'Ended with status 1' out/index.html
+    [ "$(wc -l < out/table.tsv)" -ge 2 ]
+}
+
 @test "what is missing or wrong is told" {
     for recipe in "$RECIPES"/k21-*.sh "$RECIPES"/r18-*.sh; do
         "$recipe" -h | grep -q 'RECIPE'

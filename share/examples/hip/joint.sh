@@ -72,7 +72,11 @@ while IFS='	' read -r muscle surface; do
     # shellcheck disable=SC2086
     mesh-clean -q --units "$unit" $remesh ${triangles:+--triangles "$triangles"} "$surface" -o "$out/surfaces/$muscle.ply"
     areas_of "$muscle"
-    attach-detect -q --units "$unit" --method area --landmarks "$out/areas/$muscle.tsv" --bones "$bones" "$out/surfaces/$muscle.ply" \
+    [ "$(cut -f 1 "$out/areas/$muscle.tsv" | sort -u | wc -l)" -gt 1 ] || {
+        echo "joint.sh: $muscle has areas on one bone alone: it would only move along with it" >&2
+        exit 1
+    }
+    attach-detect --units "$unit" --method area --landmarks "$out/areas/$muscle.tsv" --bones "$bones" "$out/surfaces/$muscle.ply" \
         -o "$out/attached.muscle.json"
     root-select -q "$out/attached.muscle.json" | build-structure -q | fiber-flow -q |
         fiber-fill -q --fibers "$fibers" --segments 15 -o "$out/rigs/$muscle.muscle.json"

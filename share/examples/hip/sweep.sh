@@ -6,7 +6,7 @@
 #
 # Leaves in OUT (sweep): lengths.tsv, log.jsonl, arms.tsv (arms.awk; COLUMN is its column, SIGN -1 turns the angle around), sweep.tsv, a line a
 # muscle, and arms.svg and arms.png by gnuplot. ITERATIONS is at most how many a step (40); CACHE keeps the bones' distance fields; OPTIONS are more of
-# simulate's. Muscles without fibres get 100 of 15 pieces, in a copy of SCENE's rigs in OUT/rigs.
+# simulate's. Where muscles have no fibres they get 100 of 15 pieces, in copies of the folder rigs beside SCENE and of SCENE itself (filled/, -filled).
 # Exit status: 0 done; 1 bad input; 2 wrong usage; 3 a muscle has exploded, or there is no gnuplot.
 set -eu
 LC_ALL=C
@@ -38,13 +38,15 @@ cache=${cache:-$out/fields}
 # rigs without fibres, beside the scene: the same scene with fibres
 folder=$(dirname "$scene")
 made=$scene
-for rig in "$folder"/rigs/*.muscle.json; do
-    [ -e "$rig" ] || break
-    grep -q '"polylines"' "$rig" && continue
-    mkdir -p "$folder/filled"
-    fiber-fill -q --fibers 100 --segments 15 "$rig" -o "$folder/filled/$(basename "$rig")"
+if [ -n "$(grep -L '"polylines"' "$folder"/rigs/*.muscle.json 2> /dev/null)" ]; then
     made=$folder/$(basename "$scene" .scene.json)-filled.scene.json
-done
+    mkdir -p "$folder/filled"
+    for rig in "$folder"/rigs/*.muscle.json; do
+        if grep -q '"polylines"' "$rig"; then cp "$rig" "$folder/filled/"; else
+            fiber-fill -q --fibers 100 --segments 15 "$rig" -o "$folder/filled/$(basename "$rig")"
+        fi
+    done
+fi
 [ "$made" = "$scene" ] || sed 's|"rigs/|"filled/|' "$scene" > "$made"
 
 status=0

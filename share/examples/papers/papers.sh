@@ -142,5 +142,5 @@ END
         printf '(%s s)</p>\n' "$seconds"
     done < "$out/experiments"
 } > "$out/index.html"
-echo "papers: $out/index.html: $(wc -l < "$out/experiments") experiments, $(($(wc -l < "$out/table.tsv") - 1)) lines in the table, $(($(date +%s) - begun)) s"
+echo "papers: $out/index.html: $(wc -l < "$out/experiments") experiments, $(($(wc -l < "$out/table.tsv") - 1)) lines in the table, $(($(date +%s) - begun)) s, $(cat "$out"/*/status | awk '{ s += $2 } END { print s }') s with what was kept"
 exit $worst
