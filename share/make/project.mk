@@ -18,7 +18,7 @@ PROGRAM_STAMPS := $(patsubst tests/%.c,$(STAMPS)/program-%,$(sort $(wildcard tes
 SHORT_STAMPS := $(STAMPS)/layering $(STAMPS)/circles $(STAMPS)/parameters $(STAMPS)/man-schema $(UNIT_STAMPS) $(CLI_STAMPS)
 ALL_STAMPS := $(SHORT_STAMPS) $(PROGRAM_STAMPS) $(STAMPS)/examples $(STAMPS)/anatomy $(STAMPS)/install
 ASSETS := $(wildcard share/make/sinew.mk share/make/assets share/make/*.awk)
-EVERYTHING := $(ASSETS) $(wildcard share/plots/* share/examples/arm/* share/examples/body/* share/examples/assets/* share/examples/papers/* share/examples/sensors/* share/completions/*) $(BUILT_TOOLS) $(BUILT_LIBEXEC) $(EXAMPLES) $(wildcard share/schema/*.json) tests/suite
+EVERYTHING := $(ASSETS) $(wildcard share/plots/* share/examples/arm/* share/examples/body/* share/examples/assets/* share/examples/papers/* share/examples/hip/* share/examples/leg/* share/examples/sensors/* share/completions/*) $(BUILT_TOOLS) $(BUILT_LIBEXEC) $(EXAMPLES) $(wildcard share/schema/*.json) tests/suite
 
 # the first make may install the compiler's libraries: build in a second one
 check: deps
@@ -120,6 +120,10 @@ kohout-table: programs examples $(B)/tests/numerics/hinge_rules
 .PHONY: error-time-charts
 error-time-charts: programs examples
 	share/examples/tip/charts.sh $(B)/bin $(B)/examples/tip/tip $(DATA) $(B)/charts
+# the experiments of the papers, whole: figures, charts and tables in one folder with an index, about 20 minutes
+.PHONY: papers
+papers: programs examples
+	@PATH=$(CURDIR)/$(B)/bin:$$PATH EXAMPLES=$(CURDIR)/$(B)/examples share/examples/papers/papers.sh $(PAPERS_OPTIONS) $(DATA) $(B)/papers
 off-equals-absent: programs examples
 	tests/off-equals-absent $(B)/bin $(B)/examples
 
@@ -183,7 +187,7 @@ endef
 export PKG_CONFIG
 
 D = $(DESTDIR)$(PREFIX)
-EXAMPLE_FOLDERS := arm body assets papers sensors tip
+EXAMPLE_FOLDERS := arm body assets hip leg papers sensors tip
 COMPLETION_FOLDERS := bash-completion/completions zsh/site-functions fish/vendor_completions.d
 install: programs examples completions
 	install -d $D/bin $D/libexec/sinew $D/lib/pkgconfig $D/include/sinew $D/share/man/man1 $D/share/man/man5 $D/share/man/man7 $(COMPLETION_FOLDERS:%=$D/share/%)

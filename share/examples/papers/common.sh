@@ -1,21 +1,23 @@
 # common.sh -- what the recipes share: options, the muscle, its rig, the scene, the charts. Sourced by a recipe, not run.
 # shellcheck shell=sh disable=SC2034
 #
-#   RECIPE [-o OUT] [-t TRIANGLES] [-f FRAMES] [-i ITERATIONS] [-u UNIT] [-j JOINT] [-b BONES] [SURFACE ATTACH-OPTION...]
+#   RECIPE [-o OUT] [-t TRIANGLES] [-f FRAMES] [-i ITERATIONS] [-c] [-m MUSCLE | [-u UNIT] [-j JOINT] [-b BONES] SURFACE ATTACH-OPTION...]
 #
 # Without SURFACE it is the biceps of the generated arm, between scapula and radius, and the forearm swings about the shoulder by a degree a
 # frame, which moves its end by 5 mm (in [K21] the hip bends by 2 degrees a step: 4 to 7 mm); in r18-* the elbow bends by 10 degrees a frame.
 # SURFACE is any closed surface, ATTACH-OPTIONs are those of attach-detect that say where it is attached (--bone NAME=FILE, --pin NAME=PLACE, ...), UNIT is
 # m, cm or mm, and JOINT says which bone turns: "BONE x,y,z ax,ay,az DEGREES", a point on its axis, its direction, and degrees a frame.
-# BONES are what else is in the way of k21-collision: "NAME=FILE NAME=FILE+", a plus for those that go with the joint.
+# BONES are what else is in the way: "NAME=FILE NAME=FILE+", a plus for those that go with the joint. With -c bones are obstacles.
+# MUSCLE is one of the dog's hip, gluteus_medius say, which flexes by 2 degrees a frame (implies -c): from the folder HIP, made by
+# share/examples/hip/dog.sh, or made in OUT/hip from the dog in the folder DATA.
 # The tools are on the PATH; EXAMPLES is the folder of the built examples where they are not installed.
 set -eu
 LC_ALL=C
 export LC_ALL
 here=$(cd "$(dirname "$0")" && pwd)
 recipe=$(basename "$0" .sh)
-out=$recipe triangles='' frames='' iterations='' unit='' joint='' more=''
-while getopts o:t:f:i:u:j:b:h option; do
+out=$recipe triangles='' frames='' iterations='' unit='' joint='' more='' muscle='' contact=''
+while getopts o:t:f:i:u:j:b:m:ch option; do
     case $option in
     o) out=$OPTARG ;;
     t) triangles=$OPTARG ;;
@@ -24,8 +26,10 @@ while getopts o:t:f:i:u:j:b:h option; do
     u) unit=$OPTARG ;;
     j) joint=$OPTARG ;;
     b) more=$OPTARG ;;
+    m) muscle=$OPTARG ;;
+    c) contact=yes ;;
     *)
-        sed -n '4,12s/^#\( \|$\)//p' "$here/common.sh"
+        sed -n '4,14s/^#\( \|$\)//p' "$here/common.sh"
         [ "$option" = h ] && exit 0
         exit 2
         ;;
@@ -33,11 +37,18 @@ while getopts o:t:f:i:u:j:b:h option; do
 done
 shift $((OPTIND - 1))
 mkdir -p "$out"
+rm -f "$out/claims.tsv"
+# a chart that could not be drawn is work that falls short
+missing=''
+trap 'status=$?; [ "$status" -ne 0 ] || [ -z "$missing" ] || exit 3' EXIT
 
 say() { echo "$recipe: $*"; }
 
 # run_on SCENE OPTION...: simulate, and go on where a muscle has exploded (status 3): its figures are what the recipe is about
 run_on() { simulate "$@" || [ $? -eq 3 ]; }
+
+# claim EXPERIMENT PUBLISHED KOHOUT DEFAULT: a line of the table of all recipes
+claim() { printf '%s\t%s\t%s\t%s\n' "$@" >> "$out/claims.tsv"; }
 
 # program NAME FOLDER: a built example, or an installed one
 program() {
@@ -59,15 +70,56 @@ generate() {
     surface=$out/arm/biceps.ply
 }
 
+# of_hip MUSCLE: $surface, $joint, $more and $attach of a muscle of the dog's hip
+of_hip() {
+    hip=${HIP:-$out/hip}
+    if [ ! -e "$hip/hip.scene.json" ]; then
+        [ -e "${DATA:-}/dog-dmcontrol/dog.xml" ] || { say "-m $1: there is no dog at ${DATA:-\$DATA}/dog-dmcontrol; DATA names the folder that holds it" >&2; exit 1; }
+        "$here/../hip/dog.sh" "$DATA/dog-dmcontrol" "$hip" > "$out/hip.log"
+    fi
+    [ -e "$hip/areas/$1.tsv" ] || { say "-m $1: the hip has $(cd "$hip/areas" && echo *.tsv | sed 's/\.tsv//g')" >&2; exit 2; }
+    surface=$(awk -F '\t' -v m="$1" '$1 == m { print $2 }' "$hip/muscles.tsv")
+    joint=$(cat "$hip/joint.txt")
+    attach="--method area --landmarks $hip/areas/$1.tsv"
+    for bone in $(cut -f 1 "$hip/areas/$1.tsv" | sort -u); do attach="$attach --bone $bone=$hip/near/$bone.ply"; done
+    for bone in "$hip"/near/*.ply; do
+        name=$(basename "$bone" .ply)
+        more="$more $name=$bone$([ "$name" != "${joint%% *}" ] || echo +)"
+    done
+    unit=m contact=yes
+}
+
 given=$#
+if [ -n "${recipe_bones:-}" ]; then given=0; fi # its arguments are bones
 surface=${1:-}
-if [ "$given" -gt 0 ]; then
+[ -z "$muscle" ] || [ "$given" -eq 0 ] || { say "either -m MUSCLE or a surface of your own" >&2; exit 2; }
+if [ -n "$muscle" ]; then
+    of_hip "$muscle"
+    # shellcheck disable=SC2086
+    set -- $attach
+    given=1
+elif [ "$given" -gt 0 ]; then
     shift
     [ -n "$joint" ] || { say "a muscle of your own needs -j \"BONE x,y,z ax,ay,az DEGREES\"" >&2; exit 2; }
-else
+elif [ -z "${recipe_bones:-}" ]; then
     set -- --bone "scapula=$out/arm/scapula.ply" --bone "radius=$out/arm/radius.ply"
     joint=${joint:-${swing:-radius 0,0,0.3 0,-1,0 1}}
 fi
+# what lets bones be obstacles, beside scheme or solver
+fields="--contact --grid-cache ${FIELDS:-$out/fields}"
+[ -z "$muscle" ] || fields="$fields --grid-cell 1mm" # one for all recipes, and small enough
+obstacles=''
+[ -z "$contact" ] || obstacles=$fields
+voxels='--voxels total:2097152' # the paper's n_max
+
+# frames_to DEGREES: the frame at which the joint has turned by so many; bones "$@": the options among them that name bones
+frames_to() { awk -v d="${joint##* }" -v to="$1" 'BEGIN { n = to / (d < 0 ? -d : d); print int(n + 0.5) }'; }
+bones_of() {
+    while [ $# -gt 0 ]; do
+        case $1 in --bone | -b) echo "--bone $2"; shift ;; esac
+        shift
+    done
+}
 
 # The scene's bones, as they are called in the attach options; a pin has no mesh of its own: the muscle's stands for it, and is in no way.
 bones_json() {
@@ -89,14 +141,24 @@ bones_json() {
     echo "$list"
 }
 
+# fine TRIANGLES: how to remesh a surface that has fewer, so that there are more; nothing where it has enough
+fine() {
+    # shellcheck disable=SC2086
+    mesh-clean -q --no-history ${unit:+--units $unit} --report "$out/fine.json" "$surface" -o "$out/fine.muscle.json"
+    awk -F '[:,]' -v n="$1" '/"triangles"/ { has = $2 } /"area"/ { area = $2 }
+        END { if (has + 0 < n) printf "--edge-length %.9g", sqrt(area / (0.433 * n)) }' "$out/fine.json"
+    rm -f "$out/fine.json" "$out/fine.muscle.json"
+}
+
 # rig NAME TRIANGLES ATTACH-OPTION...: OUT/NAME.muscle.json of $surface, decimated where TRIANGLES is not 0
 rig() {
     name=$1 most=$2
     shift 2
-    decimate=''
-    [ "$most" -eq 0 ] || decimate="--triangles $most"
+    decimate='' source=$surface
+    [ "$most" -ne 0 ] || [ -z "$muscle" ] || source=$hip/surfaces/$muscle.ply
+    [ "$most" -eq 0 ] || decimate="$(fine "$most") --triangles $most"
     # shellcheck disable=SC2086
-    mesh-clean -q $decimate ${unit:+--units $unit} --report "$out/$name.clean.json" "$surface" |
+    mesh-clean -q $decimate ${unit:+--units $unit} --report "$out/$name.clean.json" "$source" |
         attach-detect -q "$@" | root-select -q | build-structure -q |
         fiber-flow -q --field tree -o "$out/$name.muscle.json" # the papers' directions follow the structure
 }
@@ -130,14 +192,31 @@ wild() {
     awk -v x="$rms" 'BEGIN { exit x ~ /^[0-9]/ && x + 0 < 10 }'
 }
 
+# focus_on: options of rig-view that aim at the muscle of a scene; the hip from where its bones hide least
+focus_on() {
+    [ -z "$contact$muscle" ] && return 0
+    for scene in contact mean-edge 0.5mm 1mm areas collision areas-ignore default muscle; do
+        [ ! -e "$out/$scene.scene.json" ] || echo "--focus $scene"
+    done
+    echo "--zoom 0.75"
+    case $muscle in gluteus*) echo "--camera 150:10" ;; iliacus | psoas*) echo "--camera 150:-20" ;; ?*) echo "--camera 60:0" ;; esac
+}
+
 # chart NAME: OUT/NAME.tsv by NAME.gp as OUT/NAME.svg and OUT/NAME.png
 chart() {
     if ! command -v gnuplot > /dev/null; then
-        say "there is no gnuplot: $out/$1.tsv has the figures, and there is no chart"
+        say "there is no gnuplot: $out/$1.tsv has the figures, and there is no chart" >&2
+        missing=chart
         return 0
     fi
     for kind in svg png; do
-        gnuplot -e "data = '$out/$1.tsv'; picture = '$out/$1.$kind'; kind = '$kind'" "$here/style.gp" "$here/$1.gp"
+        gnuplot -e "data = '$out/$1.tsv'; picture = '$out/$1.$kind'; kind = '$kind'" "$here/style.gp" "$here/$1.gp" 2> "$out/gnuplot.log" || {
+            say "gnuplot: $(grep -v '^ *$' "$out/gnuplot.log" | tail -n 1)" >&2
+            exit 1
+        }
     done
+    rm -f "$out/gnuplot.log"
+    # every curve of the figures that has a finite number draws a path
+    [ "$(grep -c '<path' "$out/$1.svg")" -ge 4 ] || { say "$out/$1.svg is empty" >&2; exit 1; }
     say "$out/$1.tsv, $out/$1.svg, $out/$1.png"
 }

@@ -5,7 +5,7 @@
 # time of a step, how much deeper than at rest a vertex gets into a bone, and how the edges fare.
 # Without SURFACE: the peroneus longus of the leg in $DATA, between fibula and tibia, which turn by a degree a frame about the ankle, and the
 # foot, which stands; or where that is not to be had, the triceps of the generated arm at the bending elbow.
-# Usage: k21-collision.sh [-o OUT] [-t TRIANGLES] [-f FRAMES] [-i ITERATIONS] [-u UNIT] [-j JOINT] [-b BONES] [SURFACE ATTACH-OPTION...]
+# Usage: k21-collision.sh [-o OUT] [-t TRIANGLES] [-f FRAMES] [-i ITERATIONS] [-c] [-m MUSCLE | [-u UNIT] [-j JOINT] [-b BONES] SURFACE ATTACH-OPTION...]
 swing='ulna 0,0,0 0,-1,0 4'
 # shellcheck source=common.sh
 . "$(dirname "$0")/common.sh"
@@ -79,3 +79,6 @@ rig-view "$@" --frames "$out/frames" --frame "$frames" --show surface,bones,wire
 say "$out/$recipe.tsv, $out/$recipe.png"
 awk -F '\t' -v r="$recipe" 'NR > 1 { printf "%s: %-9s %7s cells in %5s KB (a byte each: %5s), %7s ms a step, %s mm deeper than at rest, longest edge %s\n",
     r, $1, $2, $3, $4, $5, $6, $8 }' "$out/$recipe.tsv"
+at() { awk -F '\t' -v n="$1" -v c="$2" '$1 == n { print $c }' "$out/$recipe.tsv"; }
+claim "section 3.2: longest edge with 64 voxels along an axis; n_max = 2097152; with hits ignored, $iterations iterations" "-" "$(at voxels-64 8); $(at n-max-8 8); $(at ignore-64 8)" "$(at default 8)"
+claim "the same: deepest in bone beyond rest, mm" "0; 0; -" "$(at voxels-64 6); $(at n-max-8 6); $(at ignore-64 6)" "$(at default 6)"

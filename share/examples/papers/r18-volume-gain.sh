@@ -2,7 +2,7 @@
 # [R18] figures 7 and 17: a biceps at rest, active with its volume kept (1.0), and active with a volume gain of 1.3, 1.5 and 2.0, from two
 # sides. The bone follows the muscle: the elbow bends by 120 degrees in the first third of the frames, while activation rises, and is held.
 # By the paper's scheme (romeo) and by the default.
-# Usage: r18-volume-gain.sh [-o OUT] [-t TRIANGLES] [-f FRAMES] [-u UNIT] [-j JOINT] [SURFACE ATTACH-OPTION...]
+# Usage: r18-volume-gain.sh [-o OUT] [-t TRIANGLES] [-f FRAMES] [-c] [-m MUSCLE | [-u UNIT] [-j JOINT] [-b BONES] SURFACE ATTACH-OPTION...]
 swing='radius 0,0,0 0,-1,0 10'
 # shellcheck source=common.sh
 . "$(dirname "$0")/common.sh"
@@ -45,3 +45,5 @@ for scheme in romeo guarded; do
 done
 chart "$recipe"
 awk -F '\t' -v r="$recipe" 'NR > 1 { printf "%s: %4s: volume %.4f under romeo, %.4f by default\n", r, $1, $2, $4 }' "$out/$recipe.tsv"
+at() { awk -F '\t' -v c="$1" 'NR > 1 { x = x (n++ ? "; " : "") sprintf("%.4f", $c) } END { print x }' "$out/$recipe.tsv"; }
+claim "R18, figs 7, 17: volume over that at rest for a gain of none; 1.0; 1.3; 1.5; 2.0 (romeo, not kohout)" "pictures" "$(at 2) (romeo)" "$(at 4) (guarded)"
