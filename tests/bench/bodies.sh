@@ -57,7 +57,7 @@ def rows_of(name): return [json.loads(line) for line in open("tied/%s.jsonl" % n
 faults = []
 say("| run | frames | status | torn at the end | longest edge over its goal, at any time; at the end | volume off its goal, 99 %; worst | deeper than at rest in what it slides on, 99 % of frames of muscles; worst |")
 say("| --- | --- | --- | --- | --- | --- | --- |")
-for name in ("walk", "run", "romeo", "bend-distances", "bend-contraction", "bend-gain", "torsion", "shake", "gain-1.0", "gain-1.3", "gain-1.5", "gain-2.0"):
+for name in ("walk", "run", "romeo", "bend-distances", "bend-contraction", "bend-gain", "torsion", "shake", "gain-100", "gain-130", "gain-150", "gain-200"):
     if not os.path.exists("tied/%s.jsonl" % name): continue
     rows, status = rows_of(name), int(open("tied/%s.status" % name).read())
     frames, muscles = sorted({r["frame"] for r in rows}), {r["muscle"] for r in rows}

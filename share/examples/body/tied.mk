@@ -13,7 +13,7 @@
 #
 #   RUN=FILE             the run, as MOTION
 #   RATE=HZ              frames a second: 60; X_FRAMES=A:B of a motion X at that rate
-#   CANDIDATE_OPTIONS=   of attach-detect
+#   CANDIDATE_OPTIONS=   of attach-detect: --reach 6mm --targets 1 --weights rule
 #   PREROLL=             of scene-build, where a motion begins away from rest
 #   TIED_OPTIONS=        options of simulate for all of them but romeo: --iterations 20
 #   ARMS=PATTERNS        muscles that act where arms move; the others stand aside (enabled: false)
@@ -22,7 +22,6 @@
 
 RUN ?= $(DATA)/mocap-cmu/motion/cmu_02_03_run.bvh
 RATE ?= 60
-CANDIDATE_OPTIONS ?= --reach 6mm --targets 1 --weights rule
 PREROLL ?= --preroll 1.5 --run-in 1.2
 TIED_OPTIONS ?= --iterations 20
 WALK_FRAMES ?= 0:119
@@ -30,7 +29,7 @@ RUN_FRAMES ?= 0:85
 BEND_FRAMES ?= 0:90
 TORSION_FRAMES ?= 0:90
 SHAKE_FRAMES ?= 0:180
-GAIN_FRAMES ?= 0:60
+GAIN_FRAMES ?= 0:30
 ROMEO_FRAMES ?= $(WALK_FRAMES)
 ROMEO_OPTIONS ?= --scheme romeo --substeps 1 --iterations 10
 CHARTED ?= FJ443_Long_head_of_left_biceps_brachii FJ415_Left_vastus_medialis FJ834_Left_soleus FJ604_Long_head_of_left_biceps_femoris
@@ -38,7 +37,7 @@ TORSION_STIFFNESS ?= 0.3
 ARMS ?= *_brachii *_*brachialis *_carpi_* *_digitorum_profundus *_palmaris_longus *_abductor_pollicis_longus *_deltoid *_teres_* \
     *_infraspinatus *_supraspinatus *_subscapularis
 
-tied_moves := walk run bend-distances bend-contraction bend-gain torsion shake rest gain-1.0 gain-1.3 gain-1.5 gain-2.0
+tied_moves := walk run bend-distances bend-contraction bend-gain torsion shake rest gain-100 gain-130 gain-150 gain-200
 .PHONY: skeleton candidates walk run bend torsion shake gains types charts romeo tied-clean
 skeleton: skeleton.envelope.json
 candidates: candidates.sum
@@ -57,11 +56,8 @@ skeleton.envelope.json: skeleton.muscle.json walk.motion.json
 	$(tools)envelope-bind $< --bones walk.motion.json --reach 53mm --report skeleton.report.json -o $@
 
 # ---- candidates: what faces a vertex within reach, another muscle or the envelope; a checksum is what scenes go by ---------------------------
-tied.tsv: options.tsv FORCE
-	@{ printf '*\tcandidates\t%s --envelope skeleton=skeleton.muscle.json\n' $(call quoted,$(CANDIDATE_OPTIONS)); cat options.tsv; } > $@.new
-	@if cmp -s $@.new $@; then rm $@.new; else mv $@.new $@; fi
-candidates.sum: rigs.sum tied.tsv skeleton.muscle.json FORCE
-	+@$(MAKE) --no-print-directory -f $(here)../../make/sinew.mk $(sinew:options.tsv=tied.tsv) candidates
+candidates.sum: rigs.sum options.tsv skeleton.muscle.json FORCE
+	+@$(MAKE) --no-print-directory -f $(here)../../make/sinew.mk $(sinew) candidates
 	@cksum $(names:%=rigs/candidates/%.muscle.json) > $@.new
 	@if cmp -s $@.new $@; then rm $@.new; else mv $@.new $@; fi
 
@@ -89,7 +85,7 @@ tied/$1.scene.json: candidates.sum skeleton.envelope.json $(if $2,$2.motion.json
 	$(if $6,sed -i 's/"externals": true/"externals": { $(subst $(space),$(comma) ,$6) }/' $$@ && grep -q '"externals": {' $$@)
 endef
 only_arms = $(if $(arms),--set '*.enabled=false' $(arms:%=--set '%.enabled=true'))
-active = --set '*.contraction=0.1' --set '*.law=isochoric' --set '*.activation={"keys": [[0, 0], [0.5, 1]], "interpolation": "smooth"}'
+active = --set '*.contraction=0.1' --set '*.law=isochoric' --set '*.activation={"keys": [[0, 0], [0.4, 1]], "interpolation": "smooth"}'
 softly = "soft":false "stiffness":$(TORSION_STIFFNESS)
 tied.settings: FORCE
 	$(call lines,$(foreach setting,RATE PREROLL ARMS TORSION_STIFFNESS TIED_OPTIONS ROMEO_OPTIONS,$(call quoted,$(setting)=$($(setting)))))
@@ -101,7 +97,7 @@ $(eval $(call tied_scene,bend-gain,bend,$(BEND_FRAMES),$(only_arms) --activation
 $(eval $(call tied_scene,torsion,torsion,$(TORSION_FRAMES),$(only_arms),,$(softly)))
 $(eval $(call tied_scene,shake,shake,$(SHAKE_FRAMES),$(only_arms)))
 $(eval $(call tied_scene,rest,,0:0))
-$(foreach gain,1.0 1.3 1.5 2.0,$(eval $(call tied_scene,gain-$(gain),,$(GAIN_FRAMES),$(active) --set '*.volumeRatio=$(gain)')))
+$(foreach percent,100 130 150 200,$(eval $(call tied_scene,gain-$(percent),,$(GAIN_FRAMES),$(active) --set '*.volumeRatio=$(percent)e-2')))
 
 # ---- simulations: status 3 goes on, and the pictures say so ---------------------------------------------------------------------------------
 # $(call simulated,NAME,OPTIONS) as the recipe of tied/NAME.jsonl, from $<
@@ -117,12 +113,14 @@ tied/romeo.jsonl: tied/walk.scene.json
 
 # ---- pictures ------------------------------------------------------------------------------------------------------------------------------
 sheet := TOOLS=$(tools:%/=%) sh $(here)sheet.sh
+# frames have one camera: from the side the way is wider than the body is high
+tiles = --camera $1 $(if $(filter left right,$1),--columns 1 --size 1600x640,--columns 4 --size 480x800)
 tied/walk.%.png: tied/walk.jsonl
-	$(sheet) tied/walk 4 "The walk" --camera $* --columns 4 --size 480x800 -o $@
+	$(sheet) tied/walk 4 "The walk" $(call tiles,$*) -o $@
 tied/run.%.png: tied/run.jsonl
-	$(sheet) tied/run 4 "The run" --camera $* --columns 4 --size 480x800 -o $@
+	$(sheet) tied/run 4 "The run" $(call tiles,$*) -o $@
 tied/romeo.%.png: tied/romeo.jsonl
-	SCENE=tied/walk.scene.json $(sheet) tied/romeo 4 "The walk by --scheme romeo" --camera $* --columns 4 --size 480x800 -o $@
+	SCENE=tied/walk.scene.json $(sheet) tied/romeo 4 "The walk by --scheme romeo" $(call tiles,$*) -o $@
 tied/bend-distances.png tied/bend-contraction.png tied/bend-gain.png tied/torsion.png tied/shake.png: tied/%.png: tied/%.jsonl
 	$(sheet) tied/$* 4 "$*" --camera 60:5 --focus '$(subst $(space),$(comma),$(or $(filter %_Left_brachialis %_left_biceps_brachii %_Left_flexor_% %_left_flexor_carpi_ulnaris,$(arms)),$(arms)))' --columns 4 --size 420x640 -o $@
 tied/%-front.png: tied/%.jsonl
@@ -152,9 +150,9 @@ run: $(PICTURES:%=tied/run.%.png)
 bend: tied/bend-distances.png tied/bend-contraction.png tied/bend-gain.png
 torsion: tied/torsion.png
 shake: tied/shake.png
-gains: $(foreach side,front back,tied/rest-$(side).png $(foreach gain,1.0 1.3 1.5 2.0,tied/gain-$(gain)-$(side).png))
+gains: $(foreach side,front back,tied/rest-$(side).png $(foreach percent,100 130 150 200,tied/gain-$(percent)-$(side).png))
 types: tied/structures.png tied/fibres.png tied/all-structures.png
 charts: tied/chart.svg tied/chart.png
 romeo: $(PICTURES:%=tied/romeo.%.png)
 tied-clean:
-	rm -rf tied tied.tsv candidates.sum skeleton.* bones.ply joints.tsv run.*.json bend.*.json torsion.*.json shake.*.json tied.settings
+	rm -rf tied candidates.sum skeleton.* bones.ply joints.tsv run.*.json bend.*.json torsion.*.json shake.*.json tied.settings
