@@ -129,15 +129,18 @@ tied/%-back.png: tied/%.jsonl
 	$(sheet) tied/$* 1 "$*" --camera back --size 400x900 -o $@
 
 # ---- muscles of three types; the structures of all ------------------------------------------------------------------------------------------
-types := $(foreach type,*_Left_gluteus_maximus *_Long_head_of_left_biceps_brachii *_Left_rectus_femoris,$(filter $(notdir $(basename $(wildcard $(type:%=$(meshes)/%.obj)))),$(names)))
+types := $(foreach type,*_Sternocostal_part_of_left_pectoralis_major *_Long_head_of_left_biceps_brachii *_Left_rectus_femoris,$(filter $(notdir $(basename $(wildcard $(type:%=$(meshes)/%.obj)))),$(names)))
 tied/structures.png: rigs.sum
 	@mkdir -p $(@D)
 	$(tools)rig-view -q $(types:%=rigs/%.muscle.json) --show surface,roots,structure --columns 3 --size 360x640 --title "A planar, a fusiform and a pennate muscle: structure" -o $@
 tied/fibres.png: rigs.sum
 	@mkdir -p $(@D)
 	$(tools)rig-view -q $(types:%=rigs/%.muscle.json) --show surface,roots,fibers --columns 3 --size 360x640 --title "A planar, a fusiform and a pennate muscle: fibres" -o $@
+# a state is drawn with its internal edges: at rest none is off its length
 tied/all-structures.png: tied/rest.jsonl
-	$(sheet) tied/rest 1 "The structures of all muscles" --show structure --views front,back --columns 2 --size 480x1000 -o $@
+	$(tools)rig-view -q tied/rest.scene.json --state tied/rest.state --error internal --range 1 --views front,back --columns 2 --size 640x1100 \
+	    --title "The structures of $(words $(names)) muscles" -o $@
+
 # ---- the chart: a panel a quantity, a line a muscle ------------------------------------------------------------------------------------------
 tied/chart.tsv: tied/walk.jsonl $(here)chart.awk
 	awk -v names="$(filter $(CHARTED),$(names))" -f $(here)chart.awk $< > $@
