@@ -61,7 +61,7 @@ $(STAMPS)/install: tests/install $(EVERYTHING) $(B)/libsinew.a
 
 # ---- the solver's instruments: none of them runs in check ----------------------------------------------------------------------
 # what it takes to start a tool, and to rig a muscle
-.PHONY: start-up rig-time motion-time body-walk coupled dog-trot
+.PHONY: start-up rig-time motion-time body-walk bodies coupled dog-trot
 start-up: $(BUILT_TOOLS)
 	@BIN=$(B)/bin tests/bench/start-up.sh
 rig-time: $(BUILT_TOOLS)
@@ -74,6 +74,9 @@ motion-time: $(BUILT_TOOLS) $(B)/tests/bench/envelope_deform
 # 148 muscles of a body, from surfaces to 120 frames of a walk: what they lack, and what they take
 body-walk: $(BUILT_TOOLS)
 	@BIN=$(B)/bin DATA=$(DATA) tests/bench/body-walk.sh $(B)/body-walk
+# the same body tied to an envelope over its bones and to itself: every motion and picture of Romeo et al. (2018), and what it takes, in one folder
+bodies: $(BUILT_TOOLS)
+	@BIN=$(B)/bin DATA=$(DATA) tests/bench/bodies.sh $(B)/bodies
 # twelve muscles of a dog's hind leg and of its fore leg that are tied to each other: time and error by iterations
 coupled: $(BUILT_TOOLS)
 	@BIN=$(B)/bin DATA=$(DATA) tests/bench/coupled.sh $(B)/coupled

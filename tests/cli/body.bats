@@ -110,3 +110,98 @@ END
     [[ "$output" == *"no muscle in"*"matches MUSCLES"* ]]
     [ "$(ls)" = here ]
 }
+
+# an arm's muscles, one of them on an elbow that bends, one on the forearm alone
+arm='*_left_biceps_brachii *_Left_brachialis *_head_of_left_triceps_brachii *_Left_flexor_carpi_radialis *_Left_coracobrachialis'
+tied() { body MUSCLES="$arm" BEND_FRAMES=0:70 TORSION_FRAMES=0:75 SHAKE_FRAMES=0:150 TIED_OPTIONS= "$@"; }
+
+@test "an arm tied to itself and to the envelope: it bends, turns and is shaken; rows lie on muscles and the envelope; nothing is torn" {
+    anatomy
+    tied tied/bend-gain.jsonl tied/torsion.jsonl tied/shake.jsonl
+    /usr/bin/python3 - << 'END'
+import glob, json, math, struct
+names = open("names.txt").read().split()
+assert len(names) == 8, names
+rigs = {name: json.load(open("rigs/candidates/%s.muscle.json" % name)) for name in names}
+envelope = json.load(open("skeleton.envelope.json"))
+skeleton = json.load(open("skeleton.muscle.json"))
+assert envelope["mesh"]["triangles"] == skeleton["mesh"]["triangles"] and 9000 < len(skeleton["mesh"]["triangles"]) // 3 <= 10700
+# every row: the target is there, and the vertex is as far from its point as it says, in the rig's millimetres
+rows = {"skeleton": 0, "muscle": 0}
+for name, rig in rigs.items():
+    assert rig["metersPerUnit"] == 0.001
+    for e in rig["externals"]:
+        mesh, scale = (skeleton, skeleton["metersPerUnit"] / 0.001) if e["target"] == "skeleton" else (rigs[e["target"]], 1.0)
+        corner = lambda i, mesh=mesh["mesh"], scale=scale: [scale * x for x in mesh["vertices"][3 * i:3 * i + 3]]
+        for k, v in enumerate(e["vertices"]):
+            t = mesh["mesh"]["triangles"][3 * e["triangles"][k]:3 * e["triangles"][k] + 3]
+            q = [sum(b * corner(i)[axis] for b, i in zip(e["barycentric"][3 * k:3 * k + 3], t)) for axis in range(3)]
+            assert abs(math.dist(q, rig["mesh"]["vertices"][3 * v:3 * v + 3]) - abs(e["distances"][k])) < 1e-3, (name, e["target"], v)
+        rows["skeleton" if e["target"] == "skeleton" else "muscle"] += len(e["vertices"])
+assert rows["skeleton"] > 50 and rows["muscle"] > 200, rows
+def log(name): return [json.loads(line) for line in open("tied/%s.jsonl" % name)]
+def cache(name, muscle):
+    data = open("tied/%s/%s.pc2" % (name, muscle), "rb").read()
+    points, samples = struct.unpack("<i", data[16:20])[0], struct.unpack("<i", data[28:32])[0]
+    flat = struct.unpack("<%df" % (3 * points * samples), data[32:])
+    return [[flat[3 * (s * points + i):3 * (s * points + i) + 3] for i in range(points)] for s in range(samples)]
+def way(name, muscle, a, b): c = cache(name, muscle); return max(math.dist(p, q) for p, q in zip(c[a], c[b]))
+biceps = next(n for n in names if "Long_head_of_left_biceps" in n)
+carpi = next(n for n in names if "flexor_carpi_radialis" in n)
+for name, frames in ("bend-gain", 71), ("torsion", 76), ("shake", 151):
+    of = log(name)
+    assert len(of) == 8 * frames and all(r["nan"] == 0 for r in of), name
+    assert open("tied/%s.status" % name).read().strip() == "0", (name, open("tied/%s.said" % name).read()[-600:])
+    assert not any(r["torn"] for r in of if r["frame"] == frames - 1), name
+    assert max(abs(r["volume_error"]) for r in of) < 0.05, name
+# the elbow bends by 130 degrees: what hangs on the forearm goes far, and the biceps acts and gains volume
+assert way("bend-gain", carpi, 0, 70) > 200 and way("bend-gain", biceps, 0, 70) > 20
+end = [r for r in log("bend-gain") if r["frame"] == 70 and r["muscle"] == biceps][0]
+assert end["activation"] > 0.5 and end["volume_goal"] > 1.15 and abs(end["volume_ratio"] / end["volume_goal"] - 1) < 0.03, end
+# the forearm turns by 150 degrees
+assert min(r["smallest_triangle"] for r in log("torsion")) > 0.05
+assert 5 < way("torsion", biceps, 0, 75) < 60
+# the shake moves the arm far, and it comes back
+for name in names:
+    assert way("shake", name, 0, 150) < 2.0, (name, way("shake", name, 0, 150))
+assert max(way("shake", carpi, 0, f) for f in range(20, 60)) > 60
+END
+    "$BIN/simulate" -q tied/torsion.scene.json --plan | /usr/bin/python3 -c 'import json, sys
+plan = json.load(sys.stdin)["plan"]
+assert [len(g["muscles"]) for g in plan["coupled"]] and sum(g["rows"] for m in plan["muscles"] for g in m["groups"] if g["kind"] == "external") > 150'
+}
+
+@test "a motion for arms: joints and bones of the table, axes of left and right that mirror each other, from rest; what it does not know is refused" {
+    anatomy
+    body MUSCLES="$arm" bend.motion.json shake.motion.json motion
+    /usr/bin/python3 - << 'END'
+import json
+bend, walk = json.load(open("bend.motion.json")), json.load(open("walk.motion.json"))
+assert {b["name"]: b["joint"] for b in bend["bones"]} == {b["name"]: b["joint"] for b in walk["bones"]} and len(bend["bones"]) == 202
+joints = {j["name"]: j for j in bend["joints"]}
+assert sorted(j for j in joints if "keys" in joints[j]) == ["elbow_left", "elbow_right"]
+left, right = joints["elbow_left"], joints["elbow_right"]
+assert left["keys"][0] == [0, 0] and left["keys"] == right["keys"] and abs(left["keys"][-1][1] - 130) < 1e-9
+assert left["axis"][0] < 0 and right["axis"][0] < 0 and left["point"][0] > 0.15 and right["point"][0] < -0.15
+for key in json.load(open("shake.motion.json"))["joints"]:
+    if "keys" in key: assert abs(key["keys"][0][1]) < 1e-12 and abs(key["keys"][-1][1]) < 1e-12
+END
+    run -1 awk -v motion=hop -f "$(dirname "$makefile")/arms.awk" /dev/null
+    [[ "$output" == *"motion is bend, torsion or shake"* ]]
+}
+
+@test "a picture of a run that did not end well says so; one of no frames is refused" {
+    mkdir tied
+    printf '{"frame":0,"muscle":"m"}\n{"frame":3,"muscle":"m"}\n' > tied/x.jsonl
+    echo 3 > tied/x.status
+    echo 'simulate: frame 2: muscle "m" has exploded, its edge between vertices 1 and 2 is 11 times its goal length' > tied/x.said
+    mkdir tools
+    printf '#!/bin/sh\nprintf "%%s\\n" "$@"\n' > tools/rig-view
+    chmod +x tools/rig-view
+    run -0 env TOOLS=tools sh "$(dirname "$makefile")/sheet.sh" tied/x 4 "A title" -o out.png
+    [[ "$output" == *'A title: status 3, frame 2: muscle "m" has exploded'* ]]
+    [[ "$output" == *"0,1,2,3"* ]]
+    : > tied/x.jsonl
+    run -1 env TOOLS=tools sh "$(dirname "$makefile")/sheet.sh" tied/x 4 "A title" -o out.png
+    [[ "$output" == *"has no frames"* ]]
+}

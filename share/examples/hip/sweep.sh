@@ -5,7 +5,7 @@
 #   sweep.sh [-o OUT] [-i ITERATIONS] [-g CACHE] [-s SIGN] [-x OPTIONS] SCENE COLUMN
 #
 # Leaves in OUT (sweep): lengths.tsv, log.jsonl, arms.tsv (arms.awk; COLUMN is its column, SIGN -1 turns the angle around), sweep.tsv, a line a
-# muscle, and arms.svg and arms.png by gnuplot. ITERATIONS is at most how many a step (40); CACHE keeps the bones' distance fields; OPTIONS are more of
+# muscle, moment-arm.tsv (moment-arm, of COLUMN as it is), and arms.svg and arms.png by gnuplot. ITERATIONS is at most how many a step (40); CACHE keeps the bones' distance fields; OPTIONS are more of
 # simulate's. Where muscles have no fibres they get 100 of 15 pieces, in copies of the folder rigs beside SCENE and of SCENE itself (filled/, -filled).
 # Exit status: 0 done; 1 bad input; 2 wrong usage; 3 a muscle has exploded, or there is no gnuplot.
 set -eu
@@ -55,6 +55,8 @@ simulate "$made" --contact --grid-cache "$cache" --iterations "$iterations" $mor
     --report "$out/report.json" -o "$out/frames" -q || status=$?
 [ "$status" -eq 0 ] || { echo "sweep.sh: simulate ended with status $status; there are no moment arms" >&2; exit "$status"; }
 awk -f "$here/arms.awk" -v over="$column" -v sign="$sign" -v summary="$out/summary.tsv" "$out/lengths.tsv" > "$out/arms.tsv"
+# the same by splines with their noise: 3 where another coordinate moves along with this one
+moment-arm -q "$out/lengths.tsv" --coordinate "$column" --report "$out/moment-arm.json" -o "$out/moment-arm.tsv" || [ $? -eq 3 ]
 # worst of all frames by muscle: volume error, %; penetration beyond rest, mm; longest edge; frames torn
 awk -F '\t' '
     FNR == 1 { file++ }
