@@ -38,12 +38,29 @@ static sn_status load_motion(const char *path, arm_input *out, sn_error *error) 
     return status;
 }
 
+static int compare_names(const void *a, const void *b) { return strcmp(*(char *const *)a, *(char *const *)b); }
+
+/* Two columns of one name would count twice, or the first alone. */
+static sn_status check_names(const sn_columns *t, sn_error *error) {
+    sn_status status = SN_OK;
+    char **names = SN_NEW(char *, t->column_count);
+    if (names == NULL) return sn_fail_memory(error, "the names of columns");
+    for (sn_index i = 0; i < t->column_count; i++) names[i] = t->names[i];
+    qsort(names, (size_t)t->column_count, sizeof *names, compare_names);
+    for (sn_index i = 1; i < t->column_count && status == SN_OK; i++)
+        if (strcmp(names[i - 1], names[i]) == 0)
+            status = sn_fail_at(error, SN_ERROR_INPUT, t->name, t->names_line, "two columns are called \"%.120s\"", names[i]);
+    free(names);
+    return status;
+}
+
 sn_status arm_input_load(cli *c, const arm_choices *with, arm_input *out, sn_error *error) {
     sn_blob blob = {0};
     sn_status status = sn_blob_read(c->inputs.items[0], &blob, error);
     if (status == SN_OK) {
         sn_hash(blob.data, blob.size, c->input_hash);
         status = sn_number_table_parse(&blob, &out->table, error);
+        if (status == SN_OK) status = check_names(&out->table, error);
     }
     sn_blob_free(&blob);
     if (status == SN_OK && with->motion != NULL) status = load_motion(with->motion, out, error);

@@ -443,6 +443,8 @@ void cli_say_ends(const cli *c, const struct sn_ends_choice *choice) {
     int known = choice->known[0] + choice->known[1];
     if (choice->unused)
         cli_warn(c, "the ends are taken from %s%s: %s", choice->from, known == 1 ? " and a tip" : "", choice->why);
+    else if (choice->refused && choice->why[0] != '\0')
+        cli_tell(c, "the ends are taken from %s: %s", choice->from, choice->why);
     else
         cli_say(c, "the ends are taken from %s%s%s", choice->from, choice->why[0] != '\0' ? ": " : "", choice->why);
 }

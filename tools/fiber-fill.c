@@ -7,8 +7,9 @@
 #include "sinew/rig.h"
 
 #define DEGREES (180.0 / SN_PI)
-#define MOST_EMPTY 0.1 /* share of the volume far from every fibre beyond which the muscle is not filled */
-#define ANGLE_OFF 2.0  /* degrees off --angle that are worth a warning */
+#define MOST_EMPTY 0.1    /* share of the volume far from every fibre beyond which the muscle is not filled */
+#define MOST_OUTSIDE 0.05 /* of their length */
+#define ANGLE_OFF 2.0     /* degrees off --angle that are worth a warning */
 
 static sn_fill_params params;
 static int64_t fibers = -1, segments = -1, smooth = -1;
@@ -126,6 +127,7 @@ static void write_report(sn_json *json, const void *data) {
     sn_json_text(json, "slices", r->flux ? "flux" : "length");
     sn_json_number(json, "spacing", r->spacing);
     sn_json_number(json, "emptyShare", r->empty);
+    if (r->closed) sn_json_number(json, "outsideShare", r->outside);
     sn_json_number(json, "lengthOverChord", r->greatest_bend);
     sn_json_integer(json, "bentFibers", r->bent);
     if (params.bend_count > 0) {
@@ -139,6 +141,27 @@ static void write_report(sn_json *json, const void *data) {
     write_each(json, o->fibers);
 }
 
+/* Fewer segments than by default cut corners because someone wants them to. */
+static void comment_outside(cli *c, const sn_fill_report *r, const char *from) {
+    static const char *const text = "%.0f %% of the fibres' length is outside of the muscle: from %s they run straight where it bends; "
+                                    "--segments N gives finer ones, --template parallel and --tips follow it";
+    if (r->outside > MOST_OUTSIDE && params.segments >= SN_FILL_SEGMENTS)
+        cli_shortfall(c, text, 100.0 * r->outside, from);
+    else if (r->outside > MOST_OUTSIDE)
+        cli_warn(c, text, 100.0 * r->outside, from);
+}
+
+/* Most of them bent, and some by far, says that the ends are not the muscle's. */
+static void comment_bends(cli *c, const sn_fill_report *r, const char *from) {
+    static const char *const text =
+        "%d of %d fibres bend more than the muscle does: one is %.1f times as long as its ends are apart; do the "
+        "ends, %s, lie where fibres begin and end?";
+    if (2 * r->bent > r->fibers && r->greatest_bend > 2.0 * SN_FILL_BENT)
+        cli_shortfall(c, text, r->bent, r->fibers, r->greatest_bend, from);
+    else if (r->bent > 0)
+        cli_warn(c, text, r->bent, r->fibers, r->greatest_bend, from);
+}
+
 /* A template of one's own may leave out what it likes. */
 static void comment_filling(cli *c, const sn_fill_report *r) {
     static const char *const text =
@@ -150,12 +173,8 @@ static void comment_filling(cli *c, const sn_fill_report *r) {
     else if (r->empty > MOST_EMPTY)
         cli_warn(c, "%.0f %% of the muscle is farther than %g mean spacings (of %.3g) from every fibre", 100.0 * r->empty, SN_FILL_FAR,
                  r->spacing);
-    if (r->bent > 0)
-        cli_warn(
-            c,
-            "%d of %d fibres bend more than the muscle does: one is %.1f times as long as its ends are apart; do the ends, %s, lie where "
-            "fibres begin and end?",
-            r->bent, r->fibers, r->greatest_bend, from);
+    comment_outside(c, r, from);
+    comment_bends(c, r, from);
 }
 
 static void comment(cli *c, const sn_fill_report *r, bool stopped) {

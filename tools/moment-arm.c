@@ -250,6 +250,16 @@ typedef struct sheet {
 
 static bool is_done(const job *j, sn_index fiber) { return j->input.muscle_of[fiber] < j->arms.muscle_count; }
 
+/* As its column is called, where that is a fibre's name. */
+static void name_fiber(const job *j, sn_index fiber, int number, char *out, size_t size) {
+    const char *name = j->input.table.names[j->input.columns[fiber]], *stem;
+    size_t length;
+    if (sn_column_read_name(name, &stem, &length) == SN_COLUMN_FIBER)
+        snprintf(out, size, "%.280s", name);
+    else
+        snprintf(out, size, "%.280s.%d", j->input.muscles[j->input.muscle_of[fiber]], number);
+}
+
 static void name_sheet(const job *j, sheet *s) {
     const char *stem;
     size_t length;
@@ -264,7 +274,7 @@ static void name_sheet(const job *j, sheet *s) {
         sn_index number = 0;
         if (!s->of_fibers) snprintf(s->words[n++], sizeof *s->words, "%.280s", j->input.muscles[i]);
         for (sn_index f = 0; s->of_fibers && f < j->arms.fiber_count; f++)
-            if (j->input.muscle_of[f] == i) snprintf(s->words[n++], sizeof *s->words, "%.280s.%d", j->input.muscles[i], ++number);
+            if (j->input.muscle_of[f] == i) name_fiber(j, f, ++number, s->words[n++], sizeof *s->words);
     }
     for (sn_index i = 0; i < s->columns; i++) s->names[i] = s->words[i];
 }

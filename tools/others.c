@@ -29,7 +29,7 @@ static void find_wanted(const cli *c, const cli_list *names, const sn_scene *sce
 }
 
 /* An earlier run's frames of a muscle: its cache, or its sequence ("FOLDER/NAME.#.ply"). */
-static sn_status read_frames(const char *folder, const sn_scene *scene, const sn_scene_muscle *muscle, sn_vertex_track *out,
+static sn_status read_frames(const cli *c, const char *folder, const sn_scene *scene, const sn_scene_muscle *muscle, sn_vertex_track *out,
                              sn_error *error) {
     const sn_track_options options = {
         .vertex_count = muscle->rig.mesh.vertex_count, .rate = scene->rate, .meters_per_unit = muscle->rig.meters_per_unit};
@@ -42,6 +42,8 @@ static sn_status read_frames(const char *folder, const sn_scene *scene, const sn
     if (status == SN_OK && !cached && there.count == 0)
         status = sn_fail_at(error, SN_ERROR_INPUT, folder, 0, "has no frames of the muscle \"%s\", which is tied to what is asked for",
                             muscle->name);
+    if (status == SN_OK && cached && frame_sequence_find(prefix, ".ply", &there, NULL) == SN_OK && there.count > 0)
+        cli_warn(c, "%s has a cache and a sequence of \"%s\"; the cache is taken", folder, muscle->name);
     if (status == SN_OK) status = sn_vertex_track_read(cached ? cache : sequence, &options, out, error);
     free(cache);
     free(prefix);
@@ -49,9 +51,9 @@ static sn_status read_frames(const char *folder, const sn_scene *scene, const sn
     return status;
 }
 
-static sn_status freeze(const char *folder, sn_scene *scene, sn_index muscle, sn_error *error) {
+static sn_status freeze(const cli *c, const char *folder, sn_scene *scene, sn_index muscle, sn_error *error) {
     sn_vertex_track track = {0};
-    sn_status status = read_frames(folder, scene, &scene->muscles[muscle], &track, error);
+    sn_status status = read_frames(c, folder, scene, &scene->muscles[muscle], &track, error);
     if (status == SN_OK) status = sn_scene_freeze(scene, muscle, &track, error);
     sn_vertex_track_free(&track);
     return status;
@@ -66,7 +68,7 @@ static sn_status take(const cli *c, const other_choices *with, sn_scene *scene, 
         if (wanted[i] || !muscle->enabled) continue;
         muscle->enabled = needed[i], muscle->unseen = true;
         tied += needed[i];
-        if (needed[i] && with->frozen != NULL) status = freeze(with->frozen, scene, i, error);
+        if (needed[i] && with->frozen != NULL) status = freeze(c, with->frozen, scene, i, error);
     }
     if (status == SN_OK)
         cli_say(c, "%d other muscles are tied to these, and %s", (int)tied, with->frozen != NULL ? "frozen" : "stepped, too");
@@ -76,6 +78,9 @@ static sn_status take(const cli *c, const other_choices *with, sn_scene *scene, 
 sn_status others_apply(const cli *c, const other_choices *with, sn_scene *scene, sn_error *error) {
     check_usage(c, with);
     if (with->muscles.count == 0) return SN_OK;
+    if (with->frozen != NULL && !scene->externals.enabled)
+        cli_warn(
+            c, "--freeze-others has no effect: external constraints are off, and nothing is tied to anything (--externals turns them on)");
     bool *wanted = SN_NEW(bool, scene->muscle_count), *needed = SN_NEW(bool, scene->muscle_count);
     sn_status status =
         wanted != NULL && needed != NULL ? take(c, with, scene, wanted, needed, error) : sn_fail_memory(error, "the muscles");

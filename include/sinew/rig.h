@@ -121,6 +121,7 @@ typedef struct sn_ends_choice {
     const char *from;      /* its name, static */
     bool known[2];         /* of each end: false = it is a tip, as nothing known is there */
     sn_index patches[2];   /* of attachments, in each end */
+    bool refused;          /* attachments were found, and are not trusted to be the ends */
     bool unused;           /* areas, pins or sites are there, but make no ends, or only one: worth a warning */
     char why[SN_ENDS_WHY]; /* why what is better was not used; empty = the best was used */
 } sn_ends_choice;
@@ -427,6 +428,8 @@ typedef enum sn_fill_ends_kind { SN_FILL_ENDS_ATTACHMENTS, SN_FILL_ENDS_GIVEN, S
 
 /* From a fibre, in mean spacings: beyond that the volume is empty. */
 #define SN_FILL_FAR 5.0
+#define SN_FILL_FIBERS 100  /* fibres, where nobody asks for more or fewer */
+#define SN_FILL_SEGMENTS 15 /* of each, likewise */
 /* Length over the distance of its ends, against that of the muscle: from then on a fibre bends much. */
 #define SN_FILL_BENT 1.5
 
@@ -478,9 +481,12 @@ typedef struct sn_fill_report {
     sn_index leaves_reached;                   /* ends of branches of slices where at least one fibre ends */
     sn_index leaf_loops;                       /* ends of branches of slices */
     double bend_farthest;                      /* that a point of bend_lines lay from the surface */
-    bool flux;            /* slices are laid by the field's flux: by the length of their rims fibres turned more (lib/rig/fill_rim.c) */
-    double spacing;       /* mean, of the fibres: root of the volume over their length in all; 0 where there is no volume */
-    double empty;         /* share of the volume farther than SN_FILL_FAR spacings from every fibre (lib/rig/fill_judge.c) */
+    bool flux;      /* slices are laid by the field's flux: by the length of their rims fibres turned more (lib/rig/fill_rim.c) */
+    double spacing; /* mean, of the fibres: root of the volume over their length in all; 0 where there is no volume */
+    double empty;   /* share of the volume farther than SN_FILL_FAR spacings from every fibre (lib/rig/fill_judge.c); of more than
+                     * SN_FILL_FIBERS fibres: spacings that so many would have */
+    double
+        outside; /* share of the fibres' length in segments whose middle is outside of a closed surface, by more than 1 % of its diagonal */
     double greatest_bend; /* of a fibre: its length over the distance of its ends */
     double muscle_bend; /* of the muscle: the way along its surface between its two far ends over the diagonal of its box; 0 where no fibre
                          * is bent much */

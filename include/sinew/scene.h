@@ -210,7 +210,8 @@ void sn_solver_change(sn_solver_settings *settings, sn_solver_method method);
  * directly or over others; `nearest`: directly, and what these are tied to, as that may be nearer to them. */
 SN_MUST_CHECK sn_status sn_scene_choose(const sn_scene *scene, const bool *wanted, bool nearest, bool *needed, sn_error *error);
 /* Have a muscle go as a track of its vertices says, which the scene then owns: whatever is tied to it holds on to that. Nothing of its own
- * is stepped. SN_ERROR_INPUT: other vertices, or a track that does not reach from the scene's first frame to its last. */
+ * is stepped. SN_ERROR_INPUT: other vertices, a track that does not reach from the scene's first frame to its last,
+ * or one whose attached vertices are not where the scene's bones take them. */
 SN_MUST_CHECK sn_status sn_scene_freeze(sn_scene *scene, sn_index muscle, sn_vertex_track *track, sn_error *error);
 /* Ranges, indices, names: SN_ERROR_INPUT naming bone or muscle and the value; attachments to what the scene lacks are an error, and so are
  * those to a surface that is not loaded. */

@@ -42,6 +42,47 @@ sn_status sn_scene_choose(const sn_scene *scene, const bool *wanted, bool neares
     return SN_OK;
 }
 
+/* Attached vertices farther than this share of the diagonal from where their bones take them went with another motion, rate or unit. */
+static const double MOST_AWAY = 1e-3;
+
+static const sn_motion *joint_of(const sn_scene *scene, const char *bone, sn_index *joint) {
+    sn_carrier carrier = sn_scene_carrier(scene, bone);
+    *joint = carrier.kind == SN_CARRIER_BONE ? scene->bones[carrier.index].joint : carrier.index;
+    return carrier.kind == SN_CARRIER_BONE || carrier.kind == SN_CARRIER_JOINT ? &scene->motion : NULL;
+}
+
+/* How far the attached vertices are from where rigid bones take them at that time, m, the greatest. */
+static double farthest_from_bones(const sn_scene *scene, const sn_scene_muscle *m, const sn_vertex_track *track, double time) {
+    double farthest = 0.0;
+    for (sn_index i = 0; i < m->rig.attachment_count; i++) {
+        sn_index joint;
+        const sn_attachment *a = &m->rig.attachments[i];
+        const sn_motion *motion = joint_of(scene, a->bone, &joint);
+        for (sn_index k = 0; k < a->count && motion != NULL; k++) {
+            sn_vec3 rest = sn_scale(m->rig.mesh.positions[a->vertices[k]], m->rig.meters_per_unit);
+            sn_vec3 at = joint == SN_NONE ? rest : sn_rigid_apply(sn_motion_run_in_pose(motion, joint, time, 1.0), rest);
+            farthest = fmax(farthest, sn_distance(at, sn_vertex_track_at(track, time, a->vertices[k])));
+        }
+    }
+    return farthest;
+}
+
+/* At the first frame, half way, and at the last. */
+static sn_status check_bones(const sn_scene *scene, const sn_scene_muscle *m, const sn_vertex_track *track, sn_error *error) {
+    double size = m->rig.meters_per_unit * sn_box_diagonal(sn_mesh_box(&m->rig.mesh));
+    for (int part = 0; part <= 2; part++) {
+        double time = (scene->first_frame + 0.5 * part * ((double)scene->last_frame - scene->first_frame)) / scene->rate;
+        double away = farthest_from_bones(scene, m, track, time);
+        if (!(away <= MOST_AWAY * size))
+            return sn_fail(
+                error, SN_ERROR_INPUT,
+                "muscle \"%s\": at %g s its frames have attached vertices %.3g mm from where its bones take them; they are of another "
+                "motion, rate or unit",
+                m->name, time, 1e3 * away);
+    }
+    return SN_OK;
+}
+
 sn_status sn_scene_freeze(sn_scene *scene, sn_index muscle, sn_vertex_track *track, sn_error *error) {
     sn_scene_muscle *m = &scene->muscles[muscle];
     double first = scene->first_frame / scene->rate, last = scene->last_frame / scene->rate, slack = 1e-6;
@@ -51,6 +92,8 @@ sn_status sn_scene_freeze(sn_scene *scene, sn_index muscle, sn_vertex_track *tra
     if (first < track->times[0] - slack || last > track->times[track->sample_count - 1] + slack)
         return sn_fail(error, SN_ERROR_INPUT, "muscle \"%s\": its frames are from %g s to %g s, the run from %g s to %g s", m->name,
                        track->times[0], track->times[track->sample_count - 1], first, last);
+    sn_status status = check_bones(scene, m, track, error);
+    if (status != SN_OK) return status;
     m->frozen = *track;
     *track = (sn_vertex_track){0};
     m->stiffness_internal = m->stiffness_dihedral = m->stiffness_volume = m->least_area = 0.0;

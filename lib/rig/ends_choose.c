@@ -492,6 +492,7 @@ static sn_status make_ends(grouping *g, ends *out, bool *made, sn_error *error) 
     }
     if (status) return status;
     out->choice.unused = out->choice.source < SN_ENDS_PINS && (any(g, SN_ENDS_AREAS) || any(g, SN_ENDS_PINS));
+    out->choice.refused = out->choice.source < SN_ENDS_ATTACHMENTS && any(g, SN_ENDS_ATTACHMENTS);
     if (*made) return SN_OK;
     if (any(g, SN_ENDS_AREAS) || any(g, SN_ENDS_PINS))
         return make_one(g, any(g, SN_ENDS_PINS) ? SN_ENDS_PINS : SN_ENDS_AREAS, out, made, error);

@@ -29,8 +29,8 @@ typedef struct filling {
 /* ---- what is asked for --------------------------------------------------------------------------------------------------------- */
 
 sn_fill_params sn_fill_defaults(void) {
-    return (sn_fill_params){.fibers = 100,
-                            .segments = 15,
+    return (sn_fill_params){.fibers = SN_FILL_FIBERS,
+                            .segments = SN_FILL_SEGMENTS,
                             .angle = 20.0 * SN_PI / 180.0,
                             .narrow = 0.25,
                             .bow = 0.5,

@@ -1,5 +1,6 @@
 /*
- * fill_judge.c -- how much of a muscle's volume lies far from every fibre, and which fibres bend more than it does.
+ * fill_judge.c -- how much of a muscle's volume lies far from every fibre, how much of the fibres lies outside, and which of them bend more
+ * than it does.
  *
  * The points are those of a lattice along z that lie inside: columns as far apart as points would be that share the volume evenly, cut by
  * the surface, and points at equal steps along the parts of them that are inside, one column after the other. They do not rest on the field
@@ -200,7 +201,8 @@ static void count_part(void *user, sn_vec3 low, double length) {
 
 static sn_status count_far(const lattice *l, const sn_fibers *fibers, sn_fill_report *report, sn_error *error) {
     counting c = {.step = l->inside / POINTS, .ahead = 0.5 * l->inside / POINTS};
-    double reach = SN_FILL_FAR * report->spacing;
+    /* so that more fibres along the same ways do not make the same muscle emptier */
+    double crowd = fmax(1.0, (double)fibers->polyline_count / SN_FILL_FIBERS), reach = SN_FILL_FAR * report->spacing * sqrt(crowd);
     if (!nearby_create(fibers->polyline_count, fibers->polylines, reach, &c.near)) return sn_fail_memory(error, "the fibres");
     visit_columns(l, count_part, &c);
     report->empty = c.points > 0 ? (double)c.far / c.points : 0.0;
@@ -254,7 +256,51 @@ static sn_status measure_bends(const sn_mesh *mesh, const sn_topology *topology,
     return status;
 }
 
+/* ---- outside ---------------------------------------------------------------------------------------------------------------------- */
+
+/* A segment whose middle is farther out than this share of the box diagonal leaves the muscle; nearer, it cuts a corner of the surface. */
+static const double CORNER = 0.01;
+
+static sn_index middles_of(const sn_fibers *fibers, sn_vec3 *out) {
+    sn_index count = 0;
+    for (sn_index i = 0; i < fibers->polyline_count; i++)
+        for (sn_index k = 0; k + 1 < fibers->polylines[i].count; k++, count++)
+            if (out) out[count] = sn_lerp(fibers->polylines[i].points[k], fibers->polylines[i].points[k + 1], 0.5);
+    return count;
+}
+
+static double length_outside(const sn_mesh *mesh, const sn_surface *surface, const sn_fibers *fibers, const sn_vec3 *middles,
+                             const int *winding) {
+    double corner = CORNER * sn_box_diagonal(sn_mesh_box(mesh)), outside = 0.0;
+    sn_index n = 0;
+    for (sn_index i = 0; i < fibers->polyline_count; i++)
+        for (sn_index k = 0; k + 1 < fibers->polylines[i].count; k++, n++)
+            if (winding[n] == 0 && sn_surface_signed_distance(surface, middles[n], NULL) > corner)
+                outside += sn_distance(fibers->polylines[i].points[k], fibers->polylines[i].points[k + 1]);
+    return outside;
+}
+
+/* Vertices inside say nothing of what is between them. Of a closed surface. */
+static sn_status measure_outside(const sn_mesh *mesh, const sn_fibers *fibers, sn_fill_report *report, sn_error *error) {
+    sn_index count = middles_of(fibers, NULL);
+    sn_vec3 *middles = SN_NEW(sn_vec3, count);
+    int *winding = SN_NEW(int, count);
+    sn_surface *surface = NULL;
+    double length = 0.0;
+    sn_status status = middles && winding ? SN_OK : sn_fail_memory(error, "the fibres");
+    if (!status) middles_of(fibers, middles);
+    if (!status) status = count_windings(mesh, count, middles, winding, error);
+    if (!status) status = sn_surface_create(mesh, &surface, error);
+    for (sn_index i = 0; i < fibers->polyline_count; i++) length += fibers->polylines[i].length;
+    if (!status && length > 0.0) report->outside = length_outside(mesh, surface, fibers, middles, winding) / length;
+    sn_surface_destroy(surface);
+    free(middles);
+    free(winding);
+    return status;
+}
+
 sn_status fill_judge(const sn_mesh *mesh, const sn_topology *topology, const sn_fibers *fibers, sn_fill_report *report, sn_error *error) {
     sn_status status = measure_empty(mesh, fibers, report, error);
+    if (!status && report->closed) status = measure_outside(mesh, fibers, report, error);
     return status ? status : measure_bends(mesh, topology, fibers, report, error);
 }

@@ -469,3 +469,16 @@ END
     grep -q 'measured' a.svg
     [ "$(head -c 4 a.png | tail -c 3)" = PNG ]
 }
+
+@test "fibres keep the names of their columns, and two columns of one name are refused" {
+    { printf 'time\telbow.angle\tbic.2\tbic.7\tbic.long.3\n'
+      for i in 1 2 3 4 5 6 7 8 9 10 11 12; do printf '%s\t%s\t0.2%02d\t0.3%02d\t0.25%02d\n' $i $((5 * i)) $i $i $i; done; } > gaps.tsv
+    "$BIN/moment-arm" -q gaps.tsv --coordinate elbow.angle --fibers each.tsv -o all.tsv
+    [ "$(head -1 each.tsv | cut -f2-)" = "$(printf 'bic.2\tbic.7\tbic.long.3')" ]
+    sed 's/bic\.7/bic.2/' gaps.tsv > twice.tsv
+    run -1 "$BIN/moment-arm" twice.tsv --coordinate elbow.angle
+    [[ $output == *'twice.tsv:1: two columns are called "bic.2"'* ]]
+    sed 's/bic\.7/elbow.angle/' gaps.tsv > twice.tsv
+    run -1 "$BIN/moment-arm" twice.tsv --coordinate elbow.angle
+    [[ $output == *'two columns are called "elbow.angle"'* ]]
+}

@@ -92,6 +92,9 @@ assert muscles["biceps"] is None and all("--muscle" in muscles[m] for m in muscl
     "$BIN/simulate" -q tied.scene.json --frames 0:6 --muscle biceps --freeze-others meshes -o a/ --log a.jsonl
     "$BIN/simulate" -q tied.scene.json --frames 0:6 --muscle biceps --freeze-others caches -o b/ --log b.jsonl
     below "$(apart a/biceps.pc2 b/biceps.pc2)" 1e-5
+    cp meshes/brachialis.*.ply caches
+    "$BIN/simulate" tied.scene.json --frames 0:6 --muscle biceps --freeze-others caches -o c/ 2>&1 > log | grep -q 'has a cache and a sequence of "brachialis"; the cache is taken'
+    rm caches/*.ply
     cp -r caches own
     "$BIN/simulate" -q tied.scene.json --frames 0:6 --muscle biceps --freeze-others own -o own --log c.jsonl
     cmp own/biceps.pc2 b/biceps.pc2
@@ -124,6 +127,11 @@ assert muscles["biceps"] is None and all("--muscle" in muscles[m] for m in muscl
     rm all/brachialis.pc2
     run -1 "$BIN/simulate" -q tied.scene.json --frames 0:30 --muscle biceps --freeze-others all -o a/
     [[ $output == *'all: has no frames of the muscle "brachialis"'* ]]
+    # frames of another rate lie where the bones were at another time
+    cp -r "$BATS_FILE_TMPDIR/arm/all" again
+    run -1 "$BIN/simulate" -q tied.scene.json --rate 48 --frames 0:30 --muscle biceps --freeze-others again -o a/
+    [[ $output == *'attached vertices '*' mm from where its bones take them; they are of another motion, rate or unit'* ]]
+    "$BIN/simulate" tied.scene.json --frames 0:1 --no-externals --muscle biceps --freeze-others again -o a/ 2>&1 > log | grep -q 'freeze-others has no effect'
     python3 -c 'import json
 s = json.load(open("tied.scene.json")); s["muscles"][0]["enabled"] = False; off = s["muscles"][0]["name"]
 json.dump(s, open("off.scene.json", "w")); open("name", "w").write(off)'

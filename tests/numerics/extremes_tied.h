@@ -184,7 +184,7 @@ static void couplings(void) {
     sn_rigid turn = {sn_quat_axis_angle(sn_v3(1, 0, 0), SN_PI / 2), {0, 0, 0}};
     sn_rigid away = {sn_quat_identity(), {50.0 * subject_size(), 0, 0}};
     neighbour_moves("tied: the neighbour's end turns by 90 degrees for 36 frames", MIXED, turn, 36, 2.0);
-    neighbour_moves("tied: the neighbour's end jumps 50 L away for 20 frames", SLIDE, away, 20, solver == SN_SOLVER_QN ? 2.0 : 10.0);
+    neighbour_moves("tied: the neighbour's end jumps 50 L away for 20 frames", SLIDE, away, 20, solver == SN_SOLVER_QN ? 3.0 : 10.0);
     neighbour_moves("tied, hard: the neighbour's end jumps 50 L away for 20 frames", HARD, away, 20, 2.0);
     for (size_t i = 0; i < sizeof NEIGHBOURS / sizeof *NEIGHBOURS; i++) bent_beside(&NEIGHBOURS[i]);
     tied_and_pressed();
