@@ -94,6 +94,28 @@ static void write_embedding(sn_json *json, const sn_embedding_report *r) {
     sn_json_close(json);
 }
 
+static void write_lengths(sn_json *json, const sn_fill_report *r) {
+    sn_json_number(json, "meanLength", r->mean_length);
+    sn_json_number(json, "leastLength", r->least_length);
+    sn_json_number(json, "greatestLength", r->greatest_length);
+    sn_json_number(json, "lengthDeviation", r->length_deviation);
+    sn_json_number(json, "lengthVariation", r->mean_length > 0.0 ? r->length_deviation / r->mean_length : 0.0);
+    if (r->spread) {
+        sn_json_number(json, "originArea", r->areas[0]);
+        sn_json_number(json, "insertionArea", r->areas[1]);
+    }
+}
+
+/* How well they fill the muscle. */
+static void write_filling(sn_json *json, const sn_fill_report *r) {
+    sn_json_text(json, "slices", r->flux ? "flux" : "length");
+    sn_json_number(json, "spacing", r->spacing);
+    sn_json_number(json, "emptyShare", r->empty);
+    if (r->closed) sn_json_number(json, "outsideShare", r->outside);
+    sn_json_number(json, "lengthOverChord", r->greatest_bend);
+    sn_json_integer(json, "bentFibers", r->bent);
+}
+
 static void write_report(sn_json *json, const void *data) {
     const outcome *o = data;
     const sn_fill_report *r = &o->fill;
@@ -109,27 +131,14 @@ static void write_report(sn_json *json, const void *data) {
     sn_json_integer(json, "outsideBefore", r->outside_before);
     sn_json_integer(json, "outsideAfter", r->outside_after);
     sn_json_number(json, "farthestOutside", r->farthest);
-    sn_json_number(json, "meanLength", r->mean_length);
-    sn_json_number(json, "leastLength", r->least_length);
-    sn_json_number(json, "greatestLength", r->greatest_length);
-    sn_json_number(json, "lengthDeviation", r->length_deviation);
-    sn_json_number(json, "lengthVariation", r->mean_length > 0.0 ? r->length_deviation / r->mean_length : 0.0);
-    if (r->spread) {
-        sn_json_number(json, "originArea", r->areas[0]);
-        sn_json_number(json, "insertionArea", r->areas[1]);
-    }
+    write_lengths(json, r);
     sn_json_number(json, "lineOfAction", r->action_length);
     if (is_oblique()) sn_json_number(json, "angleAskedDegrees", params.angle * DEGREES);
     sn_json_number(json, "meanPennationDegrees", r->mean_pennation * DEGREES);
     sn_json_number(json, "greatestPennationDegrees", r->greatest_pennation * DEGREES);
     sn_json_number(json, "sectionArea", r->area);
     sn_json_number(json, "density", r->density);
-    sn_json_text(json, "slices", r->flux ? "flux" : "length");
-    sn_json_number(json, "spacing", r->spacing);
-    sn_json_number(json, "emptyShare", r->empty);
-    if (r->closed) sn_json_number(json, "outsideShare", r->outside);
-    sn_json_number(json, "lengthOverChord", r->greatest_bend);
-    sn_json_integer(json, "bentFibers", r->bent);
+    write_filling(json, r);
     if (params.bend_count > 0) {
         sn_json_object(json, "bend");
         sn_json_integer(json, "superficialFibers", params.bend_count);

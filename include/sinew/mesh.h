@@ -98,6 +98,7 @@ static inline bool sn_boxes_meet(const sn_box *a, const sn_box *b) {
 sn_box sn_mesh_box(const sn_mesh *mesh);
 double sn_box_diagonal(sn_box box); /* 0 for an empty box */
 double sn_mesh_area(const sn_mesh *mesh);
+void sn_mesh_vertex_areas(const sn_mesh *mesh, double *areas); /* a third of the triangles around each vertex: areas (vertex_count) */
 /* V = 1/6 sum p_i . (p_j x p_k), relative to the box centre: far from the origin the plain sum cancels. */
 double sn_mesh_volume(const sn_mesh *mesh);
 sn_vec3 sn_mesh_volume_centroid(const sn_mesh *mesh); /* of the enclosed volume; area centroid where |V| is tiny */

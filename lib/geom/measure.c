@@ -42,6 +42,15 @@ double sn_mesh_area(const sn_mesh *mesh) {
     return 0.5 * twice;
 }
 
+void sn_mesh_vertex_areas(const sn_mesh *mesh, double *areas) {
+    for (sn_index v = 0; v < mesh->vertex_count; v++) areas[v] = 0.0;
+    for (sn_index t = 0; t < mesh->triangle_count; t++) {
+        const sn_index *v = mesh->triangles[t].v;
+        double third = sn_norm(sn_area_vector(mesh->positions[v[0]], mesh->positions[v[1]], mesh->positions[v[2]])) / 6.0;
+        for (int k = 0; k < 3; k++) areas[v[k]] += third;
+    }
+}
+
 /* Six times the signed volume of the tetrahedron of a triangle and the origin. */
 static double six_volumes(corners p) { return sn_dot(p.a, sn_cross(p.b, p.c)); }
 

@@ -8,29 +8,18 @@
 enum { MOST_COLUMNS = 65536 };
 
 sn_status sn_cells_fail(const sn_cells *cells, const char *format, ...) {
-    char text[512];
     va_list arguments;
     va_start(arguments, format);
-    vsnprintf(text, sizeof text, format, arguments);
+    sn_status status = sn_text_complain(cells->error, cells->blob, cells->line, format, arguments);
     va_end(arguments);
-    for (char *c = text; *c != '\0'; c++)
-        if ((unsigned char)*c < ' ') *c = ' ';
-    return sn_fail_at(cells->error, SN_ERROR_INPUT, cells->blob->name, cells->line, "%s", text);
-}
-
-static bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\r'; }
-
-static sn_span trim(sn_span s, char mark) {
-    while (s.length > 0 && is_blank(*s.text) && *s.text != mark) s = (sn_span){s.text + 1, s.length - 1};
-    while (s.length > 0 && is_blank(s.text[s.length - 1]) && s.text[s.length - 1] != mark) s.length--;
-    return s;
+    return status;
 }
 
 /* The next line that is no comment and not empty. */
 static bool next_line(sn_cells *cells, sn_span *out) {
     const char *text, *end;
     while (sn_text_next_line(&cells->lines, &text, &end)) {
-        sn_span all = trim((sn_span){text, (size_t)(end - text)}, '\0');
+        sn_span all = sn_span_trim((sn_span){text, (size_t)(end - text)});
         if (all.length == 0 || *all.text == '#') continue;
         cells->line = cells->lines.line;
         *out = (sn_span){text, (size_t)(end - text)};
@@ -50,11 +39,11 @@ static char find_mark(sn_span line) {
 static bool next_cell(const sn_cells *cells, sn_span *line, sn_span *out) {
     char mark = cells->mark;
     if (line->text == NULL) return false;
-    if (mark == ' ') *line = trim(*line, '\0');
+    if (mark == ' ') *line = sn_span_trim(*line);
     if (mark == ' ' && line->length == 0) return false;
     size_t length = 0;
-    while (length < line->length && (mark == ' ' ? !is_blank(line->text[length]) : line->text[length] != mark)) length++;
-    *out = trim((sn_span){line->text, length}, '\0');
+    while (length < line->length && (mark == ' ' ? !sn_is_blank(line->text[length]) : line->text[length] != mark)) length++;
+    *out = sn_span_trim((sn_span){line->text, length});
     *line = length < line->length ? (sn_span){line->text + length + 1, line->length - length - 1} : (sn_span){NULL, 0};
     return true;
 }
@@ -81,7 +70,7 @@ static sn_status add_name(sn_cells *cells, size_t *capacity, sn_span name) {
 
 /* Marks at the end of a line that stand before nothing. */
 static sn_span without_tail(const sn_cells *cells, sn_span line) {
-    while (line.length > 0 && (is_blank(line.text[line.length - 1]) || line.text[line.length - 1] == cells->mark)) line.length--;
+    while (line.length > 0 && (sn_is_blank(line.text[line.length - 1]) || line.text[line.length - 1] == cells->mark)) line.length--;
     return line;
 }
 

@@ -120,6 +120,20 @@ bool sn_span_is_like(sn_span span, const char *text) {
     return strlen(text) == span.length && strncasecmp(text, span.text, span.length) == 0;
 }
 
+sn_span sn_span_trim(sn_span span) {
+    while (span.length > 0 && sn_is_blank(*span.text)) span = (sn_span){span.text + 1, span.length - 1};
+    while (span.length > 0 && sn_is_blank(span.text[span.length - 1])) span.length--;
+    return span;
+}
+
+sn_status sn_text_complain(sn_error *error, const sn_blob *blob, int64_t line, const char *format, va_list arguments) {
+    char text[512];
+    vsnprintf(text, sizeof text, format, arguments);
+    for (char *c = text; *c != '\0'; c++)
+        if ((unsigned char)*c < ' ') *c = ' ';
+    return sn_fail_at(error, SN_ERROR_INPUT, blob->name, line, "%s", text);
+}
+
 const char *sn_reader_found(sn_reader *reader, char *buffer) {
     if (sn_reader_at_line_end(reader)) return "the end of the line";
     const char *at = reader->at;

@@ -16,6 +16,10 @@ typedef struct sn_span {
 } sn_span;
 bool sn_span_is(sn_span span, const char *text);
 bool sn_span_is_like(sn_span span, const char *text); /* upper or lower case */
+static inline bool sn_is_blank(char c) { return c == ' ' || c == '\t' || c == '\r'; }
+sn_span sn_span_trim(sn_span span); /* without blanks around it */
+/* SN_ERROR_INPUT at a line of a text; what is quoted of it stands on one line. */
+sn_status sn_text_complain(sn_error *error, const sn_blob *blob, int64_t line, const char *format, va_list arguments) SN_PRINTF(4, 0);
 
 /* Finds equal things among numbered ones: open addressing over their indices. All zeros is an empty table. */
 typedef struct sn_index_table {

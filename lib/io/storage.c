@@ -23,40 +23,29 @@ typedef struct storage {
 
 static sn_status fail_here(const storage *s, const char *format, ...) SN_PRINTF(2, 3);
 static sn_status fail_here(const storage *s, const char *format, ...) {
-    char text[512];
     va_list arguments;
     va_start(arguments, format);
-    vsnprintf(text, sizeof text, format, arguments);
+    sn_status status = sn_text_complain(s->error, s->blob, s->line, format, arguments);
     va_end(arguments);
-    for (char *c = text; *c != '\0'; c++)
-        if ((unsigned char)*c < ' ') *c = ' ';
-    return sn_fail_at(s->error, SN_ERROR_INPUT, s->blob->name, s->line, "%s", text);
-}
-
-static bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\r'; }
-
-static sn_span trim(sn_span s) {
-    while (s.length > 0 && is_blank(*s.text)) s = (sn_span){s.text + 1, s.length - 1};
-    while (s.length > 0 && is_blank(s.text[s.length - 1])) s.length--;
-    return s;
+    return status;
 }
 
 /* The next line without blanks around it; false at the end of the file. */
 static bool next_line(storage *s, sn_span *out) {
     const char *text, *end;
     if (!sn_text_next_line(&s->lines, &text, &end)) return false;
-    *out = trim((sn_span){text, (size_t)(end - text)});
+    *out = sn_span_trim((sn_span){text, (size_t)(end - text)});
     s->line = s->lines.line;
     return true;
 }
 
 /* The next word of a line, or what stands up to the next tab; it is taken off. */
 static sn_span next_cell(sn_span *line, bool tabs) {
-    *line = trim(*line);
+    *line = sn_span_trim(*line);
     size_t length = 0;
-    while (length < line->length && !(tabs ? line->text[length] == '\t' : is_blank(line->text[length]))) length++;
-    sn_span cell = trim((sn_span){line->text, length});
-    *line = trim((sn_span){line->text + length, line->length - length});
+    while (length < line->length && !(tabs ? line->text[length] == '\t' : sn_is_blank(line->text[length]))) length++;
+    sn_span cell = sn_span_trim((sn_span){line->text, length});
+    *line = sn_span_trim((sn_span){line->text + length, line->length - length});
     return cell;
 }
 
@@ -66,9 +55,9 @@ static sn_span next_cell(sn_span *line, bool tabs) {
 static sn_span value_of(sn_span line, const char *key) {
     size_t length = strlen(key);
     if (line.length <= length || !sn_span_is_like((sn_span){line.text, length}, key)) return (sn_span){NULL, 0};
-    if (line.text[length] != '=' && !is_blank(line.text[length])) return (sn_span){NULL, 0};
-    sn_span value = trim((sn_span){line.text + length, line.length - length});
-    return *value.text == '=' ? trim((sn_span){value.text + 1, value.length - 1}) : value;
+    if (line.text[length] != '=' && !sn_is_blank(line.text[length])) return (sn_span){NULL, 0};
+    sn_span value = sn_span_trim((sn_span){line.text + length, line.length - length});
+    return *value.text == '=' ? sn_span_trim((sn_span){value.text + 1, value.length - 1}) : value;
 }
 
 static sn_status read_count(const storage *s, sn_span line, const char *key, int64_t *out) {

@@ -45,33 +45,36 @@ sn_status sn_scene_choose(const sn_scene *scene, const bool *wanted, bool neares
 /* Attached vertices farther than this share of the diagonal from where their bones take them went with another motion, rate or unit. */
 static const double MOST_AWAY = 1e-3;
 
-static const sn_motion *joint_of(const sn_scene *scene, const char *bone, sn_index *joint) {
+/* Where a rigid bone or joint is at that time; false: it is none. */
+static bool pose_of(const sn_scene *scene, const char *bone, double time, sn_rigid *out) {
     sn_carrier carrier = sn_scene_carrier(scene, bone);
-    *joint = carrier.kind == SN_CARRIER_BONE ? scene->bones[carrier.index].joint : carrier.index;
-    return carrier.kind == SN_CARRIER_BONE || carrier.kind == SN_CARRIER_JOINT ? &scene->motion : NULL;
+    sn_index joint = carrier.kind == SN_CARRIER_BONE ? scene->bones[carrier.index].joint : carrier.index;
+    if (carrier.kind != SN_CARRIER_BONE && carrier.kind != SN_CARRIER_JOINT) return false;
+    *out = joint == SN_NONE ? sn_rigid_identity() : sn_motion_run_in_pose(&scene->motion, joint, time, 1.0);
+    return true;
 }
 
 /* How far the attached vertices are from where rigid bones take them at that time, m, the greatest. */
 static double farthest_from_bones(const sn_scene *scene, const sn_scene_muscle *m, const sn_vertex_track *track, double time) {
     double farthest = 0.0;
     for (sn_index i = 0; i < m->rig.attachment_count; i++) {
-        sn_index joint;
         const sn_attachment *a = &m->rig.attachments[i];
-        const sn_motion *motion = joint_of(scene, a->bone, &joint);
-        for (sn_index k = 0; k < a->count && motion != NULL; k++) {
+        sn_rigid pose;
+        if (!pose_of(scene, a->bone, time, &pose)) continue;
+        for (sn_index k = 0; k < a->count; k++) {
             sn_vec3 rest = sn_scale(m->rig.mesh.positions[a->vertices[k]], m->rig.meters_per_unit);
-            sn_vec3 at = joint == SN_NONE ? rest : sn_rigid_apply(sn_motion_run_in_pose(motion, joint, time, 1.0), rest);
-            farthest = fmax(farthest, sn_distance(at, sn_vertex_track_at(track, time, a->vertices[k])));
+            farthest = fmax(farthest, sn_distance(sn_rigid_apply(pose, rest), sn_vertex_track_at(track, time, a->vertices[k])));
         }
     }
     return farthest;
 }
 
-/* At the first frame, half way, and at the last. */
+/* At the first frame, one half way, and the last: between two a track goes straight where bones turn. */
 static sn_status check_bones(const sn_scene *scene, const sn_scene_muscle *m, const sn_vertex_track *track, sn_error *error) {
     double size = m->rig.meters_per_unit * sn_box_diagonal(sn_mesh_box(&m->rig.mesh));
-    for (int part = 0; part <= 2; part++) {
-        double time = (scene->first_frame + 0.5 * part * ((double)scene->last_frame - scene->first_frame)) / scene->rate;
+    const sn_index frames[3] = {scene->first_frame, scene->first_frame + (scene->last_frame - scene->first_frame) / 2, scene->last_frame};
+    for (int k = 0; k < 3; k++) {
+        double time = frames[k] / scene->rate;
         double away = farthest_from_bones(scene, m, track, time);
         if (!(away <= MOST_AWAY * size))
             return sn_fail(

@@ -95,15 +95,6 @@ static sn_status allocate(detection *d, sn_error *error) {
     return complete ? SN_OK : sn_fail_memory(error, "attachments");
 }
 
-static void share_areas(detection *d) {
-    const sn_mesh *mesh = &d->muscle->mesh;
-    for (sn_index t = 0; t < mesh->triangle_count; t++) {
-        const sn_index *v = mesh->triangles[t].v;
-        double third = sn_norm(sn_area_vector(mesh->positions[v[0]], mesh->positions[v[1]], mesh->positions[v[2]])) / 6.0;
-        for (int k = 0; k < 3; k++) d->vertex_area[v[k]] += third;
-    }
-}
-
 static sn_status set_up(detection *d, sn_error *error) {
     sn_status status = check_input(d, error);
     if (status == SN_OK) status = sn_topology_build(&d->muscle->mesh, &d->topology, error);
@@ -117,7 +108,7 @@ static sn_status set_up(detection *d, sn_error *error) {
     }
     d->box = sn_mesh_box(&d->muscle->mesh);
     d->area = sn_mesh_area(&d->muscle->mesh);
-    share_areas(d);
+    sn_mesh_vertex_areas(&d->muscle->mesh, d->vertex_area);
     if (d->params->methods & SN_ATTACH_PROXIMITY) d->reach = d->params->distance >= 0.0 ? d->params->distance : default_reach(d);
     d->pair_distance = d->params->pair_distance >= 0.0 ? d->params->pair_distance : 0.002 / d->muscle->meters_per_unit;
     d->report->distance = d->reach;

@@ -3,9 +3,8 @@
 
 #include <stdlib.h>
 
-#define FLAT_SLOPE                                                                                                                         \
-    0.1 /* where the field rises along no edge by this share of what it rises on average between the ends no way leads on                  \
-         */
+/* Where the field rises along no edge by this share of what it rises on average between the ends, no way leads on. */
+#define FLAT_SLOPE 0.1
 #define BEYOND_MARGIN 0.05 /* farther from the other end than all of this one, by this share of L */
 
 typedef struct cover_work {
@@ -37,15 +36,6 @@ static void close_work(cover_work *w) {
     free(w->distance[1]);
     free(w->held);
     free(w->list);
-}
-
-static void share_areas(cover_work *w) {
-    const sn_mesh *m = w->surface->mesh;
-    for (sn_index t = 0; t < m->triangle_count; t++) {
-        const sn_index *v = m->triangles[t].v;
-        double third = sn_norm(sn_area_vector(m->positions[v[0]], m->positions[v[1]], m->positions[v[2]])) / 6.0;
-        for (int k = 0; k < 3; k++) w->area[v[k]] += third;
-    }
 }
 
 static sn_status measure_from_ends(cover_work *w, sn_error *error) {
@@ -106,7 +96,7 @@ sn_status ends_measure_cover(const ends_surface *surface, const ends *e, ends_co
     cover_work w = {.surface = surface, .ends = e};
     sn_status status = open_work(&w) ? measure_from_ends(&w, error) : sn_fail_memory(error, "the ends of the muscle");
     if (!status) {
-        share_areas(&w);
+        sn_mesh_vertex_areas(surface->mesh, w.area);
         place_ends(&w);
         *out = add_up(&w);
     }

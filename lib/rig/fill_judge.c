@@ -282,7 +282,7 @@ static double length_outside(const sn_mesh *mesh, const sn_surface *surface, con
 
 /* Vertices inside say nothing of what is between them. Of a closed surface. */
 static sn_status measure_outside(const sn_mesh *mesh, const sn_fibers *fibers, sn_fill_report *report, sn_error *error) {
-    sn_index count = middles_of(fibers, NULL);
+    sn_index count = middles_of(fibers, NULL), suspects = 0;
     sn_vec3 *middles = SN_NEW(sn_vec3, count);
     int *winding = SN_NEW(int, count);
     sn_surface *surface = NULL;
@@ -290,9 +290,10 @@ static sn_status measure_outside(const sn_mesh *mesh, const sn_fibers *fibers, s
     sn_status status = middles && winding ? SN_OK : sn_fail_memory(error, "the fibres");
     if (!status) middles_of(fibers, middles);
     if (!status) status = count_windings(mesh, count, middles, winding, error);
-    if (!status) status = sn_surface_create(mesh, &surface, error);
+    for (sn_index i = 0; i < count && !status; i++) suspects += winding[i] == 0;
+    if (suspects > 0) status = sn_surface_create(mesh, &surface, error);
     for (sn_index i = 0; i < fibers->polyline_count; i++) length += fibers->polylines[i].length;
-    if (!status && length > 0.0) report->outside = length_outside(mesh, surface, fibers, middles, winding) / length;
+    if (surface && length > 0.0) report->outside = length_outside(mesh, surface, fibers, middles, winding) / length;
     sn_surface_destroy(surface);
     free(middles);
     free(winding);
